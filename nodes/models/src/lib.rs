@@ -1,0 +1,28 @@
+//! What two or more nodes share, as plain arithmetic: no ROS, no clock, no thread, no file, no log.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`units`] | newtypes for time, temperature and duty |
+//! | [`params`] | errors of parameters and the checks that raise them |
+//! | [`material`] [`hotend`] [`melt`] [`extruder`] [`bead`] [`latent`] [`quality`] | System 1 of the model book |
+//! | [`gcode`] [`motion`] | dialects, interpreter, look-ahead planner |
+//! | [`command`] | trims, permits, validity, clamping and the dead-man |
+//! | [`status`] | what a printer says of itself |
+//!
+//! SI units throughout; a field that has a unit carries it in its name. Millimetres exist in [`gcode`] alone.
+
+#![forbid(unsafe_code)]
+
+pub mod bead;
+pub mod command;
+pub mod extruder;
+pub mod gcode;
+pub mod hotend;
+pub mod latent;
+pub mod material;
+pub mod melt;
+pub mod motion;
+pub mod params;
+pub mod quality;
+pub mod status;
+pub mod units;

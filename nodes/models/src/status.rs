@@ -1,0 +1,89 @@
+//! What a printer says of itself, whoever drives it: the simulator or a bridge.
+
+use crate::command::Trims;
+use crate::units::{Celsius, Seconds};
+
+/// Where a job stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum JobPhase {
+    /// Nothing to print.
+    Idle = 0,
+    /// Homing, heating, waiting for a temperature.
+    Preparing = 1,
+    /// Moves are executed.
+    Printing = 2,
+    /// Stopped on request, to be resumed.
+    Paused = 3,
+    /// The file has ended.
+    Done = 4,
+    /// Stopped for good.
+    Failed = 5,
+}
+
+/// The pace a host sets for corrections; see the table of host profiles in `nodes/README.md`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum HostProfile {
+    /// The firmware closes the extruder loop at 100 Hz.
+    Native = 0,
+    /// We stream the file and attach trims to segments.
+    Serial = 1,
+}
+
+/// State of printer and job at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PrinterStatus {
+    /// Time of validity on the node's clock.
+    pub stamp: Seconds,
+    /// Where the job stands.
+    pub phase: JobPhase,
+    /// Who executes trims, and how fast.
+    pub host: HostProfile,
+    /// Share of the file's filament already commanded `[0, 1]`.
+    pub progress: f64,
+    /// Layer from 0; `None` before the first layer mark or first extrusion.
+    pub layer: Option<u32>,
+    /// Line of the G-code file being executed, from 1; 0 before the first.
+    pub line: u64,
+    /// Commanded tool position in the bed frame `[m]`.
+    pub position_m: [f64; 3],
+    /// Executed path speed `[m/s]`, speed trim included.
+    pub path_speed_m_s: f64,
+    /// The slicer's own path speed at this point `[m/s]`, before the speed trim.
+    pub planned_speed_m_s: f64,
+    /// The slicer's own filament feed at this point `[m/s]`, before every trim; negative in a retraction.
+    pub planned_feed_m_s: f64,
+    /// Filament the extruder motor was told to push since start `[m]`: every trim and compensation included.
+    pub motor_position_m: f64,
+    /// Filament wanted since start `[m]`: the slicer's times the flow trim, without slip compensation or advance.
+    pub wanted_position_m: f64,
+    /// Whether the move deposits a road: tool and filament both advance.
+    pub depositing: bool,
+    /// Width of the road the slicer asked for `[m]`; `None` while no road is deposited.
+    pub target_width_m: Option<f64>,
+    /// Height of the road `[m]`; `None` while no road is deposited.
+    pub layer_height_m: Option<f64>,
+    /// Hot end set-point in force, offset included.
+    pub hotend_target: Celsius,
+    /// Hot end set-point of the file.
+    pub hotend_sliced_target: Celsius,
+    /// Bed set-point in force.
+    pub bed_target: Celsius,
+    /// Hot end heater duty `[0, 1]`.
+    pub hotend_duty: f64,
+    /// Bed heater duty `[0, 1]`.
+    pub bed_duty: f64,
+    /// Part fan `[0, 1]`.
+    pub fan: f64,
+    /// Trims in force; [`Trims::NEUTRAL`] when the printer runs on the slicer's values.
+    pub trims: Trims,
+    /// Advance in force `[s]`: the file's own or the commanded one.
+    pub advance_s: f64,
+    /// All axes know their place.
+    pub homed: bool,
+    /// The mains relay feeds the heaters.
+    pub mains_on: bool,
+    /// The run-out switch sees filament; `None` where no switch is fitted.
+    pub filament_present: Option<bool>,
+}
