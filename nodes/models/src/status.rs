@@ -56,8 +56,11 @@ pub struct PrinterStatus {
     pub planned_feed_m_s: f64,
     /// Filament the extruder motor was told to push since start `[m]`: every trim and compensation included.
     pub motor_position_m: f64,
-    /// Filament wanted since start `[m]`: the slicer's times the flow trim, without slip compensation or advance.
+    /// Filament that ought to have passed the drive gear since start `[m]`: the slicer's times the flow trim plus the
+    /// advance displacement, without slip compensation. Where nothing slips the encoder reads the same.
     pub wanted_position_m: f64,
+    /// Time along the slicer's own plan `[s]`: advances at the speed trim while moves are executed.
+    pub path_time_s: f64,
     /// Whether the move deposits a road: tool and filament both advance.
     pub depositing: bool,
     /// Width of the road the slicer asked for `[m]`; `None` while no road is deposited.
