@@ -1,1 +1,30 @@
-//! Placeholder crate page.
+//! A simulated printer: executes real slicer files on a plant that knows its own truth.
+//!
+//! ```text
+//! G-code -> Job (models) -> Executor -> Extruder drive -> Plant -> sensors -> outputs
+//!                              ^            ^               ^
+//!                            trims        trims           faults
+//!                              +--- DeadMan <--- permit     +--- Scenario
+//! ```
+//! One call of [`Simulator::step`] advances everything by one millisecond or less. What a real printer would show
+//! comes out of [`Simulator::poll`]; the truth is in [`Simulator::truth`], for reports and tests alone.
+//!
+//! The plant's parameters (`config/plants/`) deviate from those the estimator and the controller use
+//! (`config/printers/`, `config/materials/`) as section 1.5 of the model book says. All its figures are simulated.
+
+#![forbid(unsafe_code)]
+
+pub mod drive;
+pub mod executor;
+pub mod faults;
+pub mod output;
+pub mod params;
+pub mod plant;
+pub mod scenario;
+pub mod sensors;
+pub mod simulator;
+
+pub use output::{Output, Truth};
+pub use params::Params;
+pub use scenario::Scenario;
+pub use simulator::{JobSource, Simulator};

@@ -1,0 +1,195 @@
+//! From the slicer's filament feed to the motor: flow trim, pressure advance, slip compensation.
+//!
+//! ```text
+//! wanted  = slicer's feed x flow + d/dt(advance)      advance -> K v_feed, smoothed
+//! motor   = wanted / (1 - s) + k (wanted position - encoder position)     native host, loop closed
+//!         = wanted / (1 - s)                                             other hosts
+//! ```
+//! Model book 1.7 (inner loop) and 2.2 (advance).
+
+use models::command::Trims;
+use models::status::HostProfile;
+
+/// What the planner asks of the extruder at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Feed {
+    /// Slicer's filament speed at the executed pace `[m/s]`; negative in a retraction.
+    pub sliced_m_s: f64,
+    /// A road is deposited: flow trim and advance apply.
+    pub depositing: bool,
+}
+
+/// Settings of the drive; from `config/printer_sim.param.yaml`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Gain on the encoder's shortfall `[1/s]`.
+    pub loop_gain_1_s: f64,
+    /// Period of the firmware's extruder loop `[s]`.
+    pub loop_period_s: f64,
+    /// Time constant with which the advance displacement follows `[s]`.
+    pub advance_smooth_s: f64,
+}
+
+/// State of the drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    settings: Settings,
+    host: HostProfile,
+    advance_m: f64,
+    wanted_m: f64,
+    motor_m: f64,
+    loop_target: Option<LoopTarget>,
+    correction_m_s: f64,
+    until_loop_s: f64,
+}
+
+/// Origin of the closed loop: set when it closes, so that closing it moves nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct LoopTarget {
+    wanted_m: f64,
+    encoder_m: f64,
+}
+
+impl Drive {
+    /// A drive at rest.
+    #[must_use]
+    pub fn new(settings: Settings, host: HostProfile) -> Self {
+        Self {
+            settings,
+            host,
+            advance_m: 0.0,
+            wanted_m: 0.0,
+            motor_m: 0.0,
+            loop_target: None,
+            correction_m_s: 0.0,
+            until_loop_s: 0.0,
+        }
+    }
+
+    /// Filament that ought to have passed the gear `[m]`.
+    #[must_use]
+    pub fn wanted_m(&self) -> f64 {
+        self.wanted_m
+    }
+
+    /// Filament that the motor was told to push `[m]`.
+    #[must_use]
+    pub fn motor_m(&self) -> f64 {
+        self.motor_m
+    }
+
+    /// Motor speed `[m/s]` for this step; `encoder_m` is what the filament encoder reads now.
+    pub fn step(&mut self, feed: Feed, trims: &Trims, advance_s: f64, (encoder_m, dt_s): (f64, f64)) -> f64 {
+        let trimmed_m_s = if feed.depositing { feed.sliced_m_s * trims.flow } else { feed.sliced_m_s };
+        let goal_m = if feed.depositing { advance_s * trimmed_m_s } else { 0.0 };
+        let before_m = self.advance_m;
+        self.advance_m += (goal_m - before_m) * (1.0 - (-dt_s / self.settings.advance_smooth_s).exp());
+        let wanted_m_s = trimmed_m_s + (self.advance_m - before_m) / dt_s;
+
+        let motor_m_s = match trims.slip {
+            None => {
+                self.open_loop();
+                wanted_m_s
+            }
+            Some(slip) => self.compensated(wanted_m_s, slip, (encoder_m, dt_s)),
+        };
+        self.wanted_m += wanted_m_s * dt_s;
+        self.motor_m += motor_m_s * dt_s;
+        motor_m_s
+    }
+
+    fn open_loop(&mut self) {
+        self.loop_target = None;
+        self.correction_m_s = 0.0;
+        self.until_loop_s = 0.0;
+    }
+
+    /// Filament slips when it is pushed; a retraction is passed on as it is.
+    fn compensated(&mut self, wanted_m_s: f64, slip: f64, (encoder_m, dt_s): (f64, f64)) -> f64 {
+        let forward_m_s = if wanted_m_s > 0.0 { wanted_m_s / (1.0 - slip) } else { wanted_m_s };
+        if self.host != HostProfile::Native {
+            return forward_m_s;
+        }
+        let origin = *self.loop_target.get_or_insert(LoopTarget { wanted_m: self.wanted_m, encoder_m });
+        self.until_loop_s -= dt_s;
+        if self.until_loop_s <= 0.0 {
+            self.until_loop_s += self.settings.loop_period_s;
+            let shortfall_m = (self.wanted_m - origin.wanted_m) - (encoder_m - origin.encoder_m);
+            self.correction_m_s = self.settings.loop_gain_1_s * shortfall_m;
+        }
+        // The loop only tops up a feed: at rest and in a retraction it would push filament into nothing.
+        if wanted_m_s > 0.0 { (forward_m_s + self.correction_m_s).max(0.0) } else { forward_m_s }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SETTINGS: Settings = Settings { loop_gain_1_s: 1.5, loop_period_s: 0.01, advance_smooth_s: 0.02 };
+    const DEPOSIT: Feed = Feed { sliced_m_s: 2e-3, depositing: true };
+
+    /// Runs one second at 1 ms with a gear that loses `slip`; returns (wanted, motor, delivered) in metres.
+    fn one_second(drive: &mut Drive, trims: &Trims, slip: f64) -> (f64, f64, f64) {
+        let mut delivered_m = 0.0;
+        for _ in 0..1000 {
+            delivered_m += (1.0 - slip) * drive.step(DEPOSIT, trims, 0.0, (delivered_m, 1e-3)) * 1e-3;
+        }
+        (drive.wanted_m(), drive.motor_m(), delivered_m)
+    }
+
+    #[test]
+    fn an_open_loop_passes_the_slicers_feed_on() {
+        let mut drive = Drive::new(SETTINGS, HostProfile::Native);
+        let (wanted_m, motor_m, delivered_m) = one_second(&mut drive, &Trims::NEUTRAL, 0.09);
+        assert!((wanted_m - 2e-3).abs() < 1e-12 && (motor_m - 2e-3).abs() < 1e-12);
+        assert!((delivered_m - 0.91 * 2e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_known_slip_is_made_up_for_at_once() {
+        let trims = Trims { slip: Some(0.09), ..Trims::NEUTRAL };
+        for host in [HostProfile::Native, HostProfile::Serial] {
+            let (wanted_m, _, delivered_m) = one_second(&mut Drive::new(SETTINGS, host), &trims, 0.09);
+            assert!((delivered_m / wanted_m - 1.0).abs() < 1e-9, "{host:?}");
+        }
+    }
+
+    #[test]
+    fn the_native_loop_catches_up_an_unknown_slip_and_the_serial_host_cannot() {
+        let trims = Trims { slip: Some(0.0), ..Trims::NEUTRAL };
+        let shortfall_after = |host| {
+            let mut drive = Drive::new(SETTINGS, host);
+            let (mut delivered_m, mut last) = (0.0, 0.0);
+            for _ in 0..10_000 {
+                delivered_m += 0.91 * drive.step(DEPOSIT, &trims, 0.0, (delivered_m, 1e-3)) * 1e-3;
+                last = drive.wanted_m() - delivered_m;
+            }
+            last
+        };
+        // Steady state of the loop: 0.91 (v + k e) = v, e = v (1/0.91 - 1) / k = 0.132 mm.
+        assert!((shortfall_after(HostProfile::Native) - 2e-3 * (1.0 / 0.91 - 1.0) / 1.5).abs() < 2e-6);
+        assert!((shortfall_after(HostProfile::Serial) - 0.09 * 2e-2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn advance_displaces_by_k_times_the_feed_and_is_withdrawn_at_the_end() {
+        let mut drive = Drive::new(SETTINGS, HostProfile::Native);
+        for _ in 0..500 {
+            drive.step(DEPOSIT, &Trims::NEUTRAL, 0.5, (0.0, 1e-3));
+        }
+        assert!((drive.wanted_m() - (1e-3 + 0.5 * 2e-3)).abs() < 1e-9);
+        for _ in 0..500 {
+            drive.step(Feed { sliced_m_s: 0.0, depositing: false }, &Trims::NEUTRAL, 0.5, (0.0, 1e-3));
+        }
+        assert!((drive.wanted_m() - 1e-3).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_retraction_is_neither_trimmed_nor_compensated() {
+        let mut drive = Drive::new(SETTINGS, HostProfile::Native);
+        let trims = Trims { flow: 1.2, slip: Some(0.3), ..Trims::NEUTRAL };
+        let speed = drive.step(Feed { sliced_m_s: -0.035, depositing: false }, &trims, 0.5, (-1.0, 1e-3));
+        assert!((speed + 0.035).abs() < 1e-12);
+    }
+}

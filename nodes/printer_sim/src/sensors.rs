@@ -1,0 +1,204 @@
+//! Sensors at the simulated printer: noise, rate, quantum and delay as in section 1.4 of the model book.
+//!
+//! Every sensor draws from a random stream of its own, so that a fault in one leaves the others' noise as it was.
+
+use crate::faults::{InForce, Thermistor};
+use models::units::{Celsius, Kelvin, Seconds};
+use rand::{SeedableRng, rngs::StdRng};
+use rand_distr::{Distribution, StandardNormal};
+use std::collections::VecDeque;
+
+/// Reading of the firmware's table with an open circuit.
+pub const OPEN_READING: Celsius = Celsius(-14.0);
+/// Reading of the firmware's table with a short circuit.
+pub const SHORT_READING: Celsius = Celsius(450.0);
+
+/// Settings of all sensors; from `config/printer_sim.param.yaml`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Period of the temperature converter `[s]`.
+    pub temperature_period_s: f64,
+    /// Noise of a temperature reading, standard deviation `[K]`.
+    pub temperature_sigma_k: f64,
+    /// Period of the encoder `[s]`.
+    pub encoder_period_s: f64,
+    /// Length of filament per count `[m]`.
+    pub encoder_quantum_m: f64,
+    /// Period of the width stand-in `[s]`.
+    pub width_period_s: f64,
+    /// Time from exposure to result `[s]`.
+    pub width_delay_s: f64,
+    /// Noise of a width, standard deviation `[m]`.
+    pub width_sigma_m: f64,
+}
+
+/// Standard normal numbers from a stream of their own.
+#[derive(Debug, Clone)]
+pub struct Noise(StdRng);
+
+impl Noise {
+    /// Stream number `stream` of the run with this seed.
+    #[must_use]
+    pub fn new(seed: u64, stream: u64) -> Self {
+        Self(StdRng::seed_from_u64(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(stream)))
+    }
+
+    /// Next number.
+    pub fn draw(&mut self) -> f64 {
+        StandardNormal.sample(&mut self.0)
+    }
+}
+
+/// Fires once per period.
+#[derive(Debug, Clone, Copy)]
+pub struct Pace {
+    period_s: f64,
+    next_s: f64,
+}
+
+impl Pace {
+    /// First beat after one period.
+    #[must_use]
+    pub fn new(period_s: f64) -> Self {
+        Self { period_s, next_s: period_s }
+    }
+
+    /// Whether a beat is due at `now`; half a nanosecond absorbs the rounding of summed steps.
+    pub fn due(&mut self, now: Seconds) -> bool {
+        let due = now.0 + 5e-10 >= self.next_s;
+        if due {
+            self.next_s += self.period_s;
+        }
+        due
+    }
+}
+
+/// A thermistor with its converter.
+#[derive(Debug, Clone)]
+pub struct Thermometer {
+    sigma_k: f64,
+    noise: Noise,
+    last: Celsius,
+}
+
+impl Thermometer {
+    /// A sound sensor at `start`.
+    #[must_use]
+    pub fn new(sigma_k: f64, noise: Noise, start: Kelvin) -> Self {
+        Self { sigma_k, noise, last: start.into() }
+    }
+
+    /// Reads the bead's temperature under the faults in force.
+    pub fn read(&mut self, bead: Kelvin, circuit: Thermistor, bias_k: f64) -> Celsius {
+        let noisy = Celsius(Celsius::from(bead).0 + self.sigma_k * self.noise.draw() + bias_k);
+        let shown = match circuit {
+            Thermistor::Sound | Thermistor::Detached(_) => noisy,
+            Thermistor::Open => OPEN_READING,
+            Thermistor::Short => SHORT_READING,
+            Thermistor::Stuck => return self.last,
+        };
+        self.last = shown;
+        shown
+    }
+
+    /// The last reading: what the firmware regulates on.
+    #[must_use]
+    pub fn last(&self) -> Celsius {
+        self.last
+    }
+}
+
+/// The width as a camera would give it, late.
+#[derive(Debug, Clone)]
+pub struct WidthGauge {
+    delay_s: f64,
+    sigma_m: f64,
+    noise: Noise,
+    waiting: VecDeque<(Seconds, f64)>,
+}
+
+impl WidthGauge {
+    /// A gauge with nothing on its way.
+    #[must_use]
+    pub fn new(settings: &Settings, noise: Noise) -> Self {
+        Self { delay_s: settings.width_delay_s, sigma_m: settings.width_sigma_m, noise, waiting: VecDeque::new() }
+    }
+
+    /// Exposes a frame on a road of this width.
+    pub fn expose(&mut self, now: Seconds, width_m: f64) {
+        let measured_m = width_m + self.sigma_m * self.noise.draw();
+        self.waiting.push_back((now, measured_m));
+    }
+
+    /// The next frame whose delay has passed: exposure and width.
+    pub fn ready(&mut self, now: Seconds) -> Option<(Seconds, f64)> {
+        let &(exposed, _) = self.waiting.front()?;
+        ((now - exposed).0 >= self.delay_s).then(|| self.waiting.pop_front()).flatten()
+    }
+
+    /// Stated noise `[m]`.
+    #[must_use]
+    pub fn sigma_m(&self) -> f64 {
+        self.sigma_m
+    }
+}
+
+/// What the thermistor bead follows: the block, or the air beside it once it fell out.
+#[must_use]
+pub fn bead_surroundings(block: Kelvin, air: Kelvin, faults: &InForce) -> Kelvin {
+    match faults.thermistor {
+        Thermistor::Detached(coupling) => Kelvin(air.0 + coupling * (block.0 - air.0)),
+        _ => block,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn streams_of_one_seed_differ_and_repeat() {
+        let three = |seed, stream| {
+            let mut noise = Noise::new(seed, stream);
+            [noise.draw(), noise.draw(), noise.draw()].map(f64::to_bits)
+        };
+        assert_eq!(three(1, 2), three(1, 2));
+        assert_ne!(three(1, 2), three(1, 3));
+        assert_ne!(three(1, 2), three(2, 2));
+    }
+
+    #[test]
+    fn a_pace_neither_loses_nor_gains_beats_over_an_hour() {
+        let mut pace = Pace::new(0.01);
+        let beats = (1..=3_600_000_u32).filter(|&ms| pace.due(Seconds(f64::from(ms) * 1e-3))).count();
+        assert_eq!(beats, 360_000);
+    }
+
+    #[test]
+    fn a_frame_arrives_after_its_delay_with_its_exposure() {
+        let settings = Settings {
+            temperature_period_s: 0.1,
+            temperature_sigma_k: 0.15,
+            encoder_period_s: 0.01,
+            encoder_quantum_m: 1e-5,
+            width_period_s: 0.5,
+            width_delay_s: 0.4,
+            width_sigma_m: 0.0,
+        };
+        let mut gauge = WidthGauge::new(&settings, Noise::new(1, 1));
+        gauge.expose(Seconds(1.0), 4.5e-4);
+        assert_eq!(gauge.ready(Seconds(1.39)), None);
+        assert_eq!(gauge.ready(Seconds(1.41)), Some((Seconds(1.0), 4.5e-4)));
+        assert_eq!(gauge.ready(Seconds(9.0)), None);
+    }
+
+    #[test]
+    fn open_short_and_stuck_read_as_a_firmware_shows_them() {
+        let mut thermometer = Thermometer::new(0.15, Noise::new(1, 1), Kelvin(488.15));
+        let sound = thermometer.read(Kelvin(488.15), Thermistor::Sound, 0.0);
+        assert!((sound.0 - 215.0).abs() < 1.0);
+        assert_eq!(thermometer.read(Kelvin(488.15), Thermistor::Stuck, 0.0), sound);
+        assert_eq!(thermometer.read(Kelvin(488.15), Thermistor::Open, 0.0), OPEN_READING);
+        assert_eq!(thermometer.read(Kelvin(488.15), Thermistor::Short, 0.0), SHORT_READING);
+    }
+}
