@@ -2,6 +2,20 @@
 //!
 //! The same code stands in the supervisor's gate, in a bridge and in the simulator. Every correction is a trim on
 //! the slicer's own values with a validity time; when it lapses the printer is back at the slicer's values.
+//!
+//! | part | what |
+//! |---|---|
+//! | [`Limits`] | range, slew and validity of trims, the ramp back to the slicer's values |
+//! | [`Gate`] | one publisher at a time, rising sequence, validity from the time of receipt |
+//! | [`DeadMan`] | what a printer does with permits, and without them |
+
+mod dead_man;
+mod gate;
+mod limits;
+
+pub use dead_man::{DeadMan, DeadManParams, InForce, OnLoss, RawDeadManParams};
+pub use gate::{Dated, Gate, Refusal, Refusals};
+pub use limits::{Changed, Clamped, Limits, NotFinite, RawLimits};
 
 use crate::units::Seconds;
 
@@ -24,7 +38,22 @@ pub struct Trims {
 
 impl Trims {
     /// The slicer's own values.
-    pub const NEUTRAL: Self = Self { flow: 1.0, speed: 1.0, setpoint_offset_k: 0.0, advance_s: None, slip: None };
+    pub const NEUTRAL: Self =
+        Self { flow: 1.0, speed: 1.0, setpoint_offset_k: 0.0, advance_s: None, slip: None };
+
+    /// Whether every value is finite. A trim that is not is refused whole, never mended.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        [
+            self.flow,
+            self.speed,
+            self.setpoint_offset_k,
+            self.advance_s.unwrap_or(0.0),
+            self.slip.unwrap_or(0.0),
+        ]
+        .iter()
+        .all(|value| value.is_finite())
+    }
 }
 
 /// Mode of the safety supervisor.
@@ -50,7 +79,7 @@ pub enum Mode {
 }
 
 /// What the supervisor asks the printer to do beyond trims.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Request {
     /// Print on.

@@ -1,0 +1,126 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::command::limits::tests::limits;
+
+const VALIDITY_S: f64 = 0.25;
+
+fn dead_man(on_supervisor_loss: OnLoss) -> DeadMan {
+    let raw = RawDeadManParams { on_supervisor_loss, pause_delay_s: 2.0, heaters_off_delay_s: 5.0 };
+    DeadMan::new(DeadManParams::try_from(raw).unwrap(), limits())
+}
+
+fn permit(session: u64, sequence: u64, request: Request) -> Permit {
+    let mode = match request {
+        Request::Run => Mode::Act,
+        Request::Pause | Request::Standby => Mode::Paused,
+        Request::HeatersOff => Mode::SafeOff,
+        Request::EmergencyStop => Mode::Estop,
+    };
+    let trims = Trims { flow: 1.1, ..Trims::NEUTRAL };
+    Permit { session, sequence, validity: Seconds(VALIDITY_S), mode, request, trims }
+}
+
+/// C2: the slicer's values 250 ms after the last permit.
+#[test]
+fn silence_brings_back_the_slicers_values_after_the_validity() {
+    let mut dead_man = dead_man(OnLoss::Baseline);
+    assert_eq!(dead_man.in_force(Seconds(0.0)).request, Request::Run);
+    dead_man.on_permit(Seconds(1.0), permit(1, 1, Request::Run)).unwrap();
+    assert!((dead_man.in_force(Seconds(1.25)).trims.flow - 1.1).abs() < 1e-12);
+    let after = dead_man.in_force(Seconds(1.2501));
+    assert_eq!((after.trims, after.lapsed, after.request), (Trims::NEUTRAL, true, Request::Run));
+    assert_eq!(dead_man.in_force(Seconds(1e6)).request, Request::Run);
+}
+
+/// C2: the policy's step after its own delay.
+#[test]
+fn the_policy_follows_after_its_delay_and_stays() {
+    for (policy, delay_s, request) in
+        [(OnLoss::Pause, 2.0, Request::Pause), (OnLoss::HeatersOff, 5.0, Request::HeatersOff)]
+    {
+        let mut dead_man = dead_man(policy);
+        assert_eq!(dead_man.in_force(Seconds(100.0)).request, Request::Run, "nobody to lose yet");
+        dead_man.on_permit(Seconds(0.0), permit(1, 1, Request::Run)).unwrap();
+        assert_eq!(dead_man.in_force(Seconds(VALIDITY_S + delay_s)).request, Request::Run);
+        assert_eq!(dead_man.in_force(Seconds(VALIDITY_S + delay_s + 0.01)).request, request);
+        // Back again, but it knows nothing of the step: held until it has adopted it.
+        dead_man.on_permit(Seconds(10.0), permit(1, 2, Request::Run)).unwrap();
+        assert_eq!(dead_man.in_force(Seconds(10.0)).request, request);
+        dead_man.on_permit(Seconds(10.1), permit(1, 3, request)).unwrap();
+        dead_man.on_permit(Seconds(10.2), permit(1, 4, Request::Run)).unwrap();
+        assert_eq!(dead_man.in_force(Seconds(10.2)).request, Request::Run);
+    }
+}
+
+#[test]
+fn a_restarted_supervisor_that_forgot_a_trip_does_not_undo_it() {
+    for request in [Request::Pause, Request::Standby, Request::HeatersOff, Request::EmergencyStop] {
+        let mut dead_man = dead_man(OnLoss::Baseline);
+        dead_man.on_permit(Seconds(0.0), permit(1, 1, request)).unwrap();
+        assert_eq!(dead_man.in_force(Seconds(9.0)).request, request, "kept without any permit");
+        dead_man.on_permit(Seconds(10.0), permit(2, 1, Request::Run)).unwrap();
+        assert_eq!(dead_man.in_force(Seconds(10.0)).request, request);
+        dead_man.on_permit(Seconds(10.1), permit(2, 2, request)).unwrap();
+        dead_man.on_permit(Seconds(10.2), permit(2, 3, Request::Pause)).unwrap();
+        assert_eq!(dead_man.in_force(Seconds(10.2)).request, Request::Pause, "acknowledged");
+        dead_man.on_permit(Seconds(10.3), permit(2, 4, Request::Run)).unwrap();
+        assert_eq!(dead_man.in_force(Seconds(10.3)).request, Request::Run, "resumed");
+    }
+}
+
+#[test]
+fn who_asked_for_the_pause_may_end_standby() {
+    let mut dead_man = dead_man(OnLoss::Baseline);
+    dead_man.on_permit(Seconds(0.0), permit(1, 1, Request::Standby)).unwrap();
+    dead_man.on_permit(Seconds(1.0), permit(2, 1, Request::Pause)).unwrap();
+    assert_eq!(dead_man.in_force(Seconds(1.0)).request, Request::Pause);
+}
+
+#[test]
+fn the_printers_own_limits_hold_whatever_the_permit_says() {
+    let mut dead_man = dead_man(OnLoss::Baseline);
+    let wild = Permit { trims: Trims { flow: 9.0, ..Trims::NEUTRAL }, ..permit(1, 1, Request::Run) };
+    dead_man.on_permit(Seconds(0.0), wild).unwrap();
+    assert!((dead_man.in_force(Seconds(0.0)).trims.flow - 1.25).abs() < 1e-12);
+    assert_eq!(dead_man.clamped(), 1);
+    let broken = Permit { trims: Trims { flow: f64::NAN, ..Trims::NEUTRAL }, ..permit(1, 2, Request::Run) };
+    assert_eq!(dead_man.on_permit(Seconds(0.1), broken), Err(Refusal::NotFinite));
+    assert_eq!(dead_man.refusals().not_finite, 1);
+}
+
+fn any_request() -> impl Strategy<Value = Request> {
+    prop_oneof![
+        5 => Just(Request::Run),
+        1 => Just(Request::Pause),
+        1 => Just(Request::Standby),
+        1 => Just(Request::HeatersOff),
+        1 => Just(Request::EmergencyStop),
+    ]
+}
+
+proptest! {
+    /// For any sequence of permits and gaps: trims finite and inside, neutral when lapsed, and a latched demand
+    /// ends only with a permit of a session that has made it itself.
+    #[test]
+    fn laws_of_the_dead_man(
+        arrivals in proptest::collection::vec(
+            (0.0..0.6f64, 0u64..2, 0u64..100, any_request(), -2.0..4.0f64), 1..100)
+    ) {
+        let mut dead_man = dead_man(OnLoss::HeatersOff);
+        let mut now_s = 0.0;
+        for (step_s, session, sequence, request, flow) in arrivals {
+            let before = dead_man.in_force(Seconds(now_s));
+            now_s += step_s;
+            let trims = Trims { flow, ..Trims::NEUTRAL };
+            let accepted = dead_man
+                .on_permit(Seconds(now_s), Permit { trims, ..permit(session, sequence, request) })
+                .is_ok();
+            let now = dead_man.in_force(Seconds(now_s));
+            prop_assert!((0.75..=1.25).contains(&now.trims.flow));
+            prop_assert!(!now.lapsed || now.trims == Trims::NEUTRAL);
+            prop_assert!(accepted || now.request >= before.request);
+            prop_assert!(now.request >= before.request || now.request == request);
+        }
+    }
+}
