@@ -1,1 +1,30 @@
-//! Messages.
+//! Messages and services of `fdm_loop` as Rust types, and the standard ones it uses.
+//!
+//! The files in `msg/`, `srv/` and `standard/` are the truth; `tests/idl_conformance.rs` compares order, names and
+//! types of their fields with the structs here. CDR carries no names: a swapped field would be read as its neighbour.
+//!
+//! Stamps are on the node's clock: monotonic seconds since the host's start in operation (one for all processes of
+//! the host), simulated seconds under `use_sim_time`.
+#![forbid(unsafe_code)]
+
+mod control;
+mod definition;
+mod estimate;
+mod printer;
+mod safety;
+mod sensors;
+mod sim;
+mod standard;
+mod time;
+
+pub use control::ControlCommand;
+pub use definition::{Definition, RosService, RosType};
+pub use estimate::StateEstimate;
+pub use printer::{MotionSegment, PrintInfo, PrinterState};
+pub use safety::{Heartbeat, PrintEvent, SafetyState, SetMode, SetModeRequest, SetModeResponse};
+pub use sensors::{BeadWidth, FilamentMotion, FilamentReport, TemperatureReport};
+pub use sim::{InjectFault, InjectFaultRequest, InjectFaultResponse, SimTruth};
+pub use standard::{
+    Clock, DiagnosticArray, DiagnosticStatus, Header, KeyValue, Log, Temperature, Time, Trigger,
+    TriggerRequest, TriggerResponse,
+};

@@ -1,0 +1,89 @@
+//! Simulated printer. The definitions in `msg/` and `srv/` are the truth.
+
+use crate::definition::{Definition, RosService, RosType};
+use crate::standard::Header;
+use serde::{Deserialize, Serialize};
+
+/// What the simulated printer really does (topic sim/truth/state): for tests and reports only.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct SimTruth {
+    /// stamp [s]: simulated time
+    pub header: Header,
+    /// Heater block `[degC]`.
+    pub block_degc: f64,
+    /// Melt at the nozzle `[degC]`.
+    pub nozzle_degc: f64,
+    /// Bed `[degC]`.
+    pub bed_degc: f64,
+    /// Filament pushed by the motor since start `[m]`.
+    pub motor_position_m: f64,
+    /// Filament that passed the drive gear since start `[m]`.
+    pub delivered_position_m: f64,
+    /// Filament that left the nozzle since start `[m]`.
+    pub outlet_position_m: f64,
+    /// Share of the feed lost in the drive gear. Range `[0, 1]`.
+    pub slip: f64,
+    /// Feed gain of the drive gear. Range `[0, inf)`.
+    pub gain: f64,
+    /// ] Filament diameter at the drive gear `[m]`. Range `(0, inf)`.
+    pub diameter_m: f64,
+    /// False while no road is deposited.
+    pub width_known: bool,
+    /// Width of the road `[m]`. Range `[0, inf)`; invalid where width_known is false.
+    pub width_m: f64,
+    /// Force on the filament `[N]`.
+    pub melt_force_n: f64,
+    /// Latent adhesion of the road to what lies below. Range `[0, 1]`.
+    pub adhesion: f64,
+    /// Latent porosity. Range `[0, 1]`.
+    pub porosity: f64,
+    /// Offset of the layer in x and y `[m]`.
+    pub layer_shift_m: [f64; 2],
+}
+
+impl RosType for SimTruth {
+    const DEFINITION: Definition = Definition {
+        package: "fdm_loop_msgs",
+        name: "SimTruth",
+        text: include_str!("../msg/SimTruth.msg"),
+        dependencies: &[&Header::DEFINITION],
+    };
+}
+
+/// Injects a fault into the simulated printer (service printer_sim/inject_fault): the request.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct InjectFaultRequest {
+    /// Part of the printer, as in scenario files.
+    pub component: String,
+    /// Kind of fault, as in scenario files.
+    pub kind: String,
+    /// Size of the fault `[as the kind says]`.
+    pub size: f64,
+    /// Delay from now until it sets in `[s]`. Range `[0, inf)`.
+    pub start_s: f64,
+    /// How long it lasts; 0 until the end of the print `[s]`. Range `[0, inf)`.
+    pub duration_s: f64,
+    /// Seed of its random part.
+    pub seed: u64,
+}
+
+/// Answer of [`InjectFault`].
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct InjectFaultResponse {
+    /// The fault is scheduled.
+    pub accepted: bool,
+    /// What was scheduled, or the reason of the refusal.
+    pub message: String,
+}
+
+/// Injects a fault into the simulated printer (service printer_sim/inject_fault).
+#[derive(Debug, Clone, Copy)]
+pub struct InjectFault;
+
+impl RosService for InjectFault {
+    type Request = InjectFaultRequest;
+    type Response = InjectFaultResponse;
+    const PACKAGE: &'static str = "fdm_loop_msgs";
+    const NAME: &'static str = "InjectFault";
+    const TEXT: &'static str = include_str!("../srv/InjectFault.srv");
+}
