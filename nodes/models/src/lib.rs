@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`units`] | newtypes for time, temperature and duty |
 //! | [`params`] | errors of parameters and the checks that raise them |
-//! | [`material`] [`hotend`] [`melt`] [`extruder`] [`bead`] [`latent`] [`quality`] | System 1 of the model book |
+//! | [`material`] [`hotend`] [`heater`] [`bed`] [`melt`] [`extruder`] [`bead`] [`latent`] [`quality`] | System 1 of the model book |
 //! | [`gcode`] [`motion`] | dialects, interpreter, look-ahead planner |
 //! | [`command`] | trims, permits, validity, clamping and the dead-man |
 //! | [`status`] | what a printer says of itself |
@@ -13,10 +13,15 @@
 
 #![forbid(unsafe_code)]
 
+#[macro_use]
+mod read_only;
+
 pub mod bead;
+pub mod bed;
 pub mod command;
 pub mod extruder;
 pub mod gcode;
+pub mod heater;
 pub mod hotend;
 pub mod latent;
 pub mod material;
