@@ -1,1 +1,29 @@
-//! Placeholder crate page.
+//! Estimates what no sensor of the printer sees: nozzle temperature, outlet flow, slip and bead gain.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`ukf`] | unscented Kalman filter, apart from any model |
+//! | [`printer_model`] | six states and three channels of the printer (model book 1.2, 1.5) |
+//! | [`params`] | `config/state_estimator.param.yaml` |
+//!
+//! The filter is brought to the newest status of the printer at every tick, since only there the motor's count is
+//! known; late samples are compared with what was commanded at their own stamps. Slip and gain are learned while
+//! road is deposited. Nothing that is refused, rejected or reset passes unseen: an [`Estimate`] carries the counts.
+
+#![forbid(unsafe_code)]
+
+mod channel;
+mod estimator;
+mod filter;
+mod history;
+mod input;
+mod measurement;
+pub mod params;
+pub mod printer_model;
+pub mod ukf;
+
+pub use channel::{CHANNELS, Channel, WINDOW, Window};
+pub use estimator::{Estimate, Estimator};
+pub use input::{Event, Refusals, Refused};
+pub use params::Params;
+pub use printer_model::{PrinterModel, Setting, State, state};

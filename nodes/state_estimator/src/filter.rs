@@ -1,0 +1,284 @@
+//! One cycle of the filter: predict to the newest status, then apply what was measured (model book 1.5).
+
+use crate::channel::{CHANNELS, Channel, Record, Verdict};
+use crate::estimator::Inbox;
+use crate::history::Ring;
+use crate::measurement::{self, Observation};
+use crate::params::Params;
+use crate::printer_model::{Drive, PrinterModel, State, state};
+use crate::ukf::{Gaussian, Health, Spread, Ukf};
+use models::status::PrinterStatus;
+use models::units::Kelvin;
+use nalgebra::SMatrix;
+
+type Covariance = SMatrix<f64, { state::COUNT }, { state::COUNT }>;
+
+/// Own estimates kept to look back to an exposure: 3.2 s at 20 Hz.
+const FLOWS: usize = 64;
+
+/// The filter with what it remembers of its own past.
+#[derive(Debug)]
+pub(crate) struct Filter {
+    params: Params,
+    model: PrinterModel,
+    running: Option<Running>,
+    reference_feed_m_s: f64,
+    resets: u64,
+    steps: u64,
+}
+
+#[derive(Debug)]
+struct Running {
+    ukf: Ukf<{ state::COUNT }>,
+    at_s: f64,
+    drive: Drive,
+    flows: Ring<(f64, f64)>,
+    imbalance_m_s: f64,
+    encoder_used: Option<(f64, f64)>,
+}
+
+impl Filter {
+    pub(crate) fn new(params: Params, model: PrinterModel) -> Self {
+        Self {
+            params,
+            model,
+            running: None,
+            reference_feed_m_s: params.reference.feed_m_s,
+            resets: 0,
+            steps: 0,
+        }
+    }
+
+    pub(crate) fn reference_feed_m_s(&self) -> f64 {
+        self.reference_feed_m_s
+    }
+
+    pub(crate) fn resets(&self) -> u64 {
+        self.resets
+    }
+
+    pub(crate) fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Brings the filter to the newest status; `None` before the first temperature.
+    pub(crate) fn cycle(
+        &mut self,
+        now_s: f64,
+        status: &PrinterStatus,
+        inbox: &mut Inbox,
+        records: &mut [Record; CHANNELS],
+    ) -> Option<()> {
+        if self.running.as_ref().is_some_and(|run| now_s - run.at_s > self.params.telemetry.restart_s) {
+            self.reset();
+        }
+        let mut run = match self.running.take() {
+            Some(run) => run,
+            None => self.start(status, inbox.temperature?),
+        };
+        let sound = self.predict(&mut run, status, inbox) == Health::Sound
+            && self.correct(&mut run, inbox, records)
+            && self.plausible(&run.ukf.belief().mean);
+        if sound {
+            run.flows.replace_newest((run.at_s, run.ukf.belief().mean[state::FLOW]));
+            self.running = Some(run);
+        } else {
+            self.reset();
+        }
+        Some(())
+    }
+
+    /// Belief carried from the newest status to `now_s`, as if the drive stayed what it was.
+    pub(crate) fn outlook(&self, now_s: f64, status: &PrinterStatus) -> Option<Gaussian<{ state::COUNT }>> {
+        let run = self.running.as_ref()?;
+        let ahead_s = (now_s - run.at_s).max(0.0);
+        let mut belief = *run.ukf.belief();
+        if ahead_s > 0.0 {
+            belief.mean = self.model.step(&belief.mean, &run.drive, ahead_s);
+            belief.covariance += self.noise(run, status, ahead_s);
+        }
+        // below zero the state is a stroke, not a flow
+        belief.mean[state::FLOW] = belief.mean[state::FLOW].max(0.0);
+        Some(belief)
+    }
+
+    fn reset(&mut self) {
+        self.running = None;
+        self.resets += 1;
+    }
+
+    fn start(&self, status: &PrinterStatus, temperature: Kelvin) -> Running {
+        let prior = &self.params.prior;
+        let flow_std_m_s = prior.flow_std_rel * self.reference_feed_m_s;
+        let deviations = [
+            prior.block_std_k,
+            prior.nozzle_std_k,
+            prior.sensor_std_k,
+            flow_std_m_s,
+            prior.slip_std,
+            prior.gain_std,
+        ];
+        let flow_m_s = if status.depositing { status.planned_feed_m_s.max(0.0) } else { 0.0 };
+        let mean = State::from([temperature.0, temperature.0, temperature.0, flow_m_s, prior.slip, 1.0]);
+        let spread = &self.params.spread;
+        Running {
+            ukf: Ukf::new(
+                Gaussian { mean, covariance: variances(deviations) },
+                Spread { alpha: spread.alpha, beta: spread.beta, kappa: spread.kappa },
+            ),
+            at_s: status.stamp.0,
+            drive: self.drive(status, 0.0),
+            flows: Ring::new(FLOWS),
+            imbalance_m_s: flow_std_m_s,
+            encoder_used: None,
+        }
+    }
+
+    fn drive(&self, status: &PrinterStatus, motor_speed_m_s: f64) -> Drive {
+        let duty = if status.mains_on { status.hotend_duty } else { 0.0 };
+        Drive { heater_power_w: duty * self.model.heater_power_w(), motor_speed_m_s, fan: status.fan }
+    }
+
+    fn predict(&mut self, run: &mut Running, status: &PrinterStatus, inbox: &Inbox) -> Health {
+        let dt_s = status.stamp.0 - run.at_s;
+        if dt_s <= 0.0 {
+            return Health::Sound;
+        }
+        let moved = inbox.samples.motor_at(run.at_s).map(|start| status.motor_position_m - start.motor_m);
+        // without the count at the start (a new job) the slicer's feed has to do
+        let motor_speed_m_s = moved.map_or(status.planned_feed_m_s, |moved_m| moved_m / dt_s);
+        run.drive = self.drive(status, motor_speed_m_s);
+        self.average_feed(status, dt_s);
+
+        let noise = self.noise(run, status, dt_s);
+        let (model, drive) = (self.model, run.drive);
+        let health = run.ukf.predict(&noise, |x| model.step(x, &drive, dt_s));
+        run.at_s = status.stamp.0;
+
+        let x = &run.ukf.belief().mean;
+        let off_m_s = (self.model.filament_speed(x, motor_speed_m_s) - x[state::FLOW]).abs();
+        let memory_s = self.params.width.memory_lags * self.model.lag_s();
+        run.flows.push((run.at_s, x[state::FLOW]));
+        run.imbalance_m_s = off_m_s.max(run.imbalance_m_s * (-dt_s / memory_s).exp());
+        health
+    }
+
+    fn average_feed(&mut self, status: &PrinterStatus, dt_s: f64) {
+        if status.depositing && status.planned_feed_m_s > 0.0 {
+            let share = 1.0 - (-dt_s / self.params.reference.averaging_s).exp();
+            self.reference_feed_m_s += share * (status.planned_feed_m_s - self.reference_feed_m_s);
+        }
+    }
+
+    /// Process noise over `dt_s`: a random walk, and the flow's own share where the lag is at work.
+    fn noise(&self, run: &Running, status: &PrinterStatus, dt_s: f64) -> Covariance {
+        let process = &self.params.process;
+        let root = (dt_s / process.reference_period_s).sqrt();
+        let belief = run.ukf.belief();
+        let filament_m_s = self.model.filament_speed(&belief.mean, run.drive.motor_speed_m_s);
+        let share = 1.0 - (-dt_s / self.model.lag_s()).exp();
+        let off_m_s = (filament_m_s - belief.mean[state::FLOW].max(0.0)).abs() * share;
+        let flow_std_m_s =
+            (process.flow_rel * self.reference_feed_m_s * root).hypot(process.lag_rel * off_m_s);
+        // nothing can be learned of slip and gain at rest: forget slowly, and never more than the prior knew
+        let walk = |std: f64, index: usize, bound: f64| {
+            let known = belief.covariance[(index, index)] < bound * bound;
+            match (status.depositing, known) {
+                (true, _) => std * root,
+                (false, true) => std * root * process.frozen,
+                (false, false) => 0.0,
+            }
+        };
+        variances([
+            process.block_k * root,
+            process.nozzle_k * root,
+            process.sensor_k * root,
+            flow_std_m_s,
+            walk(process.slip, state::SLIP, self.params.prior.slip_std),
+            walk(process.gain, state::GAIN, self.params.prior.gain_std),
+        ])
+    }
+
+    /// Applies what was measured; `false` if the filter broke.
+    fn correct(&mut self, run: &mut Running, inbox: &mut Inbox, records: &mut [Record; CHANNELS]) -> bool {
+        let mut observations: [Option<(Channel, Observation)>; 2] = [None, None];
+        if let Some(temperature) = inbox.temperature.take() {
+            observations[0] = Some((Channel::Thermistor, measurement::thermistor(&self.params, temperature)));
+        }
+        let encoder =
+            measurement::encoder(&self.params, self.reference_feed_m_s, inbox, &mut run.encoder_used);
+        observations[1] = encoder.map(|observation| (Channel::Encoder, observation));
+        for (channel, observation) in observations.into_iter().flatten() {
+            if !self.apply(run, channel, &observation, &mut records[channel as usize]) {
+                return false;
+            }
+        }
+        for frame in inbox.frames.iter() {
+            let past = measurement::Past {
+                flows: &run.flows,
+                flow_m_s: run.ukf.belief().mean[state::FLOW],
+                at_s: run.at_s,
+                imbalance: run.imbalance_m_s / self.reference_feed_m_s,
+            };
+            let Some(observation) = measurement::width(&self.params, frame, &inbox.samples, &past) else {
+                continue;
+            };
+            if !self.apply(run, Channel::Width, &observation, &mut records[Channel::Width as usize]) {
+                return false;
+            }
+        }
+        inbox.frames.clear();
+        true
+    }
+
+    fn apply(
+        &mut self,
+        run: &mut Running,
+        channel: Channel,
+        observation: &Observation,
+        record: &mut Record,
+    ) -> bool {
+        let model = self.model;
+        let update =
+            run.ukf.update(&observation.measurement(record.gate()), |x| observation.predicted(&model, x));
+        match record.note(&update) {
+            Verdict::Consistent => true,
+            Verdict::Diverged => false,
+            Verdict::Stepped => {
+                self.steps += 1;
+                run.ukf.inflate(&self.doubt(channel));
+                true
+            }
+        }
+    }
+
+    /// Doubt added to the states behind a channel whose innovations stand on one side.
+    fn doubt(&self, channel: Channel) -> Covariance {
+        let mut deviations = [0.0; state::COUNT];
+        match channel {
+            Channel::Thermistor => {
+                deviations[state::BLOCK] = self.params.thermistor.step_std_k;
+                deviations[state::NOZZLE] = self.params.thermistor.step_std_k;
+                deviations[state::SENSOR] = self.params.thermistor.step_std_k;
+            }
+            Channel::Encoder => deviations[state::SLIP] = self.params.encoder.step_std,
+            Channel::Width => deviations[state::GAIN] = self.params.width.step_std,
+        }
+        variances(deviations)
+    }
+
+    fn plausible(&self, x: &State) -> bool {
+        let bounds = &self.params.bounds;
+        let warm = |index: usize| (bounds.temperature_low_k..=bounds.temperature_high_k).contains(&x[index]);
+        warm(state::BLOCK)
+            && warm(state::NOZZLE)
+            && warm(state::SENSOR)
+            && x[state::FLOW].abs() <= bounds.flow_max_m_s
+            && (bounds.slip_low..=bounds.slip_high).contains(&x[state::SLIP])
+            && (bounds.gain_low..=bounds.gain_high).contains(&x[state::GAIN])
+    }
+}
+
+fn variances(deviations: [f64; state::COUNT]) -> Covariance {
+    Covariance::from_diagonal(&State::from(deviations.map(|deviation| deviation * deviation)))
+}

@@ -1,0 +1,135 @@
+//! From raw samples to measurements: what they say, how well, and when they say nothing (model book 1.5).
+
+use crate::estimator::{Frame, Inbox};
+use crate::history::{Ring, Sample};
+use crate::params::Params;
+use crate::printer_model::{PrinterModel, Road, State, state};
+use crate::ukf::Measurement;
+use models::units::Kelvin;
+use nalgebra::{Matrix1, Vector1};
+
+/// A measurement with what is needed to predict it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Observation {
+    value: f64,
+    variance: f64,
+    sensor: Sensor,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Sensor {
+    Thermistor,
+    /// Mean motor speed over the encoder's interval.
+    Encoder {
+        motor_speed_m_s: f64,
+    },
+    /// Road at exposure, and how much the flow was above today's.
+    Width {
+        road: Road,
+        flow_change_m_s: f64,
+    },
+}
+
+impl Observation {
+    pub(crate) fn measurement(&self, gate: f64) -> Measurement<1> {
+        Measurement { value: Vector1::new(self.value), noise: Matrix1::new(self.variance), gate }
+    }
+
+    pub(crate) fn predicted(&self, model: &PrinterModel, x: &State) -> Vector1<f64> {
+        Vector1::new(match self.sensor {
+            Sensor::Thermistor => x[state::SENSOR],
+            Sensor::Encoder { motor_speed_m_s } => model.filament_speed(x, motor_speed_m_s),
+            Sensor::Width { road, flow_change_m_s } => {
+                model.width(x[state::FLOW] + flow_change_m_s, x[state::GAIN], road)
+            }
+        })
+    }
+}
+
+pub(crate) fn thermistor(params: &Params, temperature: Kelvin) -> Observation {
+    let sigma_k = params.thermistor.sigma_k;
+    Observation { value: temperature.0, variance: sigma_k * sigma_k, sensor: Sensor::Thermistor }
+}
+
+/// Mean speed over the interval from the last used position to the newest that a status covers.
+///
+/// Motor and encoder are compared over the same interval by their own stamps. `used` moves on even where the
+/// interval is not looked at, so that no later one reaches back into it.
+pub(crate) fn encoder(
+    params: &Params,
+    reference_feed_m_s: f64,
+    inbox: &Inbox,
+    used: &mut Option<(f64, f64)>,
+) -> Option<Observation> {
+    let encoder = &params.encoder;
+    let covered_s = inbox.samples.newest()?.stamp_s;
+    let end = inbox.positions.newest_until(covered_s)?;
+    let Some(start) = *used else {
+        *used = Some(end);
+        return None;
+    };
+    let span_s = end.0 - start.0;
+    if span_s < encoder.interval_min_s {
+        return None;
+    }
+    *used = Some(end);
+    if span_s > encoder.interval_max_s {
+        return None;
+    }
+    let (from, to) = (inbox.samples.motor_at(start.0)?, inbox.samples.motor_at(end.0)?);
+    let motor_speed_m_s = (to.motor_m - from.motor_m) / span_s;
+    let (slowest_m_s, fastest_m_s) = inbox.samples.speed_range(start.0 - encoder.settle_s, end.0)?;
+    if slowest_m_s < 0.0 || motor_speed_m_s < encoder.speed_min_rel * reference_feed_m_s {
+        return None;
+    }
+    // two quantisation errors, uniform over one quantum
+    let quantum_m = encoder.quantum_m / 6.0_f64.sqrt();
+    let timing_m = from.error_m + to.error_m + encoder.skew_s * (fastest_m_s - slowest_m_s);
+    let variance = [quantum_m / span_s, timing_m / span_s, encoder.relative * motor_speed_m_s]
+        .into_iter()
+        .map(|deviation| deviation * deviation)
+        .sum();
+    Some(Observation {
+        value: (end.1 - start.1) / span_s,
+        variance,
+        sensor: Sensor::Encoder { motor_speed_m_s },
+    })
+}
+
+/// What the filter remembers for a late frame.
+pub(crate) struct Past<'a> {
+    pub(crate) flows: &'a Ring<(f64, f64)>,
+    pub(crate) flow_m_s: f64,
+    pub(crate) at_s: f64,
+    /// Recent distance of flow and feed, relative to the reference feed.
+    pub(crate) imbalance: f64,
+}
+
+/// Width at the time of exposure, with the difference of the flow then and now from the filter's own history.
+pub(crate) fn width(
+    params: &Params,
+    frame: &Frame,
+    samples: &Ring<Sample>,
+    past: &Past<'_>,
+) -> Option<Observation> {
+    let sensor = &params.width;
+    let smear_s = sensor.smear_m / sensor.path_speed_min_m_s;
+    let from_s = frame.exposed_s - sensor.steady_s.max(smear_s);
+    let (path_speed_m_s, height_m) =
+        samples.steady_road((from_s, frame.exposed_s), sensor.path_speed_spread)?;
+    if path_speed_m_s < sensor.path_speed_min_m_s {
+        return None;
+    }
+    let then_m_s =
+        if frame.exposed_s >= past.at_s { past.flow_m_s } else { past.flows.value_at(frame.exposed_s)? };
+    let transient_m = sensor.imbalance * past.imbalance * frame.width_m;
+    let sigma_m = frame.sigma_m.max(sensor.sigma_min_m);
+    Some(Observation {
+        value: frame.width_m,
+        variance: sigma_m * sigma_m + transient_m * transient_m,
+        sensor: Sensor::Width {
+            road: Road { path_speed_m_s, height_m },
+            flow_change_m_s: then_m_s - past.flow_m_s,
+        },
+    })
+}

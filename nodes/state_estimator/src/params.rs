@@ -1,0 +1,279 @@
+//! Parameters of the estimator, checked once: `config/state_estimator.param.yaml`.
+
+use models::params::{ParamError, in_range, positive};
+use serde::Deserialize;
+
+/// Parameters of [`crate::Estimator`], built only from a valid file.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawParams")]
+pub struct Params(RawParams);
+
+impl std::ops::Deref for Params {
+    type Target = RawParams;
+    fn deref(&self) -> &RawParams {
+        &self.0
+    }
+}
+
+/// The file as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawParams {
+    /// Period of the shell's tick `[s]`.
+    pub period_s: f64,
+    /// Air and filament before the hot end `[K]`.
+    pub ambient_k: f64,
+    /// Spread of the sigma points.
+    pub spread: RawSpread,
+    /// Process noise and model.
+    pub process: RawProcess,
+    /// What is believed before the first measurement.
+    pub prior: RawPrior,
+    /// Reference feed.
+    pub reference: RawReference,
+    /// Block thermistor.
+    pub thermistor: RawThermistor,
+    /// Filament encoder.
+    pub encoder: RawEncoder,
+    /// Road width from vision.
+    pub width: RawWidth,
+    /// The printer's own telemetry.
+    pub telemetry: RawTelemetry,
+    /// States outside of these bounds reset the filter.
+    pub bounds: RawBounds,
+}
+
+/// Spread of the sigma points.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawSpread {
+    /// `[-]`.
+    pub alpha: f64,
+    /// `[-]`.
+    pub beta: f64,
+    /// `[-]`.
+    pub kappa: f64,
+}
+
+/// Standard deviations gained per `reference_period_s`, and the model's step.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawProcess {
+    /// Span the deviations below refer to `[s]`.
+    pub reference_period_s: f64,
+    /// Longest Euler step of the thermal part `[s]`.
+    pub substep_s: f64,
+    /// Block `[K]`.
+    pub block_k: f64,
+    /// Nozzle `[K]`.
+    pub nozzle_k: f64,
+    /// Thermistor `[K]`.
+    pub sensor_k: f64,
+    /// Flow relative to the reference feed `[-]`.
+    pub flow_rel: f64,
+    /// Slip `[-]`.
+    pub slip: f64,
+    /// Gain `[-]`.
+    pub gain: f64,
+    /// Uncertainty of the lag, relative: a flow off balance is known that much worse `[-]`.
+    pub lag_rel: f64,
+    /// Share of slip's and gain's noise that remains while nothing is extruded `[-]`.
+    pub frozen: f64,
+}
+
+/// Mean and standard deviation of the prior.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawPrior {
+    /// Deviation of the block from the first reading `[K]`.
+    pub block_std_k: f64,
+    /// Deviation of the nozzle from the first reading `[K]`.
+    pub nozzle_std_k: f64,
+    /// Deviation of the thermistor from the first reading `[K]`.
+    pub sensor_std_k: f64,
+    /// Deviation of the flow relative to the reference feed `[-]`.
+    pub flow_std_rel: f64,
+    /// Mean slip `[-]`.
+    pub slip: f64,
+    /// Its deviation, also the bound of what is forgotten while nothing is extruded `[-]`.
+    pub slip_std: f64,
+    /// Deviation of the gain from 1, also the bound of what is forgotten `[-]`.
+    pub gain_std: f64,
+}
+
+/// Slow mean of the slicer's feed, the scale of the flow.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawReference {
+    /// Before anything was extruded `[m/s]`.
+    pub feed_m_s: f64,
+    /// Time constant of the mean `[s]`.
+    pub averaging_s: f64,
+}
+
+/// When a channel is believed.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawTrust {
+    /// Beyond this age of its newest sample the channel is out `[s]`.
+    pub age_limit_s: f64,
+    /// Innovations whose normalised square is above are rejected `[-]`.
+    pub gate: f64,
+    /// Innovations looked at for a step of the state behind the channel.
+    pub step_samples: u32,
+    /// Bound of their sum over the root of their number, above which a step is taken as given `[-]`.
+    pub step_threshold: f64,
+}
+
+/// Block thermistor.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawThermistor {
+    /// Noise `[K]`.
+    pub sigma_k: f64,
+    /// Lowest credible reading `[degC]`.
+    pub low_c: f64,
+    /// Highest credible reading `[degC]`.
+    pub high_c: f64,
+    /// Deviation added to the thermal states on a step `[K]`.
+    pub step_std_k: f64,
+    /// When it is believed.
+    pub trust: RawTrust,
+}
+
+/// Filament encoder.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawEncoder {
+    /// Quantum of the position `[m]`.
+    pub quantum_m: f64,
+    /// Error relative to the speed `[-]`.
+    pub relative: f64,
+    /// Unknown shift of the encoder's stamps against the motor's `[s]`.
+    pub skew_s: f64,
+    /// Shortest interval of a speed `[s]`.
+    pub interval_min_s: f64,
+    /// Longest interval of a speed `[s]`.
+    pub interval_max_s: f64,
+    /// Slower than this share of the reference feed is not looked at `[-]`.
+    pub speed_min_rel: f64,
+    /// Wait after a retraction `[s]`.
+    pub settle_s: f64,
+    /// Deviation added to the slip on a step `[-]`.
+    pub step_std: f64,
+    /// When it is believed.
+    pub trust: RawTrust,
+}
+
+/// Road width from vision.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawWidth {
+    /// Smallest noise taken `[m]`.
+    pub sigma_min_m: f64,
+    /// Largest credible width `[m]`.
+    pub width_max_m: f64,
+    /// Share of the flow's recent imbalance by which a width may be off `[-]`.
+    pub imbalance: f64,
+    /// Memory of the imbalance in lags `[-]`.
+    pub memory_lags: f64,
+    /// Slowest path on which a width is looked at `[m/s]`.
+    pub path_speed_min_m_s: f64,
+    /// Spread of path speed around the exposure at which a width is not looked at `[-]`.
+    pub path_speed_spread: f64,
+    /// The path must be steady from this long before the exposure on `[s]`.
+    pub steady_s: f64,
+    /// Path over which the road's width is averaged `[m]`: one nozzle diameter.
+    pub smear_m: f64,
+    /// Deviation added to the gain on a step `[-]`.
+    pub step_std: f64,
+    /// When it is believed.
+    pub trust: RawTrust,
+}
+
+/// The printer's own telemetry.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawTelemetry {
+    /// Beyond this age of the newest status nothing is estimated `[s]`.
+    pub age_limit_s: f64,
+    /// A gap longer than this starts the filter anew `[s]`.
+    pub restart_s: f64,
+    /// Samples may be stamped this far ahead of the tick `[s]`.
+    pub lead_limit_s: f64,
+    /// Fastest credible motor `[m/s]`; a faster jump is a new count.
+    pub motor_speed_max_m_s: f64,
+}
+
+/// States outside of these bounds reset the filter.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawBounds {
+    /// `[K]`.
+    pub temperature_low_k: f64,
+    /// `[K]`.
+    pub temperature_high_k: f64,
+    /// Magnitude of the flow `[m/s]`.
+    pub flow_max_m_s: f64,
+    /// `[-]`.
+    pub slip_low: f64,
+    /// `[-]`.
+    pub slip_high: f64,
+    /// `[-]`.
+    pub gain_low: f64,
+    /// `[-]`.
+    pub gain_high: f64,
+}
+
+impl TryFrom<RawParams> for Params {
+    type Error = ParamError;
+
+    fn try_from(raw: RawParams) -> Result<Self, ParamError> {
+        in_range("period_s", raw.period_s, "s", (0.01, 0.5))?;
+        in_range("ambient_k", raw.ambient_k, "K", (200.0, 400.0))?;
+        in_range("spread.alpha", raw.spread.alpha, "-", (1e-3, 1.0))?;
+        in_range("spread.beta", raw.spread.beta, "-", (0.0, 10.0))?;
+        in_range("spread.kappa", raw.spread.kappa, "-", (0.0, 10.0))?;
+        check_process(&raw.process)?;
+        check_prior(&raw.prior)?;
+        in_range("reference.feed_m_s", raw.reference.feed_m_s, "m/s", (1e-5, 0.05))?;
+        in_range("reference.averaging_s", raw.reference.averaging_s, "s", (0.1, 1000.0))?;
+        check_thermistor(&raw.thermistor)?;
+        check_encoder(&raw.encoder)?;
+        check_width(&raw.width)?;
+        in_range("telemetry.age_limit_s", raw.telemetry.age_limit_s, "s", (0.02, 5.0))?;
+        in_range("telemetry.restart_s", raw.telemetry.restart_s, "s", (0.1, 60.0))?;
+        in_range("telemetry.lead_limit_s", raw.telemetry.lead_limit_s, "s", (0.0, 5.0))?;
+        in_range("telemetry.motor_speed_max_m_s", raw.telemetry.motor_speed_max_m_s, "m/s", (0.01, 2.0))?;
+        check_bounds(&raw.bounds)?;
+        Ok(Self(raw))
+    }
+}
+
+fn check_process(raw: &RawProcess) -> Result<(), ParamError> {
+    positive("process.reference_period_s", raw.reference_period_s, "s")?;
+    in_range("process.substep_s", raw.substep_s, "s", (1e-3, 0.5))?;
+    positive("process.block_k", raw.block_k, "K")?;
+    positive("process.nozzle_k", raw.nozzle_k, "K")?;
+    positive("process.sensor_k", raw.sensor_k, "K")?;
+    in_range("process.flow_rel", raw.flow_rel, "-", (1e-6, 1.0))?;
+    in_range("process.slip", raw.slip, "-", (1e-6, 1.0))?;
+    in_range("process.gain", raw.gain, "-", (1e-6, 1.0))?;
+    in_range("process.lag_rel", raw.lag_rel, "-", (0.0, 2.0))?;
+    in_range("process.frozen", raw.frozen, "-", (0.0, 1.0))?;
+    Ok(())
+}
+
+fn check_prior(raw: &RawPrior) -> Result<(), ParamError> {
+    positive("prior.block_std_k", raw.block_std_k, "K")?;
+    positive("prior.nozzle_std_k", raw.nozzle_std_k, "K")?;
+    positive("prior.sensor_std_k", raw.sensor_std_k, "K")?;
+    in_range("prior.flow_std_rel", raw.flow_std_rel, "-", (1e-4, 2.0))?;
+    in_range("prior.slip", raw.slip, "-", (-0.5, 0.9))?;
+    in_range("prior.slip_std", raw.slip_std, "-", (1e-4, 1.0))?;
+    in_range("prior.gain_std", raw.gain_std, "-", (1e-4, 1.0))?;
+    Ok(())
+}
+
+mod channel;
+use channel::{check_bounds, check_encoder, check_thermistor, check_width};
