@@ -10,13 +10,13 @@
 use models::command::Trims;
 use models::status::HostProfile;
 
-/// What the planner asks of the extruder at one moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What the planner asks of the extruder over one step, at the executed pace.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Feed {
-    /// Slicer's filament speed at the executed pace `[m/s]`; negative in a retraction.
-    pub sliced_m_s: f64,
-    /// A road is deposited: flow trim and advance apply.
-    pub depositing: bool,
+    /// Filament speed into roads `[m/s]`: flow trim and advance apply.
+    pub deposited_m_s: f64,
+    /// Filament speed without a road `[m/s]`: retraction (negative), priming.
+    pub other_m_s: f64,
 }
 
 /// Settings of the drive; from `config/printer_sim.param.yaml`.
@@ -80,11 +80,11 @@ impl Drive {
 
     /// Motor speed `[m/s]` for this step; `encoder_m` is what the filament encoder reads now.
     pub fn step(&mut self, feed: Feed, trims: &Trims, advance_s: f64, (encoder_m, dt_s): (f64, f64)) -> f64 {
-        let trimmed_m_s = if feed.depositing { feed.sliced_m_s * trims.flow } else { feed.sliced_m_s };
-        let goal_m = if feed.depositing { advance_s * trimmed_m_s } else { 0.0 };
+        let into_roads_m_s = feed.deposited_m_s * trims.flow;
+        let goal_m = advance_s * into_roads_m_s;
         let before_m = self.advance_m;
         self.advance_m += (goal_m - before_m) * (1.0 - (-dt_s / self.settings.advance_smooth_s).exp());
-        let wanted_m_s = trimmed_m_s + (self.advance_m - before_m) / dt_s;
+        let wanted_m_s = into_roads_m_s + feed.other_m_s + (self.advance_m - before_m) / dt_s;
 
         let motor_m_s = match trims.slip {
             None => {
@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     const SETTINGS: Settings = Settings { loop_gain_1_s: 1.5, loop_period_s: 0.01, advance_smooth_s: 0.02 };
-    const DEPOSIT: Feed = Feed { sliced_m_s: 2e-3, depositing: true };
+    const DEPOSIT: Feed = Feed { deposited_m_s: 2e-3, other_m_s: 0.0 };
 
     /// Runs one second at 1 ms with a gear that loses `slip`; returns (wanted, motor, delivered) in metres.
     fn one_second(drive: &mut Drive, trims: &Trims, slip: f64) -> (f64, f64, f64) {
@@ -180,7 +180,7 @@ mod tests {
         }
         assert!((drive.wanted_m() - (1e-3 + 0.5 * 2e-3)).abs() < 1e-9);
         for _ in 0..500 {
-            drive.step(Feed { sliced_m_s: 0.0, depositing: false }, &Trims::NEUTRAL, 0.5, (0.0, 1e-3));
+            drive.step(Feed::default(), &Trims::NEUTRAL, 0.5, (0.0, 1e-3));
         }
         assert!((drive.wanted_m() - 1e-3).abs() < 1e-9);
     }
@@ -189,7 +189,7 @@ mod tests {
     fn a_retraction_is_neither_trimmed_nor_compensated() {
         let mut drive = Drive::new(SETTINGS, HostProfile::Native);
         let trims = Trims { flow: 1.2, slip: Some(0.3), ..Trims::NEUTRAL };
-        let speed = drive.step(Feed { sliced_m_s: -0.035, depositing: false }, &trims, 0.5, (-1.0, 1e-3));
+        let speed = drive.step(Feed { deposited_m_s: 0.0, other_m_s: -0.035 }, &trims, 0.5, (-1.0, 1e-3));
         assert!((speed + 0.035).abs() < 1e-12);
     }
 }

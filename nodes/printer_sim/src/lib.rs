@@ -21,6 +21,7 @@ pub mod output;
 pub mod params;
 pub mod plant;
 pub mod scenario;
+pub mod score;
 pub mod sensors;
 pub mod simulator;
 

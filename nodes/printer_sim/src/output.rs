@@ -1,5 +1,6 @@
 //! What leaves the simulator: what a real printer would show, and the truth.
 
+use crate::score::Integrals;
 use models::motion::Segment;
 use models::status::PrinterStatus;
 use models::units::{Celsius, Seconds};
@@ -71,9 +72,9 @@ pub struct Truth {
     pub wanted_m: f64,
     /// Filament that passed the gear `[m]`.
     pub delivered_m: f64,
-    /// Filament that left the nozzle, in lengths of nominal filament `[m]`.
+    /// Filament that left the nozzle, in lengths of the actual filament `[m]`.
     pub outlet_m: f64,
-    /// Outlet flow as speed of nominal filament `[m/s]`.
+    /// Outlet flow as speed of the actual filament `[m/s]`: the flow is this times the gain times the nominal area.
     pub outlet_m_s: f64,
     /// Slip of the gear `[-]`; meaningful while filament is pushed.
     pub slip: f64,
@@ -95,4 +96,8 @@ pub struct Truth {
     pub path_speed_m_s: f64,
     /// Layer from 1; zero before the first.
     pub layer: u32,
+    /// Nozzle temperature that counts as right `[K]`.
+    pub reference_k: f64,
+    /// Score of the print so far.
+    pub integrals: Integrals,
 }

@@ -155,7 +155,9 @@ impl TryFrom<RawEntry> for Entry {
     type Error = FaultError;
     fn try_from(raw: RawEntry) -> Result<Self, FaultError> {
         let onset = match raw.onset {
-            Onset::FilamentShare(share) => Onset::FilamentShare(bounded("filament_share", share, ("-", 0.0, 1.0))?),
+            Onset::FilamentShare(share) => {
+                Onset::FilamentShare(bounded("filament_share", share, ("-", 0.0, 1.0))?)
+            }
             Onset::TimeS(time_s) => Onset::TimeS(bounded("time_s", time_s, ("s", 0.0, LONGEST_S))?),
         };
         let duration = raw.duration_s.map(|s| bounded("duration_s", s, ("s", 0.0, LONGEST_S))).transpose()?;
@@ -181,7 +183,14 @@ impl Entry {
         onset_s: f64,
         duration_s: Option<f64>,
     ) -> Result<Self, FaultError> {
-        Self::try_from(RawEntry { component, kind, size, onset: Onset::TimeS(onset_s), ramp_s: 0.0, duration_s })
+        Self::try_from(RawEntry {
+            component,
+            kind,
+            size,
+            onset: Onset::TimeS(onset_s),
+            ramp_s: 0.0,
+            duration_s,
+        })
     }
 
     /// The fault, if its onset has come.

@@ -53,22 +53,22 @@ impl Noise {
 #[derive(Debug, Clone, Copy)]
 pub struct Pace {
     period_s: f64,
-    next_s: f64,
+    beats: u64,
 }
 
 impl Pace {
     /// First beat after one period.
     #[must_use]
     pub fn new(period_s: f64) -> Self {
-        Self { period_s, next_s: period_s }
+        Self { period_s, beats: 0 }
     }
 
-    /// Whether a beat is due at `now`; half a nanosecond absorbs the rounding of summed steps.
+    /// Whether a beat is due at `now`; a microsecond absorbs the rounding of summed steps.
     pub fn due(&mut self, now: Seconds) -> bool {
-        let due = now.0 + 5e-10 >= self.next_s;
-        if due {
-            self.next_s += self.period_s;
-        }
+        #[allow(clippy::cast_precision_loss, reason = "beats of a print are far below 2^52")]
+        let next_s = (self.beats + 1) as f64 * self.period_s;
+        let due = now.0 + 1e-6 >= next_s;
+        self.beats += u64::from(due);
         due
     }
 }
@@ -121,7 +121,12 @@ impl WidthGauge {
     /// A gauge with nothing on its way.
     #[must_use]
     pub fn new(settings: &Settings, noise: Noise) -> Self {
-        Self { delay_s: settings.width_delay_s, sigma_m: settings.width_sigma_m, noise, waiting: VecDeque::new() }
+        Self {
+            delay_s: settings.width_delay_s,
+            sigma_m: settings.width_sigma_m,
+            noise,
+            waiting: VecDeque::new(),
+        }
     }
 
     /// Exposes a frame on a road of this width.

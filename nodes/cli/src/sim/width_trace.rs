@@ -1,0 +1,99 @@
+//! Signed width error along slicer time, in bins: two runs of a file can be compared although their speeds differ.
+
+/// Width of a bin of slicer time `[s]`.
+const BIN_S: f64 = 0.05;
+/// Window of the averaged width error of `recovery_time_s` `[s]`.
+const WINDOW_S: f64 = 0.5;
+/// Averaged width error that counts as recovered `[-]`.
+const RECOVERED_REL: f64 = 0.02;
+
+/// Sum of error times time, and time, a bin.
+#[derive(Debug, Clone, Default)]
+pub struct WidthTrace {
+    bins: Vec<(f64, f64)>,
+}
+
+impl WidthTrace {
+    /// Adds a step of `dt_s` with a relative width error at this slicer time.
+    pub fn add(&mut self, path_time_s: f64, error_rel: f64, dt_s: f64) {
+        let bin = bin_of(path_time_s);
+        if bin >= self.bins.len() {
+            self.bins.resize(bin + 1, (0.0, 0.0));
+        }
+        self.bins[bin].0 += error_rel * dt_s;
+        self.bins[bin].1 += dt_s;
+    }
+
+    fn mean(&self, bin: usize) -> Option<f64> {
+        self.bins.get(bin).filter(|(_, dt_s)| *dt_s > 0.0).map(|(sum, dt_s)| sum / dt_s)
+    }
+
+    /// Slicer time from `onset_s` until the averaged error, less that of the fault-free run of the same seed, stays
+    /// within 2 %; `None` if it never does.
+    #[must_use]
+    pub fn recovery_s(&self, fault_free: &Self, onset_s: f64) -> Option<f64> {
+        let first = bin_of(onset_s);
+        let window = bin_of(WINDOW_S).max(1);
+        let excess: Vec<Option<f64>> =
+            (first..self.bins.len()).map(|bin| Some(self.mean(bin)? - fault_free.mean(bin)?)).collect();
+        let mut recovered = None;
+        for end in 0..excess.len() {
+            let Some(mean) = mean_of(&excess[end.saturating_sub(window - 1)..=end]) else { continue };
+            if mean.abs() >= RECOVERED_REL {
+                recovered = None;
+            } else if recovered.is_none() {
+                recovered = Some(end);
+            }
+        }
+        #[allow(clippy::cast_precision_loss, reason = "bins of a print are far below 2^52")]
+        recovered.map(|bin| bin as f64 * BIN_S)
+    }
+}
+
+fn bin_of(time_s: f64) -> usize {
+    // Slicer time is finite, not negative and below a month.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded above")]
+    let bin = (time_s / BIN_S) as usize;
+    bin
+}
+
+fn mean_of(values: &[Option<f64>]) -> Option<f64> {
+    let held: Vec<f64> = values.iter().flatten().copied().collect();
+    #[allow(clippy::cast_precision_loss, reason = "at most ten bins")]
+    let count = held.len() as f64;
+    (!held.is_empty()).then(|| held.iter().sum::<f64>() / count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trace(error: impl Fn(f64) -> f64) -> WidthTrace {
+        let mut trace = WidthTrace::default();
+        for ms in 0..60_000 {
+            let time_s = f64::from(ms) * 1e-3;
+            trace.add(time_s, error(time_s), 1e-3);
+        }
+        trace
+    }
+
+    #[test]
+    fn recovery_counts_from_the_onset_to_the_last_moment_outside_two_percent() {
+        // A dip of 9 % that decays with 1 s: exp(-t) x 9 % = 2 % at ln 4.5 = 1.50 s, later by half the window.
+        let hurt = trace(|t| if t < 30.0 { 0.01 } else { 0.01 - 0.09 * (30.0 - t).exp() });
+        let recovery_s = hurt.recovery_s(&trace(|_| 0.01), 30.0).unwrap();
+        assert!((1.5..2.1).contains(&recovery_s), "{recovery_s}");
+    }
+
+    #[test]
+    fn a_lasting_error_never_recovers() {
+        let hurt = trace(|t| if t < 30.0 { 0.0 } else { -0.05 });
+        assert_eq!(hurt.recovery_s(&trace(|_| 0.0), 30.0), None);
+    }
+
+    #[test]
+    fn an_error_that_both_runs_share_is_not_counted() {
+        let ripple = |t: f64| 0.1 * (7.0 * t).sin();
+        assert_eq!(trace(ripple).recovery_s(&trace(ripple), 30.0), Some(0.0));
+    }
+}

@@ -1,0 +1,270 @@
+//! The node processes: started, watched, started again with a growing delay, stopped in order.
+
+use models::units::Seconds;
+use rustix::process::{Pid, Signal, kill_process};
+use std::fs::OpenOptions;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+
+/// First delay before a process is started again `[s]`; doubles with every start within a minute.
+const BACKOFF_MIN_S: f64 = 0.5;
+/// Longest delay `[s]`.
+const BACKOFF_MAX_S: f64 = 8.0;
+/// Starts within [`RESTART_WINDOW_S`] after which a process stays down.
+const RESTARTS_MAX: usize = 5;
+/// Window of [`RESTARTS_MAX`] `[s]`.
+const RESTART_WINDOW_S: f64 = 60.0;
+
+/// How a node is started.
+#[derive(Debug, Clone)]
+pub struct Recipe {
+    /// Name of node and executable.
+    pub name: &'static str,
+    /// The executable.
+    pub program: PathBuf,
+    /// Its arguments.
+    pub arguments: Vec<String>,
+}
+
+/// What happened to a process.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Happening {
+    /// It ended although nobody had asked; it will be started again.
+    Ended {
+        /// Name of the node.
+        name: &'static str,
+        /// Exit status or signal, for people.
+        how: String,
+    },
+    /// It runs again.
+    Restarted {
+        /// Name of the node.
+        name: &'static str,
+        /// Its new process id.
+        pid: u32,
+    },
+    /// It ended too often and stays down.
+    GivenUp {
+        /// Name of the node.
+        name: &'static str,
+    },
+}
+
+struct Member {
+    recipe: Recipe,
+    child: Option<Child>,
+    restarts: Vec<Seconds>,
+    due: Option<Seconds>,
+    given_up: bool,
+}
+
+/// All node processes of one printer, in the order of their start.
+pub struct Fleet {
+    members: Vec<Member>,
+    logs: PathBuf,
+}
+
+impl Fleet {
+    /// Starts every recipe in order; their messages go to `<logs>/<name>.log`.
+    ///
+    /// # Errors
+    /// Names the executable that could not be started; those already running are stopped again.
+    pub fn start(recipes: Vec<Recipe>, logs: &Path) -> io::Result<Self> {
+        std::fs::create_dir_all(logs)?;
+        let mut fleet = Self { members: Vec::new(), logs: logs.to_owned() };
+        for recipe in recipes {
+            let child = spawn(&recipe, &fleet.logs)?;
+            fleet.members.push(Member {
+                recipe,
+                child: Some(child),
+                restarts: Vec::new(),
+                due: None,
+                given_up: false,
+            });
+        }
+        Ok(fleet)
+    }
+
+    /// Looks after every process; call it some ten times a second.
+    pub fn tend(&mut self, now: Seconds) -> Vec<Happening> {
+        let mut happenings = Vec::new();
+        for member in &mut self.members {
+            if let Some(status) = member.ended() {
+                happenings.push(member.plan_restart(now, status));
+            }
+            if member.due.is_some_and(|due| now >= due) {
+                happenings.extend(member.restart(now, &self.logs));
+            }
+        }
+        happenings
+    }
+
+    /// Process ids by node, of those that run.
+    #[must_use]
+    pub fn pids(&self) -> Vec<(&'static str, u32)> {
+        let running = |member: &Member| Some((member.recipe.name, member.child.as_ref()?.id()));
+        self.members.iter().filter_map(running).collect()
+    }
+
+    /// Asks all but `except` to end.
+    pub fn ask_to_end(&self, except: Option<&str>) {
+        for member in self.members.iter().filter(|member| Some(member.recipe.name) != except) {
+            member.signal(Signal::TERM);
+        }
+    }
+
+    /// Whether all but `except` have ended.
+    pub fn all_ended(&mut self, except: Option<&str>) -> bool {
+        self.members
+            .iter_mut()
+            .filter(|member| Some(member.recipe.name) != except)
+            .all(|member| member.child.as_mut().is_none_or(|child| !matches!(child.try_wait(), Ok(None))))
+    }
+
+    /// Ends by force what still runs; returns the names.
+    pub fn kill_rest(&mut self) -> Vec<&'static str> {
+        let mut killed = Vec::new();
+        for member in &mut self.members {
+            if let Some(child) = &mut member.child
+                && matches!(child.try_wait(), Ok(None))
+                && child.kill().is_ok()
+            {
+                let _reaped = child.wait();
+                killed.push(member.recipe.name);
+            }
+        }
+        killed
+    }
+}
+
+impl Drop for Fleet {
+    /// No process outlives the command, whatever ended it.
+    fn drop(&mut self) {
+        self.kill_rest();
+    }
+}
+
+impl Member {
+    fn ended(&mut self) -> Option<ExitStatus> {
+        let status = self.child.as_mut()?.try_wait().ok().flatten()?;
+        self.child = None;
+        Some(status)
+    }
+
+    fn plan_restart(&mut self, now: Seconds, status: ExitStatus) -> Happening {
+        let name = self.recipe.name;
+        self.restarts.retain(|at| (now - *at).0 < RESTART_WINDOW_S);
+        if self.restarts.len() >= RESTARTS_MAX {
+            self.given_up = true;
+            return Happening::GivenUp { name };
+        }
+        let doublings = i32::try_from(self.restarts.len()).unwrap_or(i32::MAX);
+        let delay_s = (BACKOFF_MIN_S * 2_f64.powi(doublings)).min(BACKOFF_MAX_S);
+        self.due = Some(now + Seconds(delay_s));
+        Happening::Ended { name, how: status.to_string() }
+    }
+
+    fn restart(&mut self, now: Seconds, logs: &Path) -> Option<Happening> {
+        self.due = None;
+        self.restarts.push(now);
+        let name = self.recipe.name;
+        match spawn(&self.recipe, logs) {
+            Ok(child) => {
+                let pid = child.id();
+                self.child = Some(child);
+                Some(Happening::Restarted { name, pid })
+            }
+            Err(_) => {
+                self.given_up = true;
+                Some(Happening::GivenUp { name })
+            }
+        }
+    }
+
+    fn signal(&self, signal: Signal) {
+        let pid = self.child.as_ref().and_then(|child| i32::try_from(child.id()).ok()).and_then(Pid::from_raw);
+        if let Some(pid) = pid {
+            // It may have ended meanwhile; then there is nobody left to tell.
+            let _told = kill_process(pid, signal);
+            // A stopped process would never see the request.
+            let _woken = kill_process(pid, Signal::CONT);
+        }
+    }
+}
+
+fn spawn(recipe: &Recipe, logs: &Path) -> io::Result<Child> {
+    let log = OpenOptions::new().create(true).append(true).open(logs.join(format!("{}.log", recipe.name)))?;
+    Command::new(&recipe.program)
+        .args(&recipe.arguments)
+        .stdin(Stdio::null())
+        .stdout(log.try_clone()?)
+        .stderr(log)
+        .spawn()
+        .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", recipe.program.display())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recipe(name: &'static str, script: &str) -> Recipe {
+        Recipe { name, program: "/bin/sh".into(), arguments: vec!["-c".into(), script.into()] }
+    }
+
+    fn logs(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("fdm_fleet_{}_{name}", std::process::id()))
+    }
+
+    /// Tends the fleet on a virtual clock until it says something.
+    fn next(fleet: &mut Fleet, now: &mut Seconds) -> Happening {
+        loop {
+            if let Some(happening) = fleet.tend(*now).into_iter().next() {
+                return happening;
+            }
+            // Virtual time; the child itself needs some real time to end.
+            now.0 += 0.01;
+            std::thread::yield_now();
+        }
+    }
+
+    #[test]
+    fn a_process_that_keeps_ending_is_given_up_after_five_restarts() {
+        let mut fleet = Fleet::start(vec![recipe("short", "exit 3")], &logs("short")).unwrap();
+        // Restart k is planned 0.5 x 2^k after the end, at most 8 s: all five lie inside one minute of virtual time.
+        let (mut now, mut restarts) = (Seconds(0.0), 0);
+        loop {
+            // Time stands still while the child is alive, so that the window cannot slip away.
+            let mut still = now;
+            match next(&mut fleet, &mut still) {
+                Happening::Ended { how, .. } => assert!(how.contains('3'), "{how}"),
+                Happening::Restarted { .. } => {
+                    restarts += 1;
+                    now.0 += 8.0;
+                }
+                Happening::GivenUp { name } => {
+                    assert_eq!((name, restarts), ("short", 5));
+                    return;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_program_that_is_not_there_is_named() {
+        let missing = Recipe { name: "x", program: "/nowhere/x".into(), arguments: vec![] };
+        let error = Fleet::start(vec![missing], &logs("missing")).err().unwrap();
+        assert!(error.to_string().starts_with("/nowhere/x:"), "{error}");
+    }
+
+    #[test]
+    fn all_end_when_asked() {
+        let mut fleet = Fleet::start(vec![recipe("a", "sleep 60"), recipe("b", "sleep 60")], &logs("asked")).unwrap();
+        assert_eq!(fleet.pids().len(), 2);
+        fleet.ask_to_end(None);
+        while !fleet.all_ended(None) {
+            std::thread::yield_now();
+        }
+        assert!(fleet.kill_rest().is_empty());
+    }
+}

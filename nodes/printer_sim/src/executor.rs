@@ -1,0 +1,388 @@
+//! Executes a planned job: moves at the pace of the trims, waits for temperatures, pauses.
+//!
+//! A `native` host applies trims at once. A `serial` host has already sent some moves when a trim arrives: every move
+//! carries the trims that were in force when it entered the buffer.
+
+use crate::drive::Feed;
+use models::command::Trims;
+use models::motion::{Action, MoveKind, Segment, Step};
+use models::status::{HostProfile, JobPhase};
+use models::units::{Celsius, Seconds};
+use std::collections::VecDeque;
+
+/// Settings of the host and the firmware's motion; from `config/printer_sim.param.yaml`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Who executes trims.
+    pub host: HostProfile,
+    /// Moves that a serial host keeps in the firmware's buffer `[-]`.
+    pub serial_buffer_moves: usize,
+    /// Time that a serial host keeps in the firmware's buffer `[s]`.
+    pub serial_buffer_s: f64,
+    /// Time to stop for a pause and to get going again `[s]`.
+    pub pause_ramp_s: f64,
+    /// Time that homing takes `[s]`.
+    pub homing_s: f64,
+    /// How near the set-point counts as reached `[K]`.
+    pub reached_band_k: f64,
+}
+
+/// Set-points and switches that the file controls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sliced {
+    /// Hot end set-point of the file.
+    pub hotend: Celsius,
+    /// Bed set-point of the file.
+    pub bed: Celsius,
+    /// Part fan `[0, 1]`.
+    pub fan: f64,
+    /// Pressure advance `[s]`.
+    pub advance_s: f64,
+    /// Path speed factor of the file (`M220`) `[-]`.
+    pub speed_factor: f64,
+    /// Filament factor of the file (`M221`) `[-]`.
+    pub flow_factor: f64,
+}
+
+impl Sliced {
+    /// Everything off.
+    pub const OFF: Self = Self {
+        hotend: Celsius(0.0),
+        bed: Celsius(0.0),
+        fan: 0.0,
+        advance_s: 0.0,
+        speed_factor: 1.0,
+        flow_factor: 1.0,
+    };
+}
+
+/// What the machine must know of the world around it in one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surroundings {
+    /// Trims in force.
+    pub trims: Trims,
+    /// A pause is asked for.
+    pub hold: bool,
+    /// Hot end as the firmware reads it.
+    pub hotend: Celsius,
+    /// Bed as the firmware reads it.
+    pub bed: Celsius,
+}
+
+/// Motion over one step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Motion {
+    /// Filament asked of the drive.
+    pub feed: Feed,
+    /// Trims that count for the current move.
+    pub trims: Option<Trims>,
+    /// Tool speed along its path `[m/s]`, trim included.
+    pub path_speed_m_s: f64,
+    /// The slicer's own speed at this point `[m/s]`.
+    pub planned_speed_m_s: f64,
+}
+
+#[derive(Debug, Clone)]
+enum Queued {
+    Move(Box<Segment>, Option<Trims>),
+    Act(Action),
+}
+
+#[derive(Debug, Clone)]
+struct Active {
+    segment: Box<Segment>,
+    trims: Option<Trims>,
+    elapsed_s: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Wait {
+    None,
+    Until { left_s: f64 },
+    Hotend,
+    Bed,
+}
+
+/// A job under way.
+pub struct Executor {
+    settings: Settings,
+    steps: Box<dyn Iterator<Item = Step> + Send>,
+    queue: VecDeque<Queued>,
+    queued_s: f64,
+    exhausted: bool,
+    active: Option<Active>,
+    wait: Wait,
+    pace: f64,
+    started: bool,
+    file_pause: bool,
+    sliced: Sliced,
+    homed: bool,
+    layer: Option<u32>,
+    line: u64,
+    position_m: [f64; 3],
+    path_time_s: f64,
+    fed_m: f64,
+}
+
+impl Executor {
+    /// A job that has not begun.
+    #[must_use]
+    pub fn new(settings: Settings, steps: Box<dyn Iterator<Item = Step> + Send>, off: Sliced) -> Self {
+        Self {
+            settings,
+            steps,
+            queue: VecDeque::new(),
+            queued_s: 0.0,
+            exhausted: false,
+            active: None,
+            wait: Wait::None,
+            pace: 1.0,
+            started: false,
+            file_pause: false,
+            sliced: off,
+            homed: false,
+            layer: None,
+            line: 0,
+            position_m: [0.0; 3],
+            path_time_s: 0.0,
+            fed_m: 0.0,
+        }
+    }
+
+    /// Advances by `dt`; `begun` takes every move that starts, with the time into the step at which it does.
+    pub fn step(
+        &mut self,
+        dt: Seconds,
+        around: &Surroundings,
+        mut begun: impl FnMut(&Segment, Seconds),
+    ) -> Motion {
+        self.set_pace(dt, around);
+        let mut motion = Motion::default();
+        let mut spent_s = 0.0;
+        while spent_s < dt.0 && self.pace > 0.0 {
+            self.refill(around);
+            if !self.ready(dt.0 - spent_s, &mut spent_s, around) {
+                break;
+            }
+            if self.active.is_none() && !self.next_move(around, |segment| begun(segment, Seconds(spent_s))) {
+                if self.exhausted && self.queue.is_empty() {
+                    break;
+                }
+                continue;
+            }
+            spent_s += self.advance(dt.0 - spent_s, around, &mut motion);
+        }
+        motion.feed.deposited_m_s /= dt.0;
+        motion.feed.other_m_s /= dt.0;
+        motion.path_speed_m_s /= dt.0;
+        motion.trims = self.active.as_ref().and_then(|active| active.trims);
+        motion
+    }
+
+    fn set_pace(&mut self, dt: Seconds, around: &Surroundings) {
+        let change = dt.0 / self.settings.pause_ramp_s;
+        let goal = if around.hold || self.file_pause { 0.0 } else { 1.0 };
+        self.pace =
+            if goal > self.pace { (self.pace + change).min(goal) } else { (self.pace - change).max(goal) };
+    }
+
+    /// Keeps the host's buffer filled: one move for a native host, a stretch of time for a serial one.
+    fn refill(&mut self, around: &Surroundings) {
+        let (moves, span_s) = match self.settings.host {
+            HostProfile::Native => (1, 0.0),
+            HostProfile::Serial => (self.settings.serial_buffer_moves, self.settings.serial_buffer_s),
+        };
+        while !self.exhausted
+            && (self.queue.is_empty() || (self.queue.len() < moves && self.queued_s < span_s))
+        {
+            match self.steps.next() {
+                None => self.exhausted = true,
+                Some(Step::Action(action, line)) => {
+                    self.line = self.line.max(line);
+                    self.queue.push_back(Queued::Act(action));
+                }
+                Some(Step::Move(segment)) => {
+                    self.queued_s += segment.profile.duration().0;
+                    let trims = (self.settings.host == HostProfile::Serial).then_some(around.trims);
+                    self.queue.push_back(Queued::Move(Box::new(segment), trims));
+                }
+            }
+        }
+    }
+
+    /// Whether motion may go on; a dwell uses up time of the step.
+    fn ready(&mut self, left_s: f64, spent_s: &mut f64, around: &Surroundings) -> bool {
+        let band_k = self.settings.reached_band_k;
+        let over = match &mut self.wait {
+            Wait::None => true,
+            Wait::Until { left_s: wait_s } => {
+                let used_s = wait_s.min(left_s);
+                *wait_s -= used_s;
+                *spent_s += used_s;
+                *wait_s <= 0.0
+            }
+            Wait::Hotend => around.hotend.0 >= self.sliced.hotend.0 - band_k,
+            Wait::Bed => around.bed.0 >= self.sliced.bed.0 - band_k,
+        };
+        if over {
+            self.wait = Wait::None;
+        }
+        over && *spent_s <= left_s + *spent_s
+    }
+
+    /// Takes the next thing from the queue; true if it is a move.
+    fn next_move(&mut self, around: &Surroundings, begun: impl FnOnce(&Segment)) -> bool {
+        match self.queue.pop_front() {
+            None => false,
+            Some(Queued::Act(action)) => {
+                self.act(action);
+                false
+            }
+            Some(Queued::Move(segment, trims)) => {
+                self.queued_s = (self.queued_s - segment.profile.duration().0).max(0.0);
+                self.started = true;
+                self.line = segment.line;
+                self.layer = segment.layer;
+                begun(&segment);
+                let trims = Some(trims.unwrap_or(around.trims));
+                self.active = Some(Active { segment, trims, elapsed_s: 0.0 });
+                true
+            }
+        }
+    }
+
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::HotendTarget { target, wait } => {
+                self.sliced.hotend = target;
+                if wait {
+                    self.wait = Wait::Hotend;
+                }
+            }
+            Action::BedTarget { target, wait } => {
+                self.sliced.bed = target;
+                if wait {
+                    self.wait = Wait::Bed;
+                }
+            }
+            Action::Fan(share) => self.sliced.fan = share,
+            Action::Home(_) => {
+                self.homed = true;
+                self.wait = Wait::Until { left_s: self.settings.homing_s };
+            }
+            Action::Dwell(time) => self.wait = Wait::Until { left_s: time.0 },
+            Action::Advance(time) => self.sliced.advance_s = time.0,
+            Action::SpeedFactor(factor) => self.sliced.speed_factor = factor,
+            Action::FlowFactor(factor) => self.sliced.flow_factor = factor,
+            Action::Pause => self.file_pause = true,
+            _ => {}
+        }
+    }
+
+    /// Moves on for at most `left_s`; returns the time used.
+    fn advance(&mut self, left_s: f64, around: &Surroundings, motion: &mut Motion) -> f64 {
+        let Some(active) = &mut self.active else { return left_s };
+        if self.settings.host == HostProfile::Native {
+            active.trims = Some(around.trims);
+        }
+        let speed = active.trims.map_or(1.0, |trims| trims.speed) * self.pace * self.sliced.speed_factor;
+        let duration_s = active.segment.profile.duration().0;
+        let plan_left_s = duration_s - active.elapsed_s;
+        let plan_used_s = (left_s * speed).min(plan_left_s);
+        let from_m = active.segment.profile.at(Seconds(active.elapsed_s)).distance_m;
+        active.elapsed_s += plan_used_s;
+        let done = active.elapsed_s >= duration_s;
+        let at = active.segment.profile.at(Seconds(active.elapsed_s));
+
+        let segment = &active.segment;
+        let path_m = segment.path_m();
+        let covered_m = if done { path_m - from_m } else { at.distance_m - from_m };
+        let share = if path_m > 0.0 { covered_m / path_m } else { 1.0 };
+        let filament_m = segment.filament_m * share;
+        if segment.kind == MoveKind::Deposit {
+            motion.feed.deposited_m_s += filament_m * self.sliced.flow_factor;
+        } else {
+            motion.feed.other_m_s += filament_m;
+        }
+        if segment.length_m > 0.0 {
+            motion.path_speed_m_s += covered_m;
+            motion.planned_speed_m_s = at.speed_m_s * self.sliced.speed_factor;
+        }
+        self.fed_m += filament_m.max(0.0);
+        let along = if path_m > 0.0 { (at.distance_m / path_m).min(1.0) } else { 1.0 };
+        for axis in 0..3 {
+            self.position_m[axis] =
+                segment.start_m[axis] + along * (segment.end_m[axis] - segment.start_m[axis]);
+        }
+        self.path_time_s += plan_used_s;
+        if done {
+            self.active = None;
+        }
+        if speed > 0.0 { plan_used_s / speed } else { left_s }
+    }
+
+    /// Where the job stands.
+    #[must_use]
+    pub fn phase(&self) -> JobPhase {
+        let held = self.pace <= 0.0;
+        match (self.exhausted && self.queue.is_empty() && self.active.is_none(), held, self.started) {
+            (true, ..) => JobPhase::Done,
+            (false, true, _) => JobPhase::Paused,
+            (false, false, true) if self.wait == Wait::None => JobPhase::Printing,
+            _ => JobPhase::Preparing,
+        }
+    }
+
+    /// Resumes from a pause that the file asked for.
+    pub fn resume(&mut self) {
+        self.file_pause = false;
+    }
+
+    /// Set-points of the file.
+    #[must_use]
+    pub fn sliced(&self) -> &Sliced {
+        &self.sliced
+    }
+
+    /// The move under way.
+    #[must_use]
+    pub fn segment(&self) -> Option<&Segment> {
+        self.active.as_ref().map(|active| active.segment.as_ref())
+    }
+
+    /// All axes know their place.
+    #[must_use]
+    pub fn homed(&self) -> bool {
+        self.homed
+    }
+
+    /// Layer from 0.
+    #[must_use]
+    pub fn layer(&self) -> Option<u32> {
+        self.layer
+    }
+
+    /// Line of the file, from 1.
+    #[must_use]
+    pub fn line(&self) -> u64 {
+        self.line
+    }
+
+    /// Tool position in the bed frame `[m]`.
+    #[must_use]
+    pub fn position_m(&self) -> [f64; 3] {
+        self.position_m
+    }
+
+    /// Time along the slicer's plan `[s]`.
+    #[must_use]
+    pub fn path_time_s(&self) -> f64 {
+        self.path_time_s
+    }
+
+    /// Filament that the file has pushed so far, retractions not subtracted `[m]`.
+    #[must_use]
+    pub fn fed_m(&self) -> f64 {
+        self.fed_m
+    }
+}

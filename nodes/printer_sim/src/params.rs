@@ -1,0 +1,218 @@
+//! Parameters: the plant's file (`config/plants/`) and the simulated host, firmware and sensors
+//! (`config/printer_sim.param.yaml`).
+
+use crate::{drive, executor, sensors};
+use models::bed::Bed;
+use models::command::{DeadManParams, Limits};
+use models::extruder::{Extruder, SlipParams};
+use models::heater::PidParams;
+use models::hotend::Hotend;
+use models::latent::Cooling;
+use models::material::{Deviation, Material};
+use models::params::{ParamError, in_range, positive};
+use models::quality::Quality;
+use models::status::HostProfile;
+use models::units::{Celsius, Kelvin};
+use serde::Deserialize;
+
+/// The simulated printer's physics: the `plant` block of a plant file.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlantParams {
+    /// Hot end.
+    pub hotend: Hotend,
+    /// Bed.
+    pub bed: Bed,
+    /// Extruder and nozzle.
+    pub extruder: Extruder,
+    /// How a laid road cools.
+    pub cooling: Cooling,
+    /// Firmware's loop of the hot end.
+    pub heater: PidParams,
+    /// Firmware's loop of the bed.
+    pub bed_heater: PidParams,
+    /// Slip of the drive gear.
+    pub slip: SlipParams,
+    /// The spool's diameter.
+    pub filament: Filament,
+    /// The spool's material against what the estimator believes.
+    pub material_deviation: Deviation,
+    /// Room and incoming filament `[K]`.
+    pub ambient_temp_k: f64,
+}
+
+/// Diameter of the filament along its length: an Ornstein-Uhlenbeck process.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawFilament")]
+pub struct Filament {
+    /// Mean `[m]`.
+    pub diameter_m: f64,
+    /// Standard deviation `[m]`.
+    pub diameter_sigma_m: f64,
+    /// Length over which it forgets itself `[m]`.
+    pub correlation_length_m: f64,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawFilament {
+    diameter_m: f64,
+    diameter_sigma_m: f64,
+    correlation_length_m: f64,
+}
+
+impl TryFrom<RawFilament> for Filament {
+    type Error = ParamError;
+    fn try_from(raw: RawFilament) -> Result<Self, ParamError> {
+        Ok(Self {
+            diameter_m: in_range("diameter_m", raw.diameter_m, "m", (1e-3, 4e-3))?,
+            diameter_sigma_m: in_range("diameter_sigma_m", raw.diameter_sigma_m, "m", (0.0, 2e-4))?,
+            correlation_length_m: positive("correlation_length_m", raw.correlation_length_m, "m")?,
+        })
+    }
+}
+
+/// Firmware of the simulated printer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Firmware {
+    /// Advance before the file sets one `[s]`.
+    pub advance_s: f64,
+    /// Hot end set-point while a pause lasts.
+    pub standby: Celsius,
+    /// Period of the printer's state `[s]`.
+    pub status_period_s: f64,
+    /// Period of the heat balance `[s]`.
+    pub thermal_period_s: f64,
+    /// A run-out switch is fitted.
+    pub runout_switch: bool,
+    /// Layer below the road `[K]` under its bed: how much colder it is than the bed.
+    pub below_bed_k: f64,
+}
+
+/// The `simulator` block of `config/printer_sim.param.yaml`.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawSimulator")]
+pub struct SimulatorParams {
+    /// Job execution.
+    pub executor: executor::Settings,
+    /// Extruder drive.
+    pub drive: drive::Settings,
+    /// Firmware.
+    pub firmware: Firmware,
+    /// Sensors.
+    pub sensors: sensors::Settings,
+}
+
+/// The `simulator` block as it is written.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(missing_docs, reason = "unit, range and meaning stand beside each value in the file")]
+pub struct RawSimulator {
+    pub host: RawHost,
+    pub serial_buffer_moves: usize,
+    pub serial_buffer_s: f64,
+    pub pause_ramp_s: f64,
+    pub homing_s: f64,
+    pub reached_band_k: f64,
+    pub loop_gain_1_s: f64,
+    pub loop_period_s: f64,
+    pub advance_smooth_s: f64,
+    pub advance_s: f64,
+    pub standby_c: f64,
+    pub status_period_s: f64,
+    pub thermal_period_s: f64,
+    pub runout_switch: bool,
+    pub below_bed_k: f64,
+    pub temperature_period_s: f64,
+    pub temperature_sigma_k: f64,
+    pub encoder_period_s: f64,
+    pub encoder_quantum_m: f64,
+    pub width_period_s: f64,
+    pub width_delay_s: f64,
+    pub width_sigma_m: f64,
+}
+
+/// Host profile as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RawHost {
+    /// See [`HostProfile::Native`].
+    Native,
+    /// See [`HostProfile::Serial`].
+    Serial,
+}
+
+impl TryFrom<RawSimulator> for SimulatorParams {
+    type Error = ParamError;
+    fn try_from(raw: RawSimulator) -> Result<Self, ParamError> {
+        let period = |name, value| in_range(name, value, "s", (1e-3, 10.0));
+        Ok(Self {
+            executor: executor::Settings {
+                host: match raw.host {
+                    RawHost::Native => HostProfile::Native,
+                    RawHost::Serial => HostProfile::Serial,
+                },
+                serial_buffer_moves: raw.serial_buffer_moves.max(1),
+                serial_buffer_s: in_range("serial_buffer_s", raw.serial_buffer_s, "s", (0.0, 10.0))?,
+                pause_ramp_s: in_range("pause_ramp_s", raw.pause_ramp_s, "s", (1e-3, 10.0))?,
+                homing_s: in_range("homing_s", raw.homing_s, "s", (0.0, 600.0))?,
+                reached_band_k: in_range("reached_band_k", raw.reached_band_k, "K", (0.1, 20.0))?,
+            },
+            drive: drive::Settings {
+                loop_gain_1_s: in_range("loop_gain_1_s", raw.loop_gain_1_s, "1/s", (0.0, 20.0))?,
+                loop_period_s: period("loop_period_s", raw.loop_period_s)?,
+                advance_smooth_s: period("advance_smooth_s", raw.advance_smooth_s)?,
+            },
+            firmware: Firmware {
+                advance_s: in_range("advance_s", raw.advance_s, "s", (0.0, 5.0))?,
+                standby: Celsius(in_range("standby_c", raw.standby_c, "degC", (0.0, 250.0))?),
+                status_period_s: period("status_period_s", raw.status_period_s)?,
+                thermal_period_s: in_range("thermal_period_s", raw.thermal_period_s, "s", (1e-3, 0.1))?,
+                runout_switch: raw.runout_switch,
+                below_bed_k: in_range("below_bed_k", raw.below_bed_k, "K", (0.0, 50.0))?,
+            },
+            sensors: sensors::Settings {
+                temperature_period_s: period("temperature_period_s", raw.temperature_period_s)?,
+                temperature_sigma_k: in_range(
+                    "temperature_sigma_k",
+                    raw.temperature_sigma_k,
+                    "K",
+                    (0.0, 10.0),
+                )?,
+                encoder_period_s: period("encoder_period_s", raw.encoder_period_s)?,
+                encoder_quantum_m: in_range("encoder_quantum_m", raw.encoder_quantum_m, "m", (1e-7, 1e-2))?,
+                width_period_s: period("width_period_s", raw.width_period_s)?,
+                width_delay_s: in_range("width_delay_s", raw.width_delay_s, "s", (0.0, 10.0))?,
+                width_sigma_m: in_range("width_sigma_m", raw.width_sigma_m, "m", (0.0, 1e-3))?,
+            },
+        })
+    }
+}
+
+/// Everything that a [`Simulator`](crate::Simulator) needs to know.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Params {
+    /// The plant's physics.
+    pub plant: PlantParams,
+    /// Material as the makers state it; the plant applies its own deviation.
+    pub material: Material,
+    /// Host, firmware, sensors.
+    pub simulator: SimulatorParams,
+    /// What follows the supervisor's silence.
+    pub dead_man: DeadManParams,
+    /// The printer's own limits on trims.
+    pub limits: Limits,
+    /// Quality function that the truth is scored with.
+    pub quality: Quality,
+    /// How much colder than its block the nozzle is at reference conditions `[K]`: the file's set-point less this
+    /// counts as the right nozzle temperature.
+    pub nozzle_drop_k: f64,
+}
+
+impl PlantParams {
+    /// Room and incoming filament.
+    #[must_use]
+    pub fn ambient(&self) -> Kelvin {
+        Kelvin(self.ambient_temp_k)
+    }
+}

@@ -1,0 +1,269 @@
+//! The plant: heat, melt, slip, road. System 1 of the model book with System 2's pressure lag, at the caller's step.
+
+use crate::faults::InForce;
+use crate::output::Truth;
+use crate::params::PlantParams;
+use crate::sensors::{Noise, bead_surroundings};
+use models::bead::stadium;
+use models::extruder::{Pressure, StaticLaw};
+use models::hotend::{Inputs as HeatInputs, Thermal};
+use models::latent::{LaidBead, adhesion, fill};
+use models::material::Material;
+use models::melt::Melt;
+use models::units::{Kelvin, Seconds};
+
+/// Filament length after which the diameter is drawn anew `[m]`: far below its correlation length.
+const DIAMETER_STEP_M: f64 = 1e-3;
+/// More loss of the block for each kelvin of a cold draught `[1/K]`: 30 % at -10 K (model book 1.12).
+const DRAUGHT_LOSS_1_K: f64 = 0.03;
+
+/// A road being deposited.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Road {
+    /// Width that the slicer asked for `[m]`.
+    pub target_width_m: f64,
+    /// Layer height `[m]`.
+    pub height_m: f64,
+}
+
+/// What drive and tool do over one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Push {
+    /// Motor speed as filament `[m/s]`; negative in a retraction.
+    pub motor_m_s: f64,
+    /// Tool speed along its path `[m/s]`.
+    pub path_speed_m_s: f64,
+    /// The road under the nozzle, if one is deposited.
+    pub road: Option<Road>,
+}
+
+/// What the firmware switches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inputs {
+    /// Hot end duty `[0, 1]`; zero without mains.
+    pub hotend_duty: f64,
+    /// Bed duty `[0, 1]`; zero without mains.
+    pub bed_duty: f64,
+    /// The mains relay feeds the heaters.
+    pub mains_on: bool,
+    /// Part fan `[0, 1]`.
+    pub fan: f64,
+}
+
+/// State of the plant.
+#[derive(Debug, Clone)]
+pub struct Plant {
+    params: PlantParams,
+    material: Material,
+    melt: Melt,
+    law: StaticLaw,
+    thermal: Thermal,
+    bed: Kelvin,
+    fan: f64,
+    heater_w: f64,
+    pressure: Pressure,
+    slip: f64,
+    delivered_m: f64,
+    outlet_m: f64,
+    /// Cross-section of the road under the nozzle, smeared over one nozzle diameter of path `[m2]`.
+    section_m2: Option<f64>,
+    diameter_offset_m: f64,
+    diameter_due_m: f64,
+    /// Area of the filament over the nominal one, faults included `[-]`.
+    gain: f64,
+    noise: Noise,
+    mean_flow_m3_s: f64,
+}
+
+impl Plant {
+    /// Everything at room temperature; `material` is the plant's own, deviation applied.
+    #[must_use]
+    pub fn new(params: &PlantParams, material: Material, mut noise: Noise) -> Self {
+        let ambient = params.ambient();
+        let melt = Melt::new(&material, &params.extruder);
+        let diameter_offset_m = params.filament.diameter_sigma_m * noise.draw();
+        let mut plant = Self {
+            params: *params,
+            law: StaticLaw::new(&melt, &params.extruder, ambient, 1.0),
+            melt,
+            material,
+            thermal: Thermal::uniform(ambient.0),
+            bed: ambient,
+            fan: 0.0,
+            heater_w: 0.0,
+            pressure: Pressure::RELAXED,
+            slip: 0.0,
+            delivered_m: 0.0,
+            outlet_m: 0.0,
+            section_m2: None,
+            diameter_offset_m,
+            diameter_due_m: DIAMETER_STEP_M,
+            gain: 1.0,
+            noise,
+            mean_flow_m3_s: 0.0,
+        };
+        plant.gain = plant.gain_now(&InForce::NONE);
+        plant
+    }
+
+    /// Filament and road over one step of `dt`.
+    pub fn push(&mut self, motion: Push, faults: &InForce, dt: Seconds) {
+        let Push { motor_m_s, path_speed_m_s, road } = motion;
+        let force_n = self.pressure.outlet().force_n;
+        let params = &self.params;
+        let feed_m_s = match motor_m_s {
+            _ if faults.run_out => 0.0,
+            forward if forward > 0.0 => {
+                self.slip = params.slip.slip(force_n, params.extruder.force_max_n, faults.slip);
+                (1.0 - self.slip) * forward
+            }
+            // A retraction strokes unloaded teeth: it does not slip.
+            backward => backward,
+        };
+        self.delivered_m += feed_m_s * dt.0;
+        let laid_m = self.pressure.step(&self.law, feed_m_s, dt);
+        self.outlet_m += laid_m;
+        self.vary_diameter(feed_m_s * dt.0, faults);
+        let laid_m3 = laid_m * self.melt.filament_area_m2() * self.gain;
+        self.mean_flow_m3_s = laid_m3 / dt.0;
+        self.lay(laid_m3, path_speed_m_s * dt.0, road);
+    }
+
+    /// The nozzle's flat spreads the melt over about its own diameter: `dA/ds = (q/v - A)/D`.
+    fn lay(&mut self, laid_m3: f64, path_m: f64, road: Option<Road>) {
+        let Some(road) = road else {
+            self.section_m2 = None;
+            return;
+        };
+        let spread_m = 2.0 * self.params.extruder.nozzle_radius_m;
+        let before_m2 =
+            self.section_m2.unwrap_or_else(|| stadium::area_m2(road.target_width_m, road.height_m));
+        let kept = (-path_m / spread_m).exp();
+        // Exact for a constant section q/v over the step; finite where the tool rests.
+        let share = if path_m > 1e-12 { (1.0 - kept) / path_m } else { 1.0 / spread_m };
+        self.section_m2 = Some(before_m2 * kept + laid_m3 * share);
+    }
+
+    fn vary_diameter(&mut self, fed_m: f64, faults: &InForce) {
+        self.diameter_due_m -= fed_m;
+        if self.diameter_due_m <= 0.0 {
+            self.diameter_due_m += DIAMETER_STEP_M;
+            let filament = &self.params.filament;
+            let kept = (-DIAMETER_STEP_M / filament.correlation_length_m).exp();
+            let fresh_m = filament.diameter_sigma_m * (1.0 - kept * kept).sqrt();
+            self.diameter_offset_m = kept * self.diameter_offset_m + fresh_m * self.noise.draw();
+        }
+        self.gain = self.gain_now(faults);
+    }
+
+    fn gain_now(&self, faults: &InForce) -> f64 {
+        let diameter_m = (self.params.filament.diameter_m + self.diameter_offset_m) * faults.diameter;
+        (diameter_m / self.params.extruder.filament_diameter_m).powi(2)
+    }
+
+    /// Heat over one step of `dt`; the melt's law follows the new nozzle temperature.
+    pub fn heat(&mut self, inputs: &Inputs, faults: &InForce, dt: Seconds) {
+        let power_w = self.params.hotend.heater_power_w;
+        let duty = if faults.heater_stuck_on && inputs.mains_on { 1.0 } else { inputs.hotend_duty };
+        self.heater_w = duty * power_w * faults.heater_gain;
+        self.fan = inputs.fan * faults.fan_gain;
+        let air = self.air(faults);
+        let heat = HeatInputs {
+            heater_w: self.heater_w - self.draught_w(faults),
+            fan: self.fan,
+            ambient_k: air.0,
+            filament_k: air.0,
+            melt_w_k: self.material.heat_flow_w_k(self.mean_flow_m3_s),
+        };
+        let before = self.thermal;
+        self.thermal = self.params.hotend.step(before, &heat, dt);
+        // A bead that fell out of the block follows what is around it with the same lag.
+        let beside = bead_surroundings(Kelvin(self.thermal.block_k), air, faults);
+        if (beside.0 - self.thermal.block_k).abs() > 0.0 {
+            let kept = (-dt.0 / self.params.hotend.sensor_lag_s).exp();
+            self.thermal.sensor_k = beside.0 + (before.sensor_k - beside.0) * kept;
+        }
+        let bed_w = inputs.bed_duty * self.params.bed.heater_power_w;
+        self.bed = self.params.bed.step(self.bed, bed_w, air, dt);
+        let nozzle = Kelvin(self.thermal.nozzle_k);
+        let melt_temp = self.melt.melt_temperature(nozzle, air, self.mean_flow_m3_s);
+        self.law = StaticLaw::new(&self.melt, &self.params.extruder, melt_temp, faults.clog);
+    }
+
+    /// Loss that a draught adds to the block `[W]`.
+    fn draught_w(&self, faults: &InForce) -> f64 {
+        let more = (-faults.ambient_offset_k * DRAUGHT_LOSS_1_K).max(0.0);
+        more * self.params.hotend.block_loss_w_k * (self.thermal.block_k - self.air(faults).0)
+    }
+
+    /// Air around the printer.
+    #[must_use]
+    pub fn air(&self, faults: &InForce) -> Kelvin {
+        Kelvin(self.params.ambient_temp_k + faults.ambient_offset_k)
+    }
+
+    /// Thermistor bead of the hot end.
+    #[must_use]
+    pub fn sensor(&self) -> Kelvin {
+        Kelvin(self.thermal.sensor_k)
+    }
+
+    /// Bed.
+    #[must_use]
+    pub fn bed(&self) -> Kelvin {
+        self.bed
+    }
+
+    /// Filament that passed the gear since start `[m]`.
+    #[must_use]
+    pub fn delivered_m(&self) -> f64 {
+        self.delivered_m
+    }
+
+    /// Width of the road now `[m]`.
+    fn width_m(&self, road: &Road) -> f64 {
+        self.section_m2.map_or(0.0, |section_m2| stadium::width_of_area_m(section_m2, road.height_m))
+    }
+
+    /// Bond and porosity of the road now: `(adhesion, porosity)`.
+    fn latent(&self, road: &Road, below_bed_k: f64) -> (f64, f64) {
+        let bead = LaidBead {
+            nozzle_k: self.thermal.nozzle_k,
+            below_k: self.bed.0 - below_bed_k,
+            ambient_k: self.params.ambient_temp_k,
+            height_m: road.height_m,
+            width_m: road.target_width_m,
+            fan: self.fan,
+        };
+        let bond_s = self.params.cooling.bond_time_s(&self.material, &bead);
+        let wanted_m2 = stadium::area_m2(road.target_width_m, road.height_m);
+        let porosity = fill(self.section_m2.unwrap_or(wanted_m2), wanted_m2).porosity;
+        (adhesion(bond_s, self.material.adhesion_time_s), porosity)
+    }
+
+    /// The truth of plant and road; the caller adds what the plant does not know.
+    #[must_use]
+    pub fn truth(&self, road: Option<Road>, below_bed_k: f64) -> Truth {
+        let outlet = self.pressure.outlet();
+        let (adhesion, porosity) = road.map_or((0.0, 0.0), |road| self.latent(&road, below_bed_k));
+        Truth {
+            block_k: self.thermal.block_k,
+            nozzle_k: self.thermal.nozzle_k,
+            sensor_k: self.thermal.sensor_k,
+            bed_k: self.bed.0,
+            heater_w: self.heater_w,
+            delivered_m: self.delivered_m,
+            outlet_m: self.outlet_m,
+            outlet_m_s: outlet.speed_m_s,
+            slip: self.slip,
+            gain: self.gain,
+            force_n: outlet.force_n,
+            depositing: road.is_some(),
+            width_m: road.map_or(0.0, |road| self.width_m(&road)),
+            target_width_m: road.map_or(0.0, |road| road.target_width_m),
+            adhesion,
+            porosity,
+            ..Truth::default()
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Quality of the print so far, from the truth of the plant; every figure is weighted by time over deposited roads.
+//!
+//! The integrals stand in [`Truth`](crate::Truth), so that whoever follows it over DDS can form the figures between
+//! any two moments although messages may be lost: the difference of two integrals needs no sample in between.
+
+use models::quality::{Observed, Quality};
+use serde::Serialize;
+
+/// Integrals over deposited roads since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Integrals {
+    /// Time in which a road was deposited `[s]`.
+    pub deposit_s: f64,
+    /// Filament commanded for roads: the slicer's times the flow trim, advance included `[m]`.
+    pub wanted_m: f64,
+    /// Filament that passed the gear meanwhile `[m]`.
+    pub delivered_m: f64,
+    /// Integral of the squared relative width error `[s]`.
+    pub width_error_sq_s: f64,
+    /// Integral of the quality function Q `[s]`.
+    pub quality_s: f64,
+}
+
+/// Figures between two moments, with the names of the JSON contract.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Figures {
+    /// Mean of Q.
+    pub quality_mean: f64,
+    /// RMS of the relative width error.
+    pub width_rms_rel: f64,
+    /// |delivered / commanded - 1|.
+    pub feed_error_rel: f64,
+}
+
+impl Integrals {
+    /// Figures of what was deposited since `earlier`; `None` where nothing was.
+    #[must_use]
+    pub fn since(&self, earlier: &Self) -> Option<Figures> {
+        let deposit_s = self.deposit_s - earlier.deposit_s;
+        let wanted_m = self.wanted_m - earlier.wanted_m;
+        (deposit_s > 0.0 && wanted_m > 0.0).then(|| Figures {
+            quality_mean: (self.quality_s - earlier.quality_s) / deposit_s,
+            width_rms_rel: ((self.width_error_sq_s - earlier.width_error_sq_s) / deposit_s).max(0.0).sqrt(),
+            feed_error_rel: ((self.delivered_m - earlier.delivered_m) / wanted_m - 1.0).abs(),
+        })
+    }
+}
+
+/// A road at one moment, as it really is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment<'a> {
+    /// Width, temperature, adhesion, porosity and their references.
+    pub bead: Observed<'a>,
+    /// Filament commanded in this step `[m]`.
+    pub wanted_m: f64,
+    /// Filament delivered in this step `[m]`.
+    pub delivered_m: f64,
+    /// Length of the step `[s]`.
+    pub dt_s: f64,
+}
+
+/// Gathers the integrals.
+#[derive(Debug, Clone)]
+pub struct Score {
+    quality: Quality,
+    integrals: Integrals,
+}
+
+impl Score {
+    /// Nothing gathered yet.
+    #[must_use]
+    pub fn new(quality: Quality) -> Self {
+        Self { quality, integrals: Integrals::default() }
+    }
+
+    /// Adds one step in which a road was deposited.
+    pub fn add(&mut self, moment: &Moment<'_>) {
+        let error_rel = moment.bead.width_m / moment.bead.width_wanted_m - 1.0;
+        let sum = &mut self.integrals;
+        sum.deposit_s += moment.dt_s;
+        sum.wanted_m += moment.wanted_m;
+        sum.delivered_m += moment.delivered_m;
+        sum.width_error_sq_s += error_rel * error_rel * moment.dt_s;
+        sum.quality_s += self.quality.terms(&moment.bead).total() * moment.dt_s;
+    }
+
+    /// The integrals so far.
+    #[must_use]
+    pub fn integrals(&self) -> Integrals {
+        self.integrals
+    }
+}

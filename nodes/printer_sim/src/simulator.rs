@@ -1,0 +1,423 @@
+//! The simulated printer as a whole: job, drive, plant, firmware's heaters, sensors, dead-man.
+
+use crate::drive::Drive;
+use crate::executor::{Executor, Motion, Sliced, Surroundings};
+use crate::faults::{Fault, InForce as FaultsInForce};
+use crate::output::{Output, Truth};
+use crate::params::{Params, PlantParams};
+use crate::plant::{Inputs, Plant, Push, Road};
+use crate::scenario::{Entry, Scenario};
+use crate::score::{Moment, Score};
+use crate::sensors::{Noise, Pace, Thermometer, WidthGauge, bead_surroundings};
+use models::command::{DeadMan, InForce, Mode, Permit, Refusal, Request, Trims};
+use models::heater::Pid;
+use models::motion::{MoveKind, Step};
+use models::params::ParamError;
+use models::quality::Observed;
+use models::status::{JobPhase, PrinterStatus};
+use models::units::{Celsius, Kelvin, Seconds};
+use std::collections::VecDeque;
+
+/// What is to be printed.
+pub struct JobSource {
+    /// The planned steps of the file.
+    pub steps: Box<dyn Iterator<Item = Step> + Send>,
+    /// Filament that the steps push, retractions not subtracted `[m]`: the base of `filament_share`.
+    pub filament_m: f64,
+}
+
+/// Beats of everything that happens slower than a step.
+struct Paces {
+    thermal: Pace,
+    temperature: Pace,
+    encoder: Pace,
+    width: Pace,
+    status: Pace,
+}
+
+/// Firmware of the heaters: set-points in force, controllers, duties.
+struct Heaters {
+    hotend: Pid,
+    bed: Pid,
+    hotend_target: Celsius,
+    bed_target: Celsius,
+    hotend_duty: f64,
+    bed_duty: f64,
+}
+
+impl Heaters {
+    fn new(plant: &PlantParams) -> Self {
+        Self {
+            hotend: Pid::new(plant.heater, plant.hotend.heater_power_w),
+            bed: Pid::new(plant.bed_heater, plant.bed.heater_power_w),
+            hotend_target: Celsius(0.0),
+            bed_target: Celsius(0.0),
+            hotend_duty: 0.0,
+            bed_duty: 0.0,
+        }
+    }
+
+    /// One period of the firmware's loops; a set-point of zero switches off.
+    fn update(&mut self, plant: &PlantParams, hotend: Celsius, bed: Celsius) {
+        let duty = |pid: &mut Pid, target: Celsius, read: Celsius, power_w: f64| {
+            if target.0 > 0.0 {
+                pid.update(target.into(), read.into()).map_or(0.0, |watt| watt / power_w)
+            } else {
+                pid.reset();
+                0.0
+            }
+        };
+        self.hotend_duty = duty(&mut self.hotend, self.hotend_target, hotend, plant.hotend.heater_power_w);
+        self.bed_duty = duty(&mut self.bed, self.bed_target, bed, plant.bed.heater_power_w);
+    }
+}
+
+/// A printer with everything in it.
+pub struct Simulator {
+    params: Params,
+    now: Seconds,
+    executor: Executor,
+    filament_m: f64,
+    drive: Drive,
+    plant: Plant,
+    heaters: Heaters,
+    dead_man: DeadMan,
+    entries: Vec<Entry>,
+    faults: Vec<Fault>,
+    faults_in_force: FaultsInForce,
+    hotend_sensor: Thermometer,
+    bed_sensor: Thermometer,
+    width_gauge: WidthGauge,
+    paces: Paces,
+    mains_on: bool,
+    given_up: bool,
+    done_noted: bool,
+    in_force: InForce,
+    motion: Motion,
+    advance_s: f64,
+    score: Score,
+    truth: Truth,
+    outputs: VecDeque<Output>,
+}
+
+impl Simulator {
+    /// A cold printer with a job; `seed` drives all noise.
+    ///
+    /// # Errors
+    /// [`ParamError`] where the plant's deviation makes no material of the given one.
+    pub fn new(params: Params, job: JobSource, scenario: &Scenario, seed: u64) -> Result<Self, ParamError> {
+        let (plant, host, sensors) = (&params.plant, &params.simulator, params.simulator.sensors);
+        let material = plant.material_deviation.apply(&params.material)?;
+        let off = Sliced { advance_s: host.firmware.advance_s, ..Sliced::OFF };
+        let thermometer =
+            |stream| Thermometer::new(sensors.temperature_sigma_k, Noise::new(seed, stream), plant.ambient());
+        Ok(Self {
+            now: Seconds(0.0),
+            executor: Executor::new(host.executor, job.steps, off),
+            filament_m: job.filament_m,
+            drive: Drive::new(host.drive, host.executor.host),
+            plant: Plant::new(plant, material, Noise::new(seed, 4)),
+            heaters: Heaters::new(plant),
+            dead_man: DeadMan::new(params.dead_man, params.limits),
+            entries: scenario.faults.clone(),
+            faults: Vec::new(),
+            faults_in_force: FaultsInForce::NONE,
+            hotend_sensor: thermometer(1),
+            bed_sensor: thermometer(2),
+            width_gauge: WidthGauge::new(&sensors, Noise::new(seed, 3)),
+            paces: Paces {
+                thermal: Pace::new(host.firmware.thermal_period_s),
+                temperature: Pace::new(sensors.temperature_period_s),
+                encoder: Pace::new(sensors.encoder_period_s),
+                width: Pace::new(sensors.width_period_s),
+                status: Pace::new(host.firmware.status_period_s),
+            },
+            mains_on: true,
+            given_up: false,
+            done_noted: false,
+            in_force: InForce {
+                trims: Trims::NEUTRAL,
+                request: Request::Run,
+                mode: Mode::Init,
+                lapsed: true,
+            },
+            motion: Motion::default(),
+            advance_s: host.firmware.advance_s,
+            score: Score::new(params.quality),
+            truth: Truth::default(),
+            outputs: VecDeque::new(),
+            params,
+        })
+    }
+
+    /// Takes a permit of the supervisor, or refuses and counts it.
+    ///
+    /// # Errors
+    /// The reason, see [`Refusal`].
+    pub fn on_permit(&mut self, permit: Permit) -> Result<(), Refusal> {
+        self.dead_man.on_permit(self.now, permit)
+    }
+
+    /// Adds a fault to those of the scenario; its onset counts from the start of the simulation.
+    pub fn inject(&mut self, entry: Entry) {
+        self.entries.push(entry);
+    }
+
+    /// Ends a pause that the file itself asked for (`M0`, `M600`).
+    pub fn resume_file_pause(&mut self) {
+        self.executor.resume();
+    }
+
+    /// Advances by `dt`, at most one millisecond if the figures are to count.
+    pub fn step(&mut self, dt: Seconds) {
+        self.now = self.now + dt;
+        self.in_force = self.dead_man.in_force(self.now);
+        self.obey();
+        self.set_in_faults();
+
+        let around = Surroundings {
+            trims: self.in_force.trims,
+            hold: self.given_up || self.in_force.request >= Request::Pause,
+            hotend: self.hotend_sensor.last(),
+            bed: self.bed_sensor.last(),
+        };
+        let start = self.now - dt;
+        let outputs = &mut self.outputs;
+        self.motion = self.executor.step(dt, &around, |segment, into| {
+            outputs.push_back(Output::Motion { start: start + into, segment: Box::new(*segment) });
+        });
+        let trims = self.motion.trims.unwrap_or(self.in_force.trims);
+        self.advance_s = trims.advance_s.unwrap_or(self.executor.sliced().advance_s);
+        #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
+        let encoder_m = self.counts() as f64 * self.params.simulator.sensors.encoder_quantum_m;
+        let motor_m_s = self.drive.step(self.motion.feed, &trims, self.advance_s, (encoder_m, dt.0));
+
+        let road = self.road();
+        let push = Push { motor_m_s, path_speed_m_s: self.motion.path_speed_m_s, road };
+        self.plant.push(push, &self.faults_in_force, dt);
+        if self.paces.thermal.due(self.now) {
+            self.heat();
+        }
+        self.note_truth(road);
+        self.sense(road);
+    }
+
+    /// What a demand of the supervisor does to mains, heaters and job.
+    fn obey(&mut self) {
+        if self.in_force.request >= Request::HeatersOff && !self.given_up {
+            self.given_up = true;
+            self.note("heaters off and job given up, as the supervisor demands");
+        }
+        if self.in_force.request == Request::EmergencyStop && self.mains_on {
+            self.mains_on = false;
+            self.note("mains relay opened");
+        }
+    }
+
+    fn set_in_faults(&mut self) {
+        if !self.entries.is_empty() {
+            let share = if self.filament_m > 0.0 { self.executor.fed_m() / self.filament_m } else { 0.0 };
+            let now = self.now;
+            let faults = &mut self.faults;
+            self.entries.retain(|entry| match entry.due(now, share) {
+                Some(fault) => {
+                    faults.push(fault);
+                    false
+                }
+                None => true,
+            });
+        }
+        if !self.faults.is_empty() {
+            self.faults_in_force = FaultsInForce::at(self.now, &self.faults);
+        }
+    }
+
+    /// The road under the nozzle, if one is deposited.
+    fn road(&self) -> Option<Road> {
+        let segment = self.executor.segment()?;
+        if segment.kind != MoveKind::Deposit || self.motion.path_speed_m_s <= 0.0 {
+            return None;
+        }
+        Some(Road { target_width_m: segment.target_width_m?, height_m: segment.layer_height_m? })
+    }
+
+    fn heat(&mut self) {
+        let dt = Seconds(self.params.simulator.firmware.thermal_period_s);
+        let inputs = Inputs {
+            hotend_duty: if self.mains_on { self.heaters.hotend_duty } else { 0.0 },
+            bed_duty: if self.mains_on { self.heaters.bed_duty } else { 0.0 },
+            mains_on: self.mains_on,
+            fan: self.executor.sliced().fan,
+        };
+        self.plant.heat(&inputs, &self.faults_in_force, dt);
+    }
+
+    /// Firmware: reads its thermistors and sets the duties.
+    fn regulate(&mut self) {
+        let faults = &self.faults_in_force;
+        let beside = bead_surroundings(self.plant.sensor(), self.plant.air(faults), faults);
+        let hotend = self.hotend_sensor.read(beside, faults.thermistor, faults.reading_bias_k);
+        let bed = self.bed_sensor.read(self.plant.bed(), crate::faults::Thermistor::Sound, 0.0);
+        let sliced = *self.executor.sliced();
+        let offset_k = self.motion.trims.unwrap_or(self.in_force.trims).setpoint_offset_k;
+        self.heaters.hotend_target = match self.in_force.request {
+            _ if self.given_up => Celsius(0.0),
+            Request::Standby => Celsius(sliced.hotend.0.min(self.params.simulator.firmware.standby.0)),
+            _ if sliced.hotend.0 > 0.0 => Celsius(sliced.hotend.0 + offset_k),
+            _ => sliced.hotend,
+        };
+        self.heaters.bed_target = if self.given_up { Celsius(0.0) } else { sliced.bed };
+        self.heaters.update(&self.params.plant, hotend, bed);
+        self.outputs.push_back(Output::Temperatures { stamp: self.now, hotend, bed });
+    }
+
+    fn sense(&mut self, road: Option<Road>) {
+        if self.paces.temperature.due(self.now) {
+            self.regulate();
+        }
+        if self.paces.encoder.due(self.now) {
+            let counts = self.counts();
+            self.outputs.push_back(Output::Encoder { stamp: self.now, counts });
+        }
+        if self.paces.width.due(self.now) && road.is_some() {
+            self.width_gauge.expose(self.now, self.truth.width_m);
+        }
+        while let Some((exposed, width_m)) = self.width_gauge.ready(self.now) {
+            let sigma_m = self.width_gauge.sigma_m();
+            self.outputs.push_back(Output::Width { exposed, width_m, sigma_m });
+        }
+        if self.paces.status.due(self.now) {
+            let status = self.status();
+            self.outputs.push_back(Output::Status(Box::new(status)));
+        }
+        if !self.done_noted && self.phase() == JobPhase::Done {
+            self.done_noted = true;
+            self.note("the file has ended");
+        }
+    }
+
+    fn counts(&self) -> i64 {
+        // A count is a whole quantum that has passed; kilometres of filament stay far below 2^63 of them.
+        #[allow(clippy::cast_possible_truncation, reason = "bounded above")]
+        let counts =
+            (self.plant.delivered_m() / self.params.simulator.sensors.encoder_quantum_m).floor() as i64;
+        counts
+    }
+
+    fn note(&mut self, text: &str) {
+        self.outputs.push_back(Output::Note { stamp: self.now, text: text.to_owned() });
+    }
+
+    fn note_truth(&mut self, road: Option<Road>) {
+        let before = self.truth;
+        let mut truth = self.plant.truth(road, self.params.simulator.firmware.below_bed_k);
+        truth.stamp_s = self.now.0;
+        truth.path_time_s = self.executor.path_time_s();
+        truth.wanted_m = self.drive.wanted_m();
+        truth.path_speed_m_s = self.motion.path_speed_m_s;
+        truth.layer = self.executor.layer().map_or(0, |layer| layer + 1);
+        truth.reference_k = Kelvin::from(self.executor.sliced().hotend).0 - self.params.nozzle_drop_k;
+        if road.is_some() {
+            self.score.add(&Moment {
+                bead: Observed {
+                    feature_errors: &[],
+                    width_m: truth.width_m,
+                    width_wanted_m: truth.target_width_m,
+                    temperature_error_k: truth.nozzle_k - truth.reference_k,
+                    adhesion: truth.adhesion,
+                    porosity: truth.porosity,
+                },
+                wanted_m: truth.wanted_m - before.wanted_m,
+                delivered_m: truth.delivered_m - before.delivered_m,
+                dt_s: truth.stamp_s - before.stamp_s,
+            });
+        }
+        truth.integrals = self.score.integrals();
+        self.truth = truth;
+    }
+
+    /// Where the job stands.
+    #[must_use]
+    pub fn phase(&self) -> JobPhase {
+        if self.given_up { JobPhase::Failed } else { self.executor.phase() }
+    }
+
+    /// State of printer and job now.
+    #[must_use]
+    pub fn status(&self) -> PrinterStatus {
+        let segment = self.executor.segment();
+        let road = self.road();
+        let planned = self.motion.planned_speed_m_s;
+        let per_path = segment.filter(|s| s.length_m > 0.0).map_or(0.0, |s| s.filament_m / s.length_m);
+        PrinterStatus {
+            stamp: self.now,
+            phase: self.phase(),
+            host: self.params.simulator.executor.host,
+            progress: if self.filament_m > 0.0 {
+                (self.executor.fed_m() / self.filament_m).min(1.0)
+            } else {
+                0.0
+            },
+            layer: self.executor.layer(),
+            line: self.executor.line(),
+            position_m: self.executor.position_m(),
+            path_speed_m_s: self.motion.path_speed_m_s,
+            planned_speed_m_s: planned,
+            planned_feed_m_s: if per_path > 0.0 { per_path * planned } else { self.motion.feed.other_m_s },
+            motor_position_m: self.drive.motor_m(),
+            wanted_position_m: self.drive.wanted_m(),
+            path_time_s: self.executor.path_time_s(),
+            depositing: road.is_some(),
+            target_width_m: road.map(|road| road.target_width_m),
+            layer_height_m: road.map(|road| road.height_m),
+            hotend_target: self.heaters.hotend_target,
+            hotend_sliced_target: self.executor.sliced().hotend,
+            bed_target: self.heaters.bed_target,
+            hotend_duty: self.heaters.hotend_duty,
+            bed_duty: self.heaters.bed_duty,
+            fan: self.executor.sliced().fan,
+            trims: self.motion.trims.unwrap_or(self.in_force.trims),
+            advance_s: self.advance_s,
+            homed: self.executor.homed(),
+            mains_on: self.mains_on,
+            filament_present: self
+                .params
+                .simulator
+                .firmware
+                .runout_switch
+                .then_some(!self.faults_in_force.run_out),
+        }
+    }
+
+    /// The next thing that the printer shows, oldest first.
+    pub fn poll(&mut self) -> Option<Output> {
+        self.outputs.pop_front()
+    }
+
+    /// The truth now.
+    #[must_use]
+    pub fn truth(&self) -> &Truth {
+        &self.truth
+    }
+
+    /// Time of the simulation.
+    #[must_use]
+    pub fn now(&self) -> Seconds {
+        self.now
+    }
+
+    /// Onset of the first fault, once one has set in.
+    #[must_use]
+    pub fn first_onset(&self) -> Option<Seconds> {
+        self.faults.iter().map(|fault| fault.onset).min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// The dead-man, for its counters.
+    #[must_use]
+    pub fn dead_man(&self) -> &DeadMan {
+        &self.dead_man
+    }
+}
+
+#[cfg(test)]
+mod tests;
