@@ -17,6 +17,7 @@
 pub mod drive;
 pub mod executor;
 pub mod faults;
+mod heaters;
 pub mod output;
 pub mod params;
 pub mod plant;

@@ -3,20 +3,24 @@
 use crate::drive::Drive;
 use crate::executor::{Executor, Motion, Sliced, Surroundings};
 use crate::faults::{Fault, InForce as FaultsInForce};
+use crate::heaters::Heaters;
 use crate::output::{Output, Truth};
-use crate::params::{Params, PlantParams};
+use crate::params::Params;
 use crate::plant::{Inputs, Plant, Push, Road};
 use crate::scenario::{Entry, Scenario};
 use crate::score::{Moment, Score};
 use crate::sensors::{Noise, Pace, Thermometer, WidthGauge, bead_surroundings};
 use models::command::{DeadMan, InForce, Mode, Permit, Refusal, Request, Trims};
-use models::heater::Pid;
 use models::motion::{MoveKind, Step};
 use models::params::ParamError;
 use models::quality::Observed;
-use models::status::{JobPhase, PrinterStatus};
+use models::status::JobPhase;
 use models::units::{Celsius, Kelvin, Seconds};
 use std::collections::VecDeque;
+
+mod status;
+#[cfg(test)]
+mod tests;
 
 /// What is to be printed.
 pub struct JobSource {
@@ -33,43 +37,6 @@ struct Paces {
     encoder: Pace,
     width: Pace,
     status: Pace,
-}
-
-/// Firmware of the heaters: set-points in force, controllers, duties.
-struct Heaters {
-    hotend: Pid,
-    bed: Pid,
-    hotend_target: Celsius,
-    bed_target: Celsius,
-    hotend_duty: f64,
-    bed_duty: f64,
-}
-
-impl Heaters {
-    fn new(plant: &PlantParams) -> Self {
-        Self {
-            hotend: Pid::new(plant.heater, plant.hotend.heater_power_w),
-            bed: Pid::new(plant.bed_heater, plant.bed.heater_power_w),
-            hotend_target: Celsius(0.0),
-            bed_target: Celsius(0.0),
-            hotend_duty: 0.0,
-            bed_duty: 0.0,
-        }
-    }
-
-    /// One period of the firmware's loops; a set-point of zero switches off.
-    fn update(&mut self, plant: &PlantParams, hotend: Celsius, bed: Celsius) {
-        let duty = |pid: &mut Pid, target: Celsius, read: Celsius, power_w: f64| {
-            if target.0 > 0.0 {
-                pid.update(target.into(), read.into()).map_or(0.0, |watt| watt / power_w)
-            } else {
-                pid.reset();
-                0.0
-            }
-        };
-        self.hotend_duty = duty(&mut self.hotend, self.hotend_target, hotend, plant.hotend.heater_power_w);
-        self.bed_duty = duty(&mut self.bed, self.bed_target, bed, plant.bed.heater_power_w);
-    }
 }
 
 /// A printer with everything in it.
@@ -342,53 +309,6 @@ impl Simulator {
         if self.given_up { JobPhase::Failed } else { self.executor.phase() }
     }
 
-    /// State of printer and job now.
-    #[must_use]
-    pub fn status(&self) -> PrinterStatus {
-        let segment = self.executor.segment();
-        let road = self.road();
-        let planned = self.motion.planned_speed_m_s;
-        let per_path = segment.filter(|s| s.length_m > 0.0).map_or(0.0, |s| s.filament_m / s.length_m);
-        PrinterStatus {
-            stamp: self.now,
-            phase: self.phase(),
-            host: self.params.simulator.executor.host,
-            progress: if self.filament_m > 0.0 {
-                (self.executor.fed_m() / self.filament_m).min(1.0)
-            } else {
-                0.0
-            },
-            layer: self.executor.layer(),
-            line: self.executor.line(),
-            position_m: self.executor.position_m(),
-            path_speed_m_s: self.motion.path_speed_m_s,
-            planned_speed_m_s: planned,
-            planned_feed_m_s: if per_path > 0.0 { per_path * planned } else { self.motion.feed.other_m_s },
-            motor_position_m: self.drive.motor_m(),
-            wanted_position_m: self.drive.wanted_m(),
-            path_time_s: self.executor.path_time_s(),
-            depositing: road.is_some(),
-            target_width_m: road.map(|road| road.target_width_m),
-            layer_height_m: road.map(|road| road.height_m),
-            hotend_target: self.heaters.hotend_target,
-            hotend_sliced_target: self.executor.sliced().hotend,
-            bed_target: self.heaters.bed_target,
-            hotend_duty: self.heaters.hotend_duty,
-            bed_duty: self.heaters.bed_duty,
-            fan: self.executor.sliced().fan,
-            trims: self.motion.trims.unwrap_or(self.in_force.trims),
-            advance_s: self.advance_s,
-            homed: self.executor.homed(),
-            mains_on: self.mains_on,
-            filament_present: self
-                .params
-                .simulator
-                .firmware
-                .runout_switch
-                .then_some(!self.faults_in_force.run_out),
-        }
-    }
-
     /// The next thing that the printer shows, oldest first.
     pub fn poll(&mut self) -> Option<Output> {
         self.outputs.pop_front()
@@ -418,6 +338,3 @@ impl Simulator {
         &self.dead_man
     }
 }
-
-#[cfg(test)]
-mod tests;
