@@ -7,38 +7,62 @@ use serde::{Deserialize, Serialize};
 /// What the simulated printer really does (topic sim/truth/state): for tests and reports only.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SimTruth {
-    /// stamp [s]: simulated time
+    /// stamp [s]: simulated time.
     pub header: Header,
+    /// Time along the slicer's own plan `[s]`.
+    pub path_time_s: f64,
     /// Heater block `[degC]`.
     pub block_degc: f64,
     /// Melt at the nozzle `[degC]`.
     pub nozzle_degc: f64,
+    /// Nozzle temperature that counts as right: the file's set-point less the nominal drop `[degC]`.
+    pub reference_degc: f64,
     /// Bed `[degC]`.
     pub bed_degc: f64,
+    /// Power of the hot end heater `[W]`.
+    pub heater_power_w: f64,
+    /// Filament that ought to have passed the drive gear since start `[m]`.
+    pub wanted_position_m: f64,
     /// Filament pushed by the motor since start `[m]`.
     pub motor_position_m: f64,
     /// Filament that passed the drive gear since start `[m]`.
     pub delivered_position_m: f64,
     /// Filament that left the nozzle since start `[m]`.
     pub outlet_position_m: f64,
-    /// Share of the feed lost in the drive gear. Range `[0, 1]`.
+    /// Outlet flow as speed of the actual filament `[m/s]`.
+    pub outlet_speed_m_s: f64,
+    /// Share of the feed lost in the drive gear.
     pub slip: f64,
-    /// Feed gain of the drive gear. Range `[0, inf)`.
+    /// Area of the filament over its nominal area.
     pub gain: f64,
-    /// ] Filament diameter at the drive gear `[m]`. Range `(0, inf)`.
-    pub diameter_m: f64,
-    /// False while no road is deposited.
-    pub width_known: bool,
-    /// Width of the road `[m]`. Range `[0, inf)`; invalid where width_known is false.
+    /// A road is deposited.
+    pub depositing: bool,
+    /// Width of the road `[m]`. Invalid where depositing is false.
     pub width_m: f64,
+    /// Width that the slicer asked for `[m]`. Invalid where depositing is false.
+    pub target_width_m: f64,
     /// Force on the filament `[N]`.
     pub melt_force_n: f64,
-    /// Latent adhesion of the road to what lies below. Range `[0, 1]`.
+    /// Latent adhesion of the road to what lies below. Invalid where depositing is false.
     pub adhesion: f64,
-    /// Latent porosity. Range `[0, 1]`.
+    /// Latent porosity. Invalid where depositing is false.
     pub porosity: f64,
     /// Offset of the layer in x and y `[m]`.
     pub layer_shift_m: [f64; 2],
+    /// A fault has set in.
+    pub fault_set_in: bool,
+    /// Onset of the first fault, simulated time `[s]`. Invalid where fault_set_in is false.
+    pub first_onset_s: f64,
+    /// Time in which a road was deposited, since start `[s]`.
+    pub deposit_s: f64,
+    /// Filament commanded for roads since start: slicer's times flow trim, advance included `[m]`.
+    pub deposit_wanted_m: f64,
+    /// Filament that passed the gear meanwhile `[m]`.
+    pub deposit_delivered_m: f64,
+    /// Integral of the squared relative width error over roads since start `[s]`.
+    pub width_error_sq_s: f64,
+    /// Integral of the quality function Q over roads since start `[s]`.
+    pub quality_s: f64,
 }
 
 impl RosType for SimTruth {
