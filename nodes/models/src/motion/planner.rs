@@ -1,0 +1,264 @@
+//! Look-ahead: speeds at the junctions of a bounded queue, by one backward and one forward pass.
+//!
+//! Until the next move is known the queue's last one ends at rest, so a released plan can always be kept: moves
+//! that come later only raise speeds further back. Passes run once a batch, so the work per move is constant.
+
+use super::junction::{Direction, along, corner_m_s, standstill_m_s};
+use super::params::{Limits, axis};
+use super::segment::{Action, MoveKind, Role, Segment, Step};
+use super::trapezoid::Trapezoid;
+use std::collections::VecDeque;
+
+/// Queue length over look-ahead at which a batch is planned: the passes cost `1 + 1/(BATCH - 1)` visits a move.
+const BATCH: usize = 4;
+
+/// A move before it has a speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Waypoint {
+    /// Line of the file, from 1.
+    pub line: u64,
+    /// Layer from 0.
+    pub layer: Option<u32>,
+    /// Start in machine coordinates `[m]`.
+    pub start_m: [f64; 3],
+    /// End in machine coordinates `[m]`.
+    pub end_m: [f64; 3],
+    /// Filament to push `[m]`, signed.
+    pub filament_m: f64,
+    /// Wished path speed `[m/s]`.
+    pub feed_m_s: f64,
+    /// What the move does.
+    pub kind: MoveKind,
+    /// What the road is for.
+    pub role: Role,
+    /// Chord of an arc or a spline.
+    pub arc: bool,
+    /// See [`Segment::target_width_m`].
+    pub target_width_m: Option<f64>,
+    /// Width as stated `[m]`.
+    pub stated_width_m: Option<f64>,
+    /// Height of the road `[m]`.
+    pub layer_height_m: Option<f64>,
+}
+
+struct Block {
+    waypoint: Waypoint,
+    length_m: f64,
+    path_m: f64,
+    direction: Direction,
+    cruise_m_s: f64,
+    acceleration_m_s2: f64,
+    standstill_m_s: f64,
+    /// Limit of the entry speed from corner and neighbours.
+    entry_max_m_s: f64,
+    entry_m_s: f64,
+    exit_m_s: f64,
+    /// The machine rests after this move.
+    then_rest: bool,
+}
+
+enum Item {
+    Block(Box<Block>),
+    Action(Action, u64),
+}
+
+/// Streaming planner with a bounded queue.
+pub struct Planner {
+    limits: Limits,
+    lookahead_moves: usize,
+    queue: VecDeque<Item>,
+    moves: usize,
+    released: usize,
+    /// Entry speed that the released move before the queue's first one promised.
+    promised_entry_m_s: Option<f64>,
+    last: Option<(Direction, f64)>,
+}
+
+impl Planner {
+    /// Plans under `limits`, knowing at least `lookahead_moves` moves ahead of a released one.
+    #[must_use]
+    pub fn new(limits: Limits, lookahead_moves: usize) -> Self {
+        Self {
+            limits,
+            lookahead_moves,
+            queue: VecDeque::new(),
+            moves: 0,
+            released: 0,
+            promised_entry_m_s: None,
+            last: None,
+        }
+    }
+
+    /// Limits in force for moves pushed from now on.
+    pub fn limits_mut(&mut self) -> &mut Limits {
+        &mut self.limits
+    }
+
+    /// Takes a move; one without way and filament is nothing and vanishes.
+    pub fn push_move(&mut self, waypoint: Waypoint) {
+        let Some(block) = self.block(waypoint) else { return };
+        self.last = Some((block.direction, block.cruise_m_s));
+        self.moves += 1;
+        self.queue.push_back(Item::Block(Box::new(block)));
+        if self.moves >= BATCH * self.lookahead_moves {
+            self.plan();
+            self.released = self.items_before_last(self.lookahead_moves);
+        }
+    }
+
+    /// Takes an action; one that stops the machine ends the look-ahead.
+    pub fn push_action(&mut self, action: Action, line: u64) {
+        if action.stops() {
+            self.rest();
+        }
+        self.queue.push_back(Item::Action(action, line));
+        if action.stops() || self.moves == 0 {
+            self.release_all();
+        } else if self.queue.len() > BATCH * BATCH * self.lookahead_moves {
+            self.rest();
+            self.release_all();
+        }
+    }
+
+    /// No more moves follow: the last one ends at rest.
+    pub fn finish(&mut self) {
+        self.rest();
+        self.release_all();
+    }
+
+    /// Next step whose speeds are final.
+    pub fn pop(&mut self) -> Option<Step> {
+        if self.released == 0 {
+            return None;
+        }
+        self.released -= 1;
+        match self.queue.pop_front()? {
+            Item::Action(action, line) => Some(Step::Action(action, line)),
+            Item::Block(block) => {
+                self.moves -= 1;
+                self.promised_entry_m_s = (!block.then_rest).then_some(block.exit_m_s);
+                Some(Step::Move(segment(&block)))
+            }
+        }
+    }
+
+    fn rest(&mut self) {
+        self.last = None;
+        let last = self.queue.iter_mut().rev().find_map(|item| match item {
+            Item::Block(block) => Some(block),
+            Item::Action(..) => None,
+        });
+        if let Some(block) = last {
+            block.then_rest = true;
+        }
+    }
+
+    fn release_all(&mut self) {
+        self.plan();
+        self.released = self.queue.len();
+    }
+
+    /// Items in front of the last `keep` moves.
+    fn items_before_last(&self, keep: usize) -> usize {
+        let mut moves = 0;
+        for (index, item) in self.queue.iter().enumerate().rev() {
+            if matches!(item, Item::Block(_)) {
+                moves += 1;
+                if moves == keep {
+                    return index;
+                }
+            }
+        }
+        0
+    }
+
+    fn block(&self, waypoint: Waypoint) -> Option<Block> {
+        let delta_m: [f64; 3] = std::array::from_fn(|axis| waypoint.end_m[axis] - waypoint.start_m[axis]);
+        let length_m = delta_m.iter().map(|delta| delta * delta).sum::<f64>().sqrt();
+        let path_m = if length_m > 0.0 { length_m } else { waypoint.filament_m.abs() };
+        if path_m <= 0.0 {
+            return None;
+        }
+        let [x, y, z] = delta_m.map(|delta| delta / path_m);
+        let direction = [x, y, z, waypoint.filament_m / path_m];
+        let wished_m_s2 = if direction[axis::E] == 0.0 {
+            self.limits.travel_m_s2
+        } else if length_m > 0.0 {
+            self.limits.extruding_m_s2
+        } else {
+            self.limits.retract_m_s2
+        };
+        let acceleration_m_s2 = wished_m_s2.min(along(&direction, &self.limits.acceleration_m_s2));
+        let cruise_m_s = waypoint.feed_m_s.min(along(&direction, &self.limits.feedrate_m_s));
+        let standstill_m_s = standstill_m_s(&direction, &self.limits).min(cruise_m_s);
+        let entry_max_m_s = match &self.last {
+            Some((before, before_m_s)) => corner_m_s(before, &direction, acceleration_m_s2, &self.limits)
+                .min(*before_m_s)
+                .min(cruise_m_s),
+            None => standstill_m_s,
+        };
+        Some(Block {
+            waypoint,
+            length_m,
+            path_m,
+            direction,
+            cruise_m_s,
+            acceleration_m_s2,
+            standstill_m_s,
+            entry_max_m_s,
+            entry_m_s: 0.0,
+            exit_m_s: 0.0,
+            then_rest: false,
+        })
+    }
+
+    fn plan(&mut self) {
+        let mut following_m_s = 0.0;
+        for item in self.queue.iter_mut().rev() {
+            let Item::Block(block) = item else { continue };
+            block.exit_m_s = if block.then_rest { block.standstill_m_s } else { following_m_s };
+            block.entry_m_s = block.entry_max_m_s.min(block.reachable_m_s(block.exit_m_s));
+            following_m_s = block.entry_m_s;
+        }
+        let mut promised_m_s = self.promised_entry_m_s;
+        for item in &mut self.queue {
+            let Item::Block(block) = item else { continue };
+            if let Some(promised_m_s) = promised_m_s {
+                block.entry_m_s = promised_m_s;
+            }
+            block.exit_m_s = block.exit_m_s.min(block.reachable_m_s(block.entry_m_s));
+            promised_m_s = (!block.then_rest).then_some(block.exit_m_s);
+        }
+    }
+}
+
+impl Block {
+    /// Speed at one end that a given speed at the other end allows: `v^2 = u^2 + 2 a s`.
+    fn reachable_m_s(&self, other_m_s: f64) -> f64 {
+        (other_m_s * other_m_s + 2.0 * self.acceleration_m_s2 * self.path_m).sqrt()
+    }
+}
+
+fn segment(block: &Block) -> Segment {
+    let waypoint = &block.waypoint;
+    Segment {
+        line: waypoint.line,
+        layer: waypoint.layer,
+        start_m: waypoint.start_m,
+        end_m: waypoint.end_m,
+        length_m: block.length_m,
+        filament_m: waypoint.filament_m,
+        kind: waypoint.kind,
+        role: waypoint.role,
+        arc: waypoint.arc,
+        target_width_m: waypoint.target_width_m,
+        stated_width_m: waypoint.stated_width_m,
+        layer_height_m: waypoint.layer_height_m,
+        profile: Trapezoid::new(
+            block.path_m,
+            (block.entry_m_s, block.exit_m_s),
+            block.cruise_m_s,
+            block.acceleration_m_s2,
+        ),
+    }
+}
