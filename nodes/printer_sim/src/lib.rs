@@ -18,6 +18,7 @@ pub mod drive;
 pub mod executor;
 pub mod faults;
 mod heaters;
+pub mod job;
 pub mod output;
 pub mod params;
 pub mod plant;

@@ -20,7 +20,7 @@ use std::collections::VecDeque;
 
 mod status;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 /// What is to be printed.
 pub struct JobSource {

@@ -46,6 +46,16 @@ fn load<T: DeserializeOwned>(path: &str) -> T {
     file.remove("/**").unwrap().parameters
 }
 
+#[derive(Deserialize)]
+struct MotionFile {
+    printer_motion: models::motion::MotionParams,
+}
+
+/// Motion of the shipped printer.
+pub(crate) fn motion() -> models::motion::MotionParams {
+    load::<MotionFile>("printers/ender3_motion.yaml").printer_motion
+}
+
 fn params() -> Params {
     let simulated: SimulatorFile = load("printer_sim.param.yaml");
     Params {
@@ -203,4 +213,22 @@ fn an_opened_mains_relay_ends_a_stuck_heater() {
         simulator.step(Seconds(1e-3));
     }
     assert!(simulator.truth().heater_w <= 0.0);
+}
+
+/// The whole Prusa cube: conserved, ended, in about the slicer's own time.
+#[test]
+fn a_real_file_is_printed_to_its_end() {
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/gcode/prusa_cube_pla_marlin_relE.gcode");
+    let bytes: std::sync::Arc<[u8]> = std::fs::read(path).unwrap().into();
+    let tail = &bytes[bytes.len() - 65_536..];
+    let header = models::gcode::Header::scan(&bytes[..65_536], tail);
+    let wishes = crate::job::Wishes { layers: Some(10), set_points: None };
+    let job = JobSource::from_gcode(&bytes, &header, &motion(), wishes);
+    let mut simulator = Simulator::new(params(), job, &Scenario::default(), 1).unwrap();
+    run_to_end(&mut simulator);
+    let truth = simulator.truth();
+    let figures = truth.integrals.since(&Default::default()).unwrap();
+    assert!(figures.feed_error_rel < 0.03, "{figures:?}");
+    assert_eq!(truth.layer, 10);
 }
