@@ -57,7 +57,8 @@ impl StaticLaw {
         self.flow_index * self.compression_scale * outlet_m_s.powf(self.flow_index - 1.0) + self.linear_lag_s
     }
 
-    /// Outlet at a compressed length `[m]`; still for a length of 0 or less. `warm` is the last outlet found.
+    /// Outlet at a compressed length `[m]`; still for a length of 0 or less. `warm` is the last outlet found
+    /// under a law of the same flow index.
     ///
     /// Newton in `y = u^n`: `a y + K_lin y^(1/n) = x` is convex and rising, so it converges from any start, and
     /// nothing is infinite at `u = 0` (in u itself the slope is).
@@ -68,8 +69,12 @@ impl StaticLaw {
         }
         // Without the linear part y would be x/a: never more.
         let most = compression_m / self.compression_scale;
-        let mut shape = if warm.shape > 0.0 { warm.shape.min(most) } else { most };
-        let mut speed_m_s = shape.powf(self.inverse_index);
+        // A warm start brings its power along: unchanged compression costs none at all.
+        let (mut shape, mut speed_m_s) = if warm.shape > 0.0 && warm.shape <= most {
+            (warm.shape, warm.speed_m_s)
+        } else {
+            (most, most.powf(self.inverse_index))
+        };
         for _ in 0..NEWTON_STEPS {
             let missing_m = compression_m - self.compression_scale * shape - self.linear_lag_s * speed_m_s;
             let slope = self.compression_scale + self.linear_lag_s * self.inverse_index * speed_m_s / shape;
