@@ -1,1 +1,39 @@
-//! Placeholder crate page.
+//! Brain of the safety supervisor: gates every command, trips, latches.
+//!
+//! Of `models` it uses commands, units, parameter checks and job phases alone: no estimator, no controller, no
+//! plant model, so that an error there is not repeated here. Its own checks carry their own constants.
+//!
+//! ```text
+//!  INIT -> OBSERVE (default) -> ADVISE | ACT        as set by a person
+//!             any of them    -> DEGRADED            a cause holds: trims ramp to neutral, the print goes on
+//!             any of them    -> PAUSED              once per cause; ends with resume: homed, hot, filament present
+//!             any of them    -> SAFE_OFF -> ESTOP   latched; end with acknowledge, the cause gone
+//! ```
+//!
+//! | part | what |
+//! |---|---|
+//! | [`event`] | what goes in and comes out |
+//! | [`supervisor`] | [`Supervisor`]: takes events, yields permits |
+//! | [`modes`] | the mode machine |
+//! | [`cause`] | why it acted, and what a person should do |
+//! | [`checks`] | one fault, one file |
+//! | [`envelope`] | commands: session, order, age, range, slew |
+//! | [`attention`] | soft and hard states of the fused confidence |
+//! | [`params`] | every number |
+
+#![forbid(unsafe_code)]
+
+pub mod attention;
+pub mod cause;
+pub mod checks;
+pub mod envelope;
+pub mod event;
+pub mod modes;
+pub mod params;
+pub mod supervisor;
+
+pub use cause::{Cause, Reaction};
+pub use event::{Decision, Event, Operator, Output, PrinterReport, SafetyState, Stream, What};
+pub use modes::Latch;
+pub use params::Params;
+pub use supervisor::Supervisor;

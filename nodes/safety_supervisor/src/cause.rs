@@ -1,0 +1,97 @@
+//! Why the supervisor acts, with the ID of the fault catalogue and what a person should do.
+
+use serde::{Deserialize, Serialize};
+
+/// How strongly a cause is answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Reaction {
+    /// Corrections ramp back to the slicer's values; the print goes on.
+    Degrade,
+    /// The job is paused.
+    Pause,
+    /// Heaters off, latched.
+    SafeOff,
+    /// Emergency stop and mains relay, latched.
+    Estop,
+}
+
+macro_rules! causes {
+    ($($name:ident, $id:literal, $text:literal, $todo:literal;)*) => {
+        /// Why the supervisor acts.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum Cause {
+            $(#[doc = concat!($id, ": ", $text, ".")] $name,)*
+        }
+
+        impl Cause {
+            /// Every cause.
+            pub const ALL: &'static [Self] = &[$(Self::$name),*];
+            /// How many there are.
+            pub const COUNT: usize = Self::ALL.len();
+
+            /// ID in the fault catalogue.
+            #[must_use]
+            pub fn id(self) -> &'static str {
+                match self { $(Self::$name => $id,)* }
+            }
+
+            /// What was seen.
+            #[must_use]
+            pub fn text(self) -> &'static str {
+                match self { $(Self::$name => $text,)* }
+            }
+
+            /// What a person should do.
+            #[must_use]
+            pub fn what_to_do(self) -> &'static str {
+                match self { $(Self::$name => $todo,)* }
+            }
+        }
+    };
+}
+
+causes! {
+    HotendRange, "S1", "hot end temperature outside of the possible range",
+        "check thermistor and its plug, then acknowledge";
+    BedRange, "S1", "bed temperature outside of the possible range",
+        "check the bed's thermistor and its plug, then acknowledge";
+    HotendFrozen, "S2", "hot end temperature stands still while it cannot",
+        "check the thermistor's reading path, then acknowledge";
+    BadValues, "S5", "several values refused within a second", "see the refusals in the diagnostics";
+    StaleHotend, "S7", "no hot end temperature", "restart the thermistor node, then acknowledge or resume";
+    StaleBed, "S7", "no bed temperature", "restart the thermistor node, then acknowledge or resume";
+    StaleEncoder, "S7", "no filament encoder", "restart the filament_encoder node";
+    StalePrinter, "C13", "no printer state", "check the link to the printer";
+    StaleCommand, "C1", "no controller command", "restart the mpc_controller node";
+    StaleEstimate, "C1", "no state estimate", "restart the state_estimator node";
+    HeaterStuckOn, "P1", "the hot end heats without being told to",
+        "take the printer off the mains; replace the heater switch";
+    HeaterDeficit, "P2", "the hot end heater gives too little power",
+        "check heater cartridge and its wires, then acknowledge";
+    ThermistorDetached, "P3", "hot end temperature falls faster than it can cool",
+        "check that the thermistor sits in the block, then acknowledge";
+    FilamentSlip, "P6", "the filament does not follow the motor", "clear nozzle and drive gear, then resume";
+    RunOut, "P7", "no filament", "load filament, then resume";
+    Envelope, "K6", "several commands outside of their limits within a second", "see the controller's log";
+    SecondPublisher, "C8", "a second publisher of commands", "stop one of the controllers";
+    Confidence, "1.6", "the fused confidence of a defect is high", "look at the print, then resume or stop";
+    PrinterFailed, "C14", "the printer gave the job up", "see the printer's own message, then acknowledge";
+    PrinterPaused, "C14", "the printer paused by itself", "see the printer's own message, then resume";
+    PauseTooLong, "1.6", "paused for longer than allowed", "acknowledge, then start the job again";
+    OperatorPause, "P13", "paused by a person", "resume";
+    OperatorStop, "P13", "stopped by a person", "acknowledge";
+    OperatorEstop, "P13", "emergency stop by a person", "make the printer safe, then acknowledge";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_is_its_own_index() {
+        for (index, cause) in Cause::ALL.iter().enumerate() {
+            assert_eq!(*cause as usize, index);
+        }
+    }
+}

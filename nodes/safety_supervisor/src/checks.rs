@@ -1,0 +1,10 @@
+//! One fault, one file: each check takes what it needs, keeps its own state and answers on demand.
+
+pub mod bad_values;
+pub mod detached;
+pub mod filament;
+pub mod frozen;
+pub mod heater;
+pub mod range;
+pub mod run_out;
+pub mod stale;

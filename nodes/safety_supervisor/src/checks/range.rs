@@ -1,0 +1,38 @@
+//! S1: thermistor open (far too cold) or short (far too hot).
+
+use models::units::Celsius;
+
+use crate::params::RangeParams;
+
+/// Watches one temperature.
+#[derive(Debug, Clone)]
+pub struct RangeCheck {
+    params: RangeParams,
+    outside: u32,
+}
+
+impl RangeCheck {
+    /// A check that has seen nothing.
+    #[must_use]
+    pub fn new(params: RangeParams) -> Self {
+        Self { params, outside: 0 }
+    }
+
+    /// Takes a temperature.
+    pub fn on_sample(&mut self, temp: Celsius) {
+        let inside = (self.params.min_c..=self.params.max_c).contains(&temp.0);
+        self.outside = if inside { 0 } else { self.outside.saturating_add(1) };
+    }
+
+    /// Whether enough samples in a row were outside; a single spike is not.
+    #[must_use]
+    pub fn tripped(&self) -> bool {
+        self.outside >= self.params.samples
+    }
+
+    /// Whether the newest sample was inside.
+    #[must_use]
+    pub fn is_inside(&self) -> bool {
+        self.outside == 0
+    }
+}

@@ -1,0 +1,58 @@
+//! S7: a stream stops. Age counts from receipt on the node's clock.
+
+use models::units::Seconds;
+
+use crate::cause::Reaction;
+use crate::params::StaleParams;
+
+/// Watches the age of one stream.
+#[derive(Debug, Clone)]
+pub struct StaleCheck {
+    params: StaleParams,
+    newest: Option<Seconds>,
+}
+
+impl StaleCheck {
+    /// A stream that has not been seen.
+    #[must_use]
+    pub fn new(params: StaleParams) -> Self {
+        Self { params, newest: None }
+    }
+
+    /// Notes a message received at `now`.
+    pub fn note(&mut self, now: Seconds) {
+        self.newest = Some(now);
+    }
+
+    /// Whether any message came.
+    #[must_use]
+    pub fn is_seen(&self) -> bool {
+        self.newest.is_some()
+    }
+
+    /// Starts the age of a stream that must come but has not.
+    pub fn expect(&mut self, now: Seconds) {
+        self.newest.get_or_insert(now);
+    }
+
+    /// Time in which the supervisor itself stood still does not count as silence of others.
+    pub fn forgive(&mut self, gap: Seconds) {
+        self.newest = self.newest.map(|newest| newest + gap);
+    }
+
+    /// What the age calls for.
+    #[must_use]
+    pub fn reaction(&self, now: Seconds) -> Option<Reaction> {
+        let age_s = now.0 - self.newest?.0;
+        let beyond = |limit_s: Option<f64>| limit_s.is_some_and(|limit_s| age_s > limit_s);
+        if beyond(self.params.safe_off_s) {
+            Some(Reaction::SafeOff)
+        } else if beyond(self.params.pause_s) {
+            Some(Reaction::Pause)
+        } else if age_s > self.params.degraded_s {
+            Some(Reaction::Degrade)
+        } else {
+            None
+        }
+    }
+}

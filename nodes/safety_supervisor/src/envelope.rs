@@ -1,0 +1,97 @@
+//! K6, C8: commands of the controller: one publisher, rising sequence, age, range and slew.
+
+use models::command::{Command, Gate, Limits, Refusal, Trims};
+use models::units::Seconds;
+
+use crate::checks::bad_values::Burst;
+use crate::params::EnvelopeParams;
+
+/// What became of a command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Taken as it came.
+    Taken,
+    /// Taken, clamped.
+    Clamped,
+    /// Refused.
+    Refused(Refusal),
+}
+
+/// Holds the command in force.
+#[derive(Debug, Clone)]
+pub struct Envelope {
+    params: EnvelopeParams,
+    limits: Limits,
+    gate: Gate<Command>,
+    previous: Option<(Seconds, Trims)>,
+    outside: Burst,
+    other_session: Option<Seconds>,
+}
+
+impl Envelope {
+    /// No command yet.
+    #[must_use]
+    pub fn new(params: EnvelopeParams, limits: Limits) -> Self {
+        Self {
+            params,
+            limits,
+            gate: Gate::new(limits.validity_max()),
+            previous: None,
+            outside: Burst::new(params.outside),
+            other_session: None,
+        }
+    }
+
+    /// Takes a command received at `now`.
+    pub fn on_command(&mut self, now: Seconds, command: Command) -> Verdict {
+        let inside = self.limits.clamp(&command.trims);
+        let trims = inside.map_or(command.trims, |clamped| clamped.trims);
+        // The gate sees the broken trims too, and refuses them.
+        if let Err(refusal) = self.gate.offer(now, Command { trims, ..command }) {
+            if refusal == Refusal::OtherSession {
+                self.other_session = Some(now);
+            }
+            return Verdict::Refused(refusal);
+        }
+        let fast = self.previous.is_some_and(|(then, before)| {
+            let dt = Seconds((now.0 - then.0).max(self.params.period_s));
+            self.limits.slew(&before, &trims, dt).changed.any()
+        });
+        self.previous = Some((now, trims));
+        if fast || inside.is_ok_and(|clamped| clamped.changed.any()) {
+            self.outside.note(now);
+            return Verdict::Clamped;
+        }
+        Verdict::Taken
+    }
+
+    /// Corrections of the command in force, inside the range; `None` once it has lapsed.
+    #[must_use]
+    pub fn wished(&self, now: Seconds) -> Option<Trims> {
+        self.gate.in_force(now).map(|command| command.trims)
+    }
+
+    /// Whether too many commands were outside within the span.
+    #[must_use]
+    pub fn is_outside(&self, now: Seconds) -> bool {
+        self.outside.tripped(now)
+    }
+
+    /// Whether a second publisher was heard within the hold time.
+    #[must_use]
+    pub fn has_rival(&self, now: Seconds) -> bool {
+        self.other_session.is_some_and(|heard| now.0 - heard.0 <= self.params.rival_hold_s)
+    }
+
+    /// Refused commands so far.
+    #[must_use]
+    pub fn refused(&self) -> u64 {
+        self.gate.refusals().total()
+    }
+
+    /// Clamped commands so far.
+    #[must_use]
+    pub fn clamped(&self) -> u64 {
+        self.outside.total()
+    }
+}

@@ -1,0 +1,201 @@
+//! What goes into the supervisor and what comes out of it.
+
+use models::command::{Command, Mode, Permit, Refusal, Trims};
+use models::status::JobPhase;
+use models::units::{Celsius, Seconds};
+
+use crate::attention::Level;
+use crate::cause::Cause;
+
+/// A stream the supervisor listens to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stream {
+    /// Hot end temperature.
+    Hotend,
+    /// Bed temperature.
+    Bed,
+    /// Filament encoder.
+    Encoder,
+    /// Printer state.
+    Printer,
+    /// Controller commands.
+    Command,
+    /// State estimate.
+    Estimate,
+}
+
+/// What a person asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Operator {
+    /// Pause the job.
+    Pause,
+    /// End a pause.
+    Resume,
+    /// Heaters off, job stopped.
+    Stop,
+    /// Emergency stop.
+    Estop,
+    /// End a latched mode whose cause is gone.
+    Acknowledge,
+    /// Set the mode: observe, advise or act.
+    SetMode(Mode),
+    /// Approve the correction that is waiting in advise.
+    Approve,
+}
+
+/// The part of the printer's state that the supervisor judges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PrinterReport {
+    /// Time of validity on the node's clock.
+    pub stamp: Seconds,
+    /// Where the job stands.
+    pub phase: JobPhase,
+    /// Filament the motor was told to push since start `[m]`.
+    pub motor_position_m: f64,
+    /// Filament wanted since start `[m]`.
+    pub wanted_position_m: f64,
+    /// Hot end heater duty `[0, 1]`.
+    pub hotend_duty: f64,
+    /// Bed heater duty `[0, 1]`.
+    pub bed_duty: f64,
+    /// Hot end set-point in force.
+    pub hotend_target: Celsius,
+    /// Hot end set-point of the file.
+    pub hotend_sliced_target: Celsius,
+    /// Bed set-point in force.
+    pub bed_target: Celsius,
+    /// Part fan `[0, 1]`.
+    pub fan: f64,
+    /// Trims in force.
+    pub trims: Trims,
+    /// Path speed `[m/s]`.
+    pub path_speed_m_s: f64,
+    /// Run-out switch; `None` where none is fitted.
+    pub filament_present: Option<bool>,
+    /// All axes know their place.
+    pub homed: bool,
+    /// The mains relay feeds the heaters.
+    pub mains_on: bool,
+}
+
+/// What goes in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Event {
+    /// Hot end temperature.
+    Hotend {
+        /// Time of measurement on the node's clock.
+        stamp: Seconds,
+        /// Temperature.
+        temp: Celsius,
+    },
+    /// Bed temperature.
+    Bed {
+        /// Time of measurement on the node's clock.
+        stamp: Seconds,
+        /// Temperature.
+        temp: Celsius,
+    },
+    /// Filament encoder.
+    Encoder {
+        /// Time of measurement on the node's clock.
+        stamp: Seconds,
+        /// Filament seen since start `[m]`.
+        position_m: f64,
+    },
+    /// Printer state.
+    Printer(PrinterReport),
+    /// A controller's wish.
+    Command(Command),
+    /// The estimator has done work.
+    EstimateHeartbeat {
+        /// Time of validity on the node's clock.
+        stamp: Seconds,
+    },
+    /// Fused confidence of a defect, `[0, 1]`.
+    Confidence {
+        /// The value.
+        confidence: f64,
+    },
+    /// A person asks.
+    Operator(Operator),
+    /// The shell refused a value of this stream: NaN, out of range or stale.
+    Refused {
+        /// Whose value it was.
+        stream: Stream,
+    },
+    /// Time goes on, 50 times a second.
+    Tick {
+        /// The node's clock.
+        now: Seconds,
+    },
+}
+
+/// What the supervisor decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum What {
+    /// The mode changed.
+    ModeChanged,
+    /// The cause of the mode changed.
+    CauseChanged,
+    /// A command lay outside of its limits and was clamped.
+    CommandClamped,
+    /// A command was refused.
+    CommandRefused(Refusal),
+    /// A person's request was carried out.
+    Granted(Operator),
+    /// A person's request was refused.
+    Denied(Operator),
+    /// The supervisor itself stood still; the silence of others in the meantime is not counted.
+    StoodStill,
+}
+
+/// One decision, for the log of events.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Decision {
+    /// What.
+    pub what: What,
+    /// Why, for people.
+    pub why: &'static str,
+    /// Mode before.
+    pub before: Mode,
+    /// Mode after.
+    pub after: Mode,
+}
+
+/// The supervisor's state, for people and for `safety/state`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SafetyState {
+    /// Mode in force.
+    pub mode: Mode,
+    /// Mode as set by a person.
+    pub set_mode: Mode,
+    /// Why the mode is not the one that was set.
+    pub cause: Option<Cause>,
+    /// Since when the mode is in force.
+    pub since: Seconds,
+    /// What a person should do; empty if nothing.
+    pub what_to_do: &'static str,
+    /// Attention the print needs.
+    pub attention: Level,
+    /// Refused values of all streams so far.
+    pub refused_values: u64,
+    /// Refused commands so far.
+    pub refused_commands: u64,
+    /// Commands so far that lay outside of their limits.
+    pub clamped_commands: u64,
+    /// Power balance of the hot end `[W]`, positive for heat that nobody ordered.
+    pub hotend_excess_w: f64,
+    /// Slip over the encoder check's window `[-]`.
+    pub slip: Option<f64>,
+}
+
+/// What comes out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// What the printer may do now.
+    pub permit: Permit,
+    /// State to publish.
+    pub state: SafetyState,
+    /// Decisions since the last output.
+    pub events: Vec<Decision>,
+}

@@ -1,0 +1,128 @@
+//! Every number of the supervisor, as in `config/safety_supervisor.param.yaml`, where ranges and sources stand too.
+
+mod rest;
+mod thermal;
+
+use models::command::{Limits, Mode};
+use models::params::{ParamError, in_range};
+use serde::Deserialize;
+
+pub use rest::{
+    AttentionParams, BurstParams, FilamentParams, ModeParams, RawAttentionParams, RawBurstParams,
+    RawFilamentParams, RawModeParams, RawRunOutParams, RawStaleParams, RunOutParams, StaleParams,
+};
+pub use thermal::{
+    DetachedParams, FrozenParams, HeaterParams, ObserverParams, RangeParams, RawDetachedParams,
+    RawFrozenParams, RawHeaterParams, RawObserverParams, RawRangeParams,
+};
+
+/// Mode after the start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StartMode {
+    /// Watch only.
+    Observe,
+    /// Corrections wait for approval.
+    Advise,
+    /// Corrections are sent.
+    Act,
+}
+
+impl From<StartMode> for Mode {
+    fn from(mode: StartMode) -> Self {
+        match mode {
+            StartMode::Observe => Self::Observe,
+            StartMode::Advise => Self::Advise,
+            StartMode::Act => Self::Act,
+        }
+    }
+}
+
+/// K6, C8: commands.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EnvelopeParams {
+    /// Period of the controller `[s]`: the shortest span over which the slew of a command is taken.
+    pub period_s: f64,
+    /// How long a second publisher is remembered `[s]`.
+    pub rival_hold_s: f64,
+    /// Commands outside that degrade.
+    pub outside: BurstParams,
+}
+
+/// S7: one block a stream.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stales {
+    /// Hot end temperature.
+    pub hotend: StaleParams,
+    /// Bed temperature.
+    pub bed: StaleParams,
+    /// Filament encoder.
+    pub encoder: StaleParams,
+    /// Printer state.
+    pub printer: StaleParams,
+    /// Controller commands.
+    pub command: StaleParams,
+    /// State estimate.
+    pub estimate: StaleParams,
+}
+
+/// All parameters. Built only from valid [`RawParams`].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawParams")]
+pub struct Params(RawParams);
+
+impl std::ops::Deref for Params {
+    type Target = RawParams;
+    fn deref(&self) -> &RawParams {
+        &self.0
+    }
+}
+
+/// The parameter file as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawParams {
+    /// Mode after the start.
+    pub start_mode: StartMode,
+    /// Validity of a permit `[s]`.
+    pub permit_validity_s: f64,
+    /// Envelope of corrections.
+    pub limits: Limits,
+    /// Commands.
+    pub envelope: EnvelopeParams,
+    /// Times of the mode machine.
+    pub modes: ModeParams,
+    /// Ages of streams.
+    pub stale: Stales,
+    /// Refused values that degrade.
+    pub bad_values: BurstParams,
+    /// Range of the hot end.
+    pub hotend_range: RangeParams,
+    /// Range of the bed.
+    pub bed_range: RangeParams,
+    /// Frozen hot end reading.
+    pub frozen: FrozenParams,
+    /// Thermistor fell out.
+    pub detached: DetachedParams,
+    /// Energy balance of the hot end.
+    pub heater: HeaterParams,
+    /// Encoder against motor.
+    pub filament: FilamentParams,
+    /// Run-out switch.
+    pub run_out: RunOutParams,
+    /// Soft and hard states.
+    pub attention: AttentionParams,
+}
+
+impl TryFrom<RawParams> for Params {
+    type Error = ParamError;
+
+    fn try_from(raw: RawParams) -> Result<Self, ParamError> {
+        in_range("permit_validity_s", raw.permit_validity_s, "s", (0.05, 0.25))?;
+        in_range("envelope.period_s", raw.envelope.period_s, "s", (0.01, 2.0))?;
+        in_range("envelope.rival_hold_s", raw.envelope.rival_hold_s, "s", (0.1, 60.0))?;
+        Ok(Self(raw))
+    }
+}

@@ -1,0 +1,275 @@
+//! Numbers of the thermal checks.
+
+use models::params::{ParamError, in_range, ordered, positive};
+use serde::Deserialize;
+
+/// Passes a count inside `[1, high]`.
+pub(super) fn count(name: &'static str, value: u32, high: u32) -> Result<u32, ParamError> {
+    in_range(name, f64::from(value), "-", (1.0, f64::from(high))).map(|_| value)
+}
+
+/// S1: possible range of a temperature.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawRangeParams")]
+pub struct RangeParams {
+    /// Lowest reading of a sound, connected thermistor `[degC]`.
+    pub min_c: f64,
+    /// Highest temperature the hardware may reach `[degC]`.
+    pub max_c: f64,
+    /// Samples in a row outside until it trips `[-]`.
+    pub samples: u32,
+}
+
+/// As [`RangeParams`], as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawRangeParams {
+    /// Lowest reading of a sound, connected thermistor `[degC]`.
+    pub min_c: f64,
+    /// Highest temperature the hardware may reach `[degC]`.
+    pub max_c: f64,
+    /// Samples in a row outside until it trips `[-]`.
+    pub samples: u32,
+}
+
+impl TryFrom<RawRangeParams> for RangeParams {
+    type Error = ParamError;
+
+    fn try_from(raw: RawRangeParams) -> Result<Self, ParamError> {
+        ordered(("min_c", raw.min_c), ("max_c", raw.max_c))?;
+        Ok(Self {
+            min_c: in_range("min_c", raw.min_c, "degC", (-50.0, 100.0))?,
+            max_c: in_range("max_c", raw.max_c, "degC", (50.0, 500.0))?,
+            samples: count("samples", raw.samples, 20)?,
+        })
+    }
+}
+
+/// S2: a reading that stands still.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawFrozenParams")]
+pub struct FrozenParams {
+    /// Span after which the balance of a still reading is not judged any more `[s]`.
+    pub suspect_s: f64,
+    /// Span that trips with the heater at its stop or the balance moving `[s]`.
+    pub short_s: f64,
+    /// Span that trips with the duty varying `[s]`.
+    pub middle_s: f64,
+    /// Span that trips with the heater in use `[s]`.
+    pub long_s: f64,
+    /// Change of duty that must move a reading `[-]`.
+    pub duty_change: f64,
+    /// Duty at its stop `[-]`.
+    pub duty_stop: f64,
+    /// Duty of a heater in use `[-]`.
+    pub duty_in_use: f64,
+    /// Change by the energy balance that must move a reading `[K]`.
+    pub moved_k: f64,
+}
+
+/// As [`FrozenParams`], as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawFrozenParams {
+    /// Span after which the balance of a still reading is not judged any more `[s]`.
+    pub suspect_s: f64,
+    /// Span that trips with the heater at its stop or the balance moving `[s]`.
+    pub short_s: f64,
+    /// Span that trips with the duty varying `[s]`.
+    pub middle_s: f64,
+    /// Span that trips with the heater in use `[s]`.
+    pub long_s: f64,
+    /// Change of duty that must move a reading `[-]`.
+    pub duty_change: f64,
+    /// Duty at its stop `[-]`.
+    pub duty_stop: f64,
+    /// Duty of a heater in use `[-]`.
+    pub duty_in_use: f64,
+    /// Change by the energy balance that must move a reading `[K]`.
+    pub moved_k: f64,
+}
+
+impl TryFrom<RawFrozenParams> for FrozenParams {
+    type Error = ParamError;
+
+    fn try_from(raw: RawFrozenParams) -> Result<Self, ParamError> {
+        Ok(Self {
+            suspect_s: in_range("suspect_s", raw.suspect_s, "s", (0.2, 60.0))?,
+            short_s: in_range("short_s", raw.short_s, "s", (0.2, 60.0))?,
+            middle_s: in_range("middle_s", raw.middle_s, "s", (0.2, 60.0))?,
+            long_s: in_range("long_s", raw.long_s, "s", (0.2, 120.0))?,
+            duty_change: in_range("duty_change", raw.duty_change, "-", (0.001, 1.0))?,
+            duty_stop: in_range("duty_stop", raw.duty_stop, "-", (0.5, 1.0))?,
+            duty_in_use: in_range("duty_in_use", raw.duty_in_use, "-", (0.0, 1.0))?,
+            moved_k: in_range("moved_k", raw.moved_k, "K", (0.1, 50.0))?,
+        })
+    }
+}
+
+/// P3: a fall no heater shows.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawDetachedParams")]
+pub struct DetachedParams {
+    /// Fastest credible fall `[K/s]`.
+    pub fall_k_s: f64,
+    /// Longest span of four samples that is judged `[s]`.
+    pub span_max_s: f64,
+    /// Spans in a row until it trips; above 4, so that one spike cannot `[-]`.
+    pub samples: u32,
+}
+
+/// As [`DetachedParams`], as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawDetachedParams {
+    /// Fastest credible fall `[K/s]`.
+    pub fall_k_s: f64,
+    /// Longest span of four samples that is judged `[s]`.
+    pub span_max_s: f64,
+    /// Spans in a row until it trips; above 4, so that one spike cannot `[-]`.
+    pub samples: u32,
+}
+
+impl TryFrom<RawDetachedParams> for DetachedParams {
+    type Error = ParamError;
+
+    fn try_from(raw: RawDetachedParams) -> Result<Self, ParamError> {
+        Ok(Self {
+            fall_k_s: in_range("fall_k_s", raw.fall_k_s, "K/s", (1.0, 50.0))?,
+            span_max_s: in_range("span_max_s", raw.span_max_s, "s", (0.1, 10.0))?,
+            samples: count("samples", raw.samples, 20)?,
+        })
+    }
+}
+
+/// P1, P2: one observer of the balance.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawObserverParams")]
+pub struct ObserverParams {
+    /// Speed of the observer `[1/s]`.
+    pub pole_1_s: f64,
+    /// Power without order that trips `[W]`.
+    pub stuck_on_w: f64,
+    /// Order without power that trips `[W]`.
+    pub deficit_w: f64,
+    /// Samples in a row until it trips `[-]`.
+    pub samples: u32,
+}
+
+/// As [`ObserverParams`], as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawObserverParams {
+    /// Speed of the observer `[1/s]`.
+    pub pole_1_s: f64,
+    /// Power without order that trips `[W]`.
+    pub stuck_on_w: f64,
+    /// Order without power that trips `[W]`.
+    pub deficit_w: f64,
+    /// Samples in a row until it trips `[-]`.
+    pub samples: u32,
+}
+
+impl TryFrom<RawObserverParams> for ObserverParams {
+    type Error = ParamError;
+
+    fn try_from(raw: RawObserverParams) -> Result<Self, ParamError> {
+        Ok(Self {
+            pole_1_s: in_range("pole_1_s", raw.pole_1_s, "1/s", (0.1, 3.0))?,
+            stuck_on_w: in_range("stuck_on_w", raw.stuck_on_w, "W", (1.0, 200.0))?,
+            deficit_w: in_range("deficit_w", raw.deficit_w, "W", (1.0, 200.0))?,
+            samples: count("samples", raw.samples, 50)?,
+        })
+    }
+}
+
+/// P1, P2: constants of the energy balance: the supervisor's own, not the estimator's.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawHeaterParams")]
+pub struct HeaterParams {
+    /// Heater power at full duty `[W]`.
+    pub power_w: f64,
+    /// Heat capacity of block and nozzle `[J/K]`.
+    pub capacity_j_k: f64,
+    /// Loss to air `[W/K]`.
+    pub loss_w_k: f64,
+    /// Further loss at full part fan `[W/K]`.
+    pub fan_loss_w_k: f64,
+    /// Heat taken along by the filament per length `[J/(K m)]`.
+    pub feed_heat_j_k_m: f64,
+    /// Air temperature `[degC]`.
+    pub ambient_c: f64,
+    /// Lag of the thermistor `[s]`.
+    pub sensor_lag_s: f64,
+    /// Time over which a lasting disturbance becomes usual `[s]`.
+    pub usual_time_s: f64,
+    /// Largest disturbance that may become usual `[W]`.
+    pub usual_max_w: f64,
+    /// Relative error of the capacity that is allowed for while warming up `[-]`.
+    pub capacity_error: f64,
+    /// Deviation from the expected reading that counts as a spike `[K]`.
+    pub spike_k: f64,
+    /// Spikes in a row that are left out `[-]`.
+    pub spike_samples: u32,
+    /// For a heater that is dead, loose or shorted.
+    pub fast: ObserverParams,
+    /// For a heater that is weak.
+    pub slow: ObserverParams,
+}
+
+/// As [`HeaterParams`], as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawHeaterParams {
+    /// Heater power at full duty `[W]`.
+    pub power_w: f64,
+    /// Heat capacity of block and nozzle `[J/K]`.
+    pub capacity_j_k: f64,
+    /// Loss to air `[W/K]`.
+    pub loss_w_k: f64,
+    /// Further loss at full part fan `[W/K]`.
+    pub fan_loss_w_k: f64,
+    /// Heat taken along by the filament per length `[J/(K m)]`.
+    pub feed_heat_j_k_m: f64,
+    /// Air temperature `[degC]`.
+    pub ambient_c: f64,
+    /// Lag of the thermistor `[s]`.
+    pub sensor_lag_s: f64,
+    /// Time over which a lasting disturbance becomes usual `[s]`.
+    pub usual_time_s: f64,
+    /// Largest disturbance that may become usual `[W]`.
+    pub usual_max_w: f64,
+    /// Relative error of the capacity that is allowed for while warming up `[-]`.
+    pub capacity_error: f64,
+    /// Deviation from the expected reading that counts as a spike `[K]`.
+    pub spike_k: f64,
+    /// Spikes in a row that are left out `[-]`.
+    pub spike_samples: u32,
+    /// For a heater that is dead, loose or shorted.
+    pub fast: ObserverParams,
+    /// For a heater that is weak.
+    pub slow: ObserverParams,
+}
+
+impl TryFrom<RawHeaterParams> for HeaterParams {
+    type Error = ParamError;
+
+    fn try_from(raw: RawHeaterParams) -> Result<Self, ParamError> {
+        Ok(Self {
+            power_w: positive("power_w", raw.power_w, "W")?,
+            capacity_j_k: positive("capacity_j_k", raw.capacity_j_k, "J/K")?,
+            loss_w_k: positive("loss_w_k", raw.loss_w_k, "W/K")?,
+            fan_loss_w_k: in_range("fan_loss_w_k", raw.fan_loss_w_k, "W/K", (0.0, 1.0))?,
+            feed_heat_j_k_m: in_range("feed_heat_j_k_m", raw.feed_heat_j_k_m, "J/(K m)", (0.0, 100.0))?,
+            ambient_c: in_range("ambient_c", raw.ambient_c, "degC", (-20.0, 100.0))?,
+            sensor_lag_s: in_range("sensor_lag_s", raw.sensor_lag_s, "s", (0.2, 60.0))?,
+            usual_time_s: in_range("usual_time_s", raw.usual_time_s, "s", (5.0, 3600.0))?,
+            usual_max_w: in_range("usual_max_w", raw.usual_max_w, "W", (0.0, 100.0))?,
+            capacity_error: in_range("capacity_error", raw.capacity_error, "-", (0.0, 1.0))?,
+            spike_k: positive("spike_k", raw.spike_k, "K")?,
+            spike_samples: count("spike_samples", raw.spike_samples, 10)?,
+            fast: raw.fast,
+            slow: raw.slow,
+        })
+    }
+}

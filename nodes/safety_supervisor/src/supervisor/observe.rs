@@ -1,0 +1,125 @@
+//! What the streams say goes into the checks; what the checks say is raised.
+
+use models::command::{Mode, Request};
+use models::status::JobPhase;
+use models::units::{Celsius, Seconds};
+
+use super::Supervisor;
+use crate::attention::Level;
+use crate::cause::{Cause, Reaction};
+use crate::checks::heater::{Drive, HeaterFault};
+use crate::event::PrinterReport;
+use crate::modes::Raised;
+
+impl Supervisor {
+    pub(super) fn on_hotend(&mut self, now: Seconds, stamp: Seconds, temp: Celsius) {
+        if !(temp.0.is_finite() && stamp.0.is_finite()) {
+            return self.checks.bad_values.note(now);
+        }
+        self.ages.hotend.note(now);
+        self.checks.hotend_range.on_sample(temp);
+        self.checks.frozen.on_sample(now, temp);
+        self.hotend = Some(temp);
+        if self.checks.hotend_range.is_inside() {
+            self.checks.heater.on_sample(stamp, temp);
+            self.checks.detached.on_sample(stamp, temp);
+        }
+    }
+
+    pub(super) fn on_bed(&mut self, now: Seconds, temp: Celsius) {
+        if !temp.0.is_finite() {
+            return self.checks.bad_values.note(now);
+        }
+        self.ages.bed.note(now);
+        self.checks.bed_range.on_sample(temp);
+    }
+
+    pub(super) fn on_encoder(&mut self, now: Seconds, position_m: f64) {
+        if !position_m.is_finite() {
+            return self.checks.bad_values.note(now);
+        }
+        self.ages.encoder.note(now);
+        self.checks.filament.on_encoder(position_m);
+    }
+
+    pub(super) fn on_confidence(&mut self, now: Seconds, confidence: f64) {
+        if (0.0..=1.0).contains(&confidence) {
+            self.checks.attention.on_confidence(confidence);
+        } else {
+            self.checks.bad_values.note(now);
+        }
+    }
+
+    pub(super) fn on_printer(&mut self, now: Seconds, report: PrinterReport) {
+        let numbers = [report.stamp.0, report.motor_position_m, report.hotend_duty, report.fan];
+        if !numbers.iter().all(|value| value.is_finite()) {
+            return self.checks.bad_values.note(now);
+        }
+        let phase_before = self.printer.map(|printer| printer.phase);
+        self.ages.printer.note(now);
+        let duty = if report.mains_on { report.hotend_duty } else { 0.0 };
+        let drive = Drive { duty, fan: report.fan, motor_position_m: report.motor_position_m };
+        self.checks.heater.on_drive(report.stamp, drive);
+        self.checks.frozen.on_duty(duty);
+        if self.ages.encoder.reaction(now).is_some() {
+            self.checks.filament.reset();
+        } else {
+            self.checks.filament.on_motor(report.motor_position_m);
+        }
+        let printing = report.phase == JobPhase::Printing;
+        self.checks.run_out.on_switch(now, report.filament_present.filter(|_| printing));
+        if printing && phase_before != Some(JobPhase::Printing) {
+            // The controller need not speak before there is a move to correct.
+            self.ages.command.note(now);
+        }
+        if report.phase == JobPhase::Failed && phase_before.is_some_and(|phase| phase != JobPhase::Failed) {
+            self.printer_failed = true;
+        }
+        let alone = report.phase == JobPhase::Paused && self.modes.request(now) == Request::Run;
+        self.paused_alone_since = if alone { self.paused_alone_since.or(Some(now)) } else { None };
+        self.printer = Some(report);
+    }
+
+    /// What each cause calls for now.
+    pub(super) fn raised(&mut self, now: Seconds) -> Raised {
+        let mut raised: Raised = [None; Cause::COUNT];
+        if !self.modes.is_initialised() {
+            return raised;
+        }
+        let mut set = |cause: Cause, reaction: Option<Reaction>| raised[cause as usize] = reaction;
+        let acting = self.modes.set_mode() == Mode::Act;
+        if acting {
+            self.ages.estimate.expect(now);
+            self.ages.encoder.expect(now);
+        }
+        let printing = self.printer.is_some_and(|printer| printer.phase == JobPhase::Printing);
+        set(Cause::StaleHotend, self.ages.hotend.reaction(now));
+        set(Cause::StaleBed, self.ages.bed.reaction(now));
+        set(Cause::StaleEncoder, self.ages.encoder.reaction(now));
+        set(Cause::StalePrinter, self.ages.printer.reaction(now));
+        set(Cause::StaleEstimate, self.ages.estimate.reaction(now));
+        set(Cause::StaleCommand, self.ages.command.reaction(now).filter(|_| acting && printing));
+
+        let checks = &self.checks;
+        set(Cause::HotendRange, checks.hotend_range.tripped().then_some(Reaction::SafeOff));
+        set(Cause::BedRange, checks.bed_range.tripped().then_some(Reaction::SafeOff));
+        set(Cause::HotendFrozen, checks.frozen.tripped(checks.heater.moved_k()).then_some(Reaction::SafeOff));
+        set(Cause::ThermistorDetached, checks.detached.tripped().then_some(Reaction::SafeOff));
+        // The balance of a reading that stands still is the balance of nothing.
+        let suspect = checks.frozen.still().0 >= self.params.frozen.suspect_s;
+        let fault = checks.heater.fault().filter(|_| !suspect);
+        set(Cause::HeaterStuckOn, (fault == Some(HeaterFault::StuckOn)).then_some(Reaction::Estop));
+        set(Cause::HeaterDeficit, (fault == Some(HeaterFault::Deficit)).then_some(Reaction::SafeOff));
+
+        set(Cause::FilamentSlip, (printing && checks.filament.tripped()).then_some(Reaction::Pause));
+        set(Cause::RunOut, checks.run_out.tripped(now).then_some(Reaction::Pause));
+        set(Cause::BadValues, checks.bad_values.tripped(now).then_some(Reaction::Degrade));
+        set(Cause::Envelope, self.envelope.is_outside(now).then_some(Reaction::Degrade));
+        set(Cause::SecondPublisher, self.envelope.has_rival(now).then_some(Reaction::Degrade));
+        set(Cause::Confidence, (checks.attention.level() == Level::Hard).then_some(Reaction::Pause));
+        set(Cause::PrinterFailed, self.printer_failed.then_some(Reaction::SafeOff));
+        let alone = self.paused_alone_since.is_some_and(|since| now.0 - since.0 > self.params.modes.adopt_s);
+        set(Cause::PrinterPaused, alone.then_some(Reaction::Pause));
+        raised
+    }
+}

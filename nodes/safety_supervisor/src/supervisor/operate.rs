@@ -1,0 +1,96 @@
+//! What a person asks for, and which corrections the mode lets through.
+
+use models::command::{Mode, Trims};
+use models::status::JobPhase;
+use models::units::Seconds;
+
+use super::Supervisor;
+use crate::attention::Level;
+use crate::cause::{Cause, Reaction};
+use crate::event::{Decision, Operator, What};
+use crate::modes::Readiness;
+
+impl Supervisor {
+    pub(super) fn on_operator(&mut self, now: Seconds, request: Operator) {
+        let before = self.modes.mode();
+        let result = match request {
+            Operator::Pause => self.demand(now, Cause::OperatorPause, Reaction::Pause),
+            Operator::Stop => self.demand(now, Cause::OperatorStop, Reaction::SafeOff),
+            Operator::Estop => self.demand(now, Cause::OperatorEstop, Reaction::Estop),
+            Operator::SetMode(mode) => self.modes.set(mode),
+            Operator::Resume => self.modes.resume(now, self.readiness()),
+            Operator::Acknowledge => self.acknowledge(now),
+            Operator::Approve => self.approve(now),
+        };
+        if request == Operator::Resume && self.modes.mode() != before {
+            self.forget();
+        }
+        let (what, why) = match result {
+            Ok(()) => (What::Granted(request), "on request"),
+            Err(why) => (What::Denied(request), why),
+        };
+        self.decisions.push(Decision { what, why, before, after: self.modes.mode() });
+    }
+
+    fn demand(&mut self, now: Seconds, cause: Cause, reaction: Reaction) -> Result<(), &'static str> {
+        self.modes.demand(now, cause, reaction);
+        Ok(())
+    }
+
+    fn acknowledge(&mut self, now: Seconds) -> Result<(), &'static str> {
+        // A restored latch has no history: its cause counts as gone only once its sensor reads well again.
+        let well = self.ages.hotend.is_seen() && self.checks.hotend_range.is_inside();
+        if !well {
+            return Err("the hot end temperature is missing or outside of its range");
+        }
+        let waits = self.printer.is_some_and(|printer| {
+            matches!(printer.phase, JobPhase::Preparing | JobPhase::Printing | JobPhase::Paused)
+        });
+        self.modes.acknowledge(now, waits)?;
+        self.forget();
+        Ok(())
+    }
+
+    fn approve(&mut self, now: Seconds) -> Result<(), &'static str> {
+        if self.modes.mode() != Mode::Advise {
+            return Err("not in advise");
+        }
+        self.approved = self.envelope.wished(now);
+        self.approved.map(|_| ()).ok_or("no correction waits")
+    }
+
+    pub(super) fn readiness(&self) -> Readiness {
+        let Some(printer) = self.printer else {
+            return Readiness { homed: false, filament: false, hot: false };
+        };
+        let wanted_c = printer.hotend_sliced_target.0 - self.params.modes.hot_margin_k;
+        Readiness {
+            homed: printer.homed,
+            filament: printer.filament_present != Some(false),
+            hot: self.hotend.is_some_and(|temp| temp.0 >= wanted_c),
+        }
+    }
+
+    /// Corrections follow the mode: slewed towards what is wished, or ramped back to the slicer's values.
+    pub(super) fn move_trims(&mut self, now: Seconds, dt: Seconds) {
+        let mode = self.modes.mode();
+        if mode != Mode::Advise {
+            self.approved = None;
+        }
+        let wished = self.envelope.wished(now);
+        let target = match mode {
+            Mode::Act if self.checks.attention.level() == Level::Soft => Some(self.allowed),
+            Mode::Act => Some(wished.unwrap_or(Trims::NEUTRAL)),
+            // An approval ends with the controller's silence.
+            Mode::Advise => Some(self.approved.filter(|_| wished.is_some()).unwrap_or(Trims::NEUTRAL)),
+            _ => None,
+        };
+        if let Some(target) = target {
+            self.ramp = None;
+            self.allowed = self.limits.slew(&self.allowed, &target, dt).trims;
+        } else {
+            let (start, from) = *self.ramp.get_or_insert((now, self.allowed));
+            self.allowed = from.ramp_to_neutral(now - start, Seconds(self.params.modes.ramp_s));
+        }
+    }
+}

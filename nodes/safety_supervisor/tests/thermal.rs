@@ -1,0 +1,185 @@
+//! P1, P2, P3, S1, S2 on a stand-in heater whose constants are up to 10 % off the supervisor's, 20 seeds each.
+//!
+//! `cargo test -p safety_supervisor --test thermal -- --nocapture` prints the reaction times.
+#![allow(clippy::print_stdout, reason = "the reaction times are for people")]
+
+mod common;
+
+use common::{Heater, params};
+use models::command::Mode;
+use models::units::Seconds;
+use safety_supervisor::{Cause, Supervisor};
+
+/// Seeds of each case; `SEEDS=400` widens the search for false trips.
+fn seeds() -> u64 {
+    std::env::var("SEEDS").ok().and_then(|text| text.parse().ok()).unwrap_or(20)
+}
+
+struct Loop {
+    heater: Heater,
+    supervisor: Supervisor,
+    mode: Mode,
+    cause: Option<Cause>,
+    excess_w: (f64, f64),
+}
+
+impl Loop {
+    fn new(heater: Heater) -> Self {
+        let supervisor = Supervisor::new(params(), 1, None);
+        Self { heater, supervisor, mode: Mode::Init, cause: None, excess_w: (0.0, 0.0) }
+    }
+
+    /// Runs for a while or until a latched mode; returns the time it took to get there.
+    fn run(&mut self, span_s: f64) -> Option<f64> {
+        let start_s = self.heater.now_s;
+        while self.heater.now_s - start_s < span_s {
+            for event in self.heater.step() {
+                let now = Seconds(self.heater.now_s);
+                if let Some(output) = self.supervisor.on_event(now, event) {
+                    self.mode = output.permit.mode;
+                    self.cause = output.state.cause;
+                    let excess_w = output.state.hotend_excess_w;
+                    self.excess_w = (self.excess_w.0.min(excess_w), self.excess_w.1.max(excess_w));
+                }
+            }
+            if self.mode >= Mode::SafeOff {
+                return Some(self.heater.now_s - start_s);
+            }
+        }
+        None
+    }
+}
+
+/// Reaction times over all seeds to a fault on a heater in a given state; panics on a miss or a wrong cause.
+fn reaction(name: &str, start: impl Fn(u64) -> Heater, fault: impl Fn(&mut Heater), causes: &[Cause]) -> f64 {
+    let mut times: Vec<f64> = (0..seeds())
+        .map(|seed| {
+            let mut run = Loop::new(start(seed));
+            assert_eq!(
+                run.run(60.0 + seed as f64 * 0.137),
+                None,
+                "{name}, seed {seed}: tripped before: {:?}",
+                run.cause
+            );
+            fault(&mut run.heater);
+            let time_s = run.run(60.0).unwrap_or(f64::INFINITY);
+            assert!(
+                run.cause.is_none_or(|cause| causes.contains(&cause)),
+                "{name}, seed {seed}: {:?}",
+                run.cause
+            );
+            time_s
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    let (median_s, worst_s) = (times[times.len() / 2], times[times.len() - 1]);
+    println!("{name:44} p50 {median_s:6.2} s  worst {worst_s:6.2} s");
+    worst_s
+}
+
+fn idle(seed: u64) -> Heater {
+    Heater::settled(seed, 210.0, 0.0, 0.0)
+}
+
+fn printing(seed: u64) -> Heater {
+    Heater::settled(seed, 210.0, 1.0, 4.8)
+}
+
+fn cold(seed: u64) -> Heater {
+    Heater::new(seed)
+}
+
+/// P1: 5 s from injection at target or idle, 8 s while printing with fan.
+#[test]
+fn p1_a_heater_that_heats_unordered_is_cut_off() {
+    let stuck = |heater: &mut Heater| heater.stuck_on = true;
+    let causes = [Cause::HeaterStuckOn];
+    assert!(reaction("P1 stuck on, at target", idle, stuck, &causes) <= 5.0);
+    assert!(reaction("P1 stuck on, cold", cold, stuck, &causes) <= 5.0);
+    assert!(reaction("P1 stuck on, printing with fan", printing, stuck, &causes) <= 8.0);
+}
+
+/// P2: dead 5 s, loose 8 s, weak 15 s.
+#[test]
+fn p2_a_heater_without_power_is_given_up() {
+    let causes = [Cause::HeaterDeficit];
+    for (name, start) in [("at target", idle as fn(u64) -> Heater), ("printing", printing)] {
+        let fault = |gain: f64| move |heater: &mut Heater| heater.gain = gain;
+        assert!(reaction(&format!("P2 dead, {name}"), start, fault(0.0), &causes) <= 5.0);
+        assert!(reaction(&format!("P2 loose, {name}"), start, fault(0.2), &causes) <= 8.0);
+        assert!(reaction(&format!("P2 weak, {name}"), start, fault(0.5), &causes) <= 15.0);
+    }
+}
+
+/// P2 on the way up: the fault is there before the heater is switched on, or comes in the middle.
+#[test]
+fn p2_a_dead_heater_shows_during_heat_up() {
+    let causes = [Cause::HeaterDeficit];
+    let from_cold = |heater: &mut Heater| (heater.target_c, heater.gain) = (215.0, 0.0);
+    assert!(reaction("P2 dead, from cold", cold, from_cold, &causes) <= 5.0);
+}
+
+/// P3: 4 s.
+#[test]
+fn p3_a_thermistor_that_fell_out_is_told_from_cooling() {
+    let causes = [Cause::ThermistorDetached, Cause::HeaterDeficit];
+    let fallen = |heater: &mut Heater| heater.coupling = 0.1;
+    assert!(reaction("P3 fell out, at target", idle, fallen, &causes) <= 4.0);
+    assert!(reaction("P3 fell out, printing", printing, fallen, &causes) <= 4.0);
+}
+
+/// S2: 10 s; 3 s (and a sample) with the duty saturated.
+#[test]
+fn s2_a_frozen_reading_is_seen() {
+    let causes = [Cause::HotendFrozen];
+    let freeze = |heater: &mut Heater| heater.frozen = true;
+    assert!(reaction("S2 frozen, at target", idle, freeze, &causes) <= 10.0);
+    assert!(reaction("S2 frozen, printing", printing, freeze, &causes) <= 10.0);
+    let cooling = |heater: &mut Heater| (heater.frozen, heater.target_c) = (true, 0.0);
+    assert!(reaction("S2 frozen, cool-down", idle, cooling, &causes) <= 10.0);
+    let saturated = |heater: &mut Heater| (heater.frozen, heater.target_c) = (true, 215.0);
+    assert!(reaction("S2 frozen, heat-up", cold, saturated, &causes) <= 3.2);
+}
+
+/// Heat-up, fan, flow steps, cool-down and a draught: no trip, whatever the seed.
+#[test]
+fn nominal_printing_never_trips() {
+    let (mut low_w, mut high_w) = (0.0_f64, 0.0_f64);
+    for seed in 0..seeds() {
+        let mut run = Loop::new(cold(seed));
+        let go = |run: &mut Loop, what: &str, span_s: f64| {
+            assert_eq!(run.run(span_s), None, "seed {seed}, {what}: {:?} {:?}", run.cause, run.excess_w);
+        };
+        go(&mut run, "idle", 20.0);
+        run.heater.target_c = 215.0;
+        go(&mut run, "heat-up", 240.0);
+        for cycle in 0..6 {
+            run.heater.flow_mm3_s = 10.0;
+            go(&mut run, "flow on", 20.0);
+            run.heater.fan = f64::from(u8::from(cycle % 2 == 0));
+            go(&mut run, "fan", 20.0);
+            run.heater.flow_mm3_s = 0.0;
+            go(&mut run, "flow off", 20.0);
+        }
+        for flip in 0..40 {
+            run.heater.flow_mm3_s = if flip % 2 == 0 { 8.0 } else { 2.0 };
+            go(&mut run, "flow flips", 2.0);
+        }
+        run.heater.target_c = 230.0;
+        go(&mut run, "up 15 K", 60.0);
+        run.heater.target_c = 200.0;
+        go(&mut run, "down 30 K", 60.0);
+        run.heater.fan = 0.0;
+        go(&mut run, "fan off", 60.0);
+        (run.heater.ambient_c, run.heater.loss_factor) = (15.0, 1.3);
+        go(&mut run, "draught", 120.0);
+        (run.heater.ambient_c, run.heater.loss_factor) = (25.0, 1.0);
+        go(&mut run, "draught over", 120.0);
+        run.heater.target_c = 0.0;
+        go(&mut run, "cool-down", 300.0);
+        run.heater.target_c = 215.0;
+        go(&mut run, "heat-up again", 200.0);
+        (low_w, high_w) = (low_w.min(run.excess_w.0), high_w.max(run.excess_w.1));
+    }
+    println!("nominal: excess from {low_w:.1} W to {high_w:.1} W");
+}
