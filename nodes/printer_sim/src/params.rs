@@ -4,12 +4,12 @@
 use crate::{drive, executor, sensors};
 use models::bed::Bed;
 use models::command::{DeadManParams, Limits};
-use models::extruder::{Extruder, SlipParams};
+use models::extruder::{Extruder, Filament, SlipParams};
 use models::heater::PidParams;
 use models::hotend::Hotend;
 use models::latent::Cooling;
 use models::material::{Deviation, Material};
-use models::params::{ParamError, in_range, positive};
+use models::params::{ParamError, in_range};
 use models::quality::Quality;
 use models::status::HostProfile;
 use models::units::{Celsius, Kelvin};
@@ -39,37 +39,6 @@ pub struct PlantParams {
     pub material_deviation: Deviation,
     /// Room and incoming filament `[K]`.
     pub ambient_temp_k: f64,
-}
-
-/// Diameter of the filament along its length: an Ornstein-Uhlenbeck process.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "RawFilament")]
-pub struct Filament {
-    /// Mean `[m]`.
-    pub diameter_m: f64,
-    /// Standard deviation `[m]`.
-    pub diameter_sigma_m: f64,
-    /// Length over which it forgets itself `[m]`.
-    pub correlation_length_m: f64,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawFilament {
-    diameter_m: f64,
-    diameter_sigma_m: f64,
-    correlation_length_m: f64,
-}
-
-impl TryFrom<RawFilament> for Filament {
-    type Error = ParamError;
-    fn try_from(raw: RawFilament) -> Result<Self, ParamError> {
-        Ok(Self {
-            diameter_m: in_range("diameter_m", raw.diameter_m, "m", (1e-3, 4e-3))?,
-            diameter_sigma_m: in_range("diameter_sigma_m", raw.diameter_sigma_m, "m", (0.0, 2e-4))?,
-            correlation_length_m: positive("correlation_length_m", raw.correlation_length_m, "m")?,
-        })
-    }
 }
 
 /// Firmware of the simulated printer.

@@ -148,10 +148,9 @@ impl Plant {
         self.diameter_due_m -= fed_m;
         if self.diameter_due_m <= 0.0 {
             self.diameter_due_m += DIAMETER_STEP_M;
-            let filament = &self.params.filament;
-            let kept = (-DIAMETER_STEP_M / filament.correlation_length_m).exp();
-            let fresh_m = filament.diameter_sigma_m * (1.0 - kept * kept).sqrt();
-            self.diameter_offset_m = kept * self.diameter_offset_m + fresh_m * self.noise.draw();
+            let normal = self.noise.draw();
+            self.diameter_offset_m =
+                self.params.filament.deviation_after_m(self.diameter_offset_m, DIAMETER_STEP_M, normal);
         }
         self.gain = self.gain_now(faults);
     }
