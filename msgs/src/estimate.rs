@@ -15,20 +15,28 @@ pub struct StateEstimate {
     pub x: Vec<f64>,
     /// Row-major, names x names `[products of the units]`.
     pub covariance: Vec<f64>,
+    /// Slow mean of the slicer's feed: the scale of the flow `[m/s]`. Range `(0, inf)`.
+    pub reference_feed_m_s: f64,
     /// Names of the measurement channels.
     pub channels: Vec<String>,
-    /// Normalised innovation squared of the newest update per channel. Range `[0, inf)`.
-    pub nis: Vec<f64>,
+    /// The newest sample of the channel is recent.
+    pub alive: Vec<bool>,
     /// False where the channel had no update yet.
-    pub nis_known: Vec<bool>,
-    /// The newest measurement of the channel was refused by the gate.
-    pub gated: Vec<bool>,
-    /// Sum of NIS over the window. Range `[0, inf)`.
-    pub chi_square: f64,
-    /// Updates in the window: degrees of freedom of chi_square.
+    pub measured: Vec<bool>,
+    /// Normalised innovation squared of the newest update. Range `[0, inf)`; invalid where measured is false.
+    pub nis: Vec<f64>,
+    /// Mean of all of them. Range `[0, inf)`; invalid where measured is false.
+    pub nis_mean: Vec<f64>,
+    /// Measurements refused by the gate since start.
+    pub gated: Vec<u64>,
+    /// Sum of NIS over the window; 0 before it is full. Range `[0, inf)`.
+    pub chi_square: Vec<f64>,
+    /// Updates in the window: degrees of freedom of `chi_square`.
     pub chi_square_window: u32,
+    /// Steps of slip, gain or temperature taken as given since start.
+    pub steps: u64,
     /// Resets to the prior since start.
-    pub resets: u32,
+    pub resets: u64,
 }
 
 impl RosType for StateEstimate {
