@@ -6,6 +6,7 @@ use super::modal::MM;
 use super::number::number;
 use crate::motion::{Cornering, Limits};
 use crate::units::Seconds;
+use std::io::{self, Read, Seek, SeekFrom};
 
 /// Facts from the comments.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -68,6 +69,23 @@ impl Header {
             }
         }
         header
+    }
+
+    /// Reads both ends of a seekable source, at most `end_bytes` each, and leaves it at its start.
+    ///
+    /// # Errors
+    /// Those of the source.
+    pub fn read_ends<S: Read + Seek>(source: &mut S, end_bytes: usize) -> io::Result<Self> {
+        let total = source.seek(SeekFrom::End(0))?;
+        let end_bytes = total.min(end_bytes as u64);
+        let mut ends = [Vec::new(), Vec::new()];
+        for (end, from) in ends.iter_mut().zip([0, total - end_bytes]) {
+            source.seek(SeekFrom::Start(from))?;
+            source.by_ref().take(end_bytes).read_to_end(end)?;
+        }
+        source.rewind()?;
+        let [head, tail] = ends;
+        Ok(Self::scan(&head, &tail))
     }
 
     /// Flavour and slicer in one line.

@@ -105,6 +105,9 @@ impl Interpreter {
         self.line = raw.line;
         self.odd.at_line(raw.line);
         let mut bytes = raw.bytes;
+        if !raw.ended {
+            self.odd.push(Oddity::NoLineEnd);
+        }
         if raw.line == 1
             && let Some(rest) = bytes.strip_prefix(b"\xef\xbb\xbf")
         {
@@ -131,7 +134,13 @@ impl Interpreter {
         let lexed = lex(bytes, &mut self.words, &mut self.odd);
         match lexed.head {
             Head::None => {}
-            Head::Code(letter, code, _) => self.execute(letter, code, lexed.text),
+            Head::Code(letter, code, sub) => {
+                let comment_bytes = lexed.comment.map_or(0, |text| text.len() + 1);
+                if bytes.len() - comment_bytes > self.read.command_bytes_noted {
+                    self.odd.push(Oddity::LongCommand { limit: self.read.command_bytes_noted });
+                }
+                self.execute((letter, code, sub), lexed.text);
+            }
             Head::Macro(name) => self.run_macro(name, lexed.text),
         }
         if let Some(text) = lexed.comment {

@@ -206,6 +206,9 @@ impl<'a> Scan<'a> {
             self.without_number(letter, words, odd);
             return;
         };
+        if !self.spaced {
+            odd.push(Oddity::NoSpace);
+        }
         if value_at > self.at {
             odd.push(Oddity::SpaceBeforeValue { letter: char::from(letter) });
         }
@@ -267,6 +270,7 @@ impl<'a> Scan<'a> {
     }
 
     fn parenthesis(&mut self, odd: &mut Oddities) {
+        odd.push(Oddity::Parentheses);
         let mut depth = 0_u32;
         while let Some(&byte) = self.bytes.get(self.at) {
             self.at += 1;

@@ -8,9 +8,11 @@ mod interpret;
 mod lex;
 mod macros;
 mod modal;
+mod moves;
 mod number;
 mod oddity;
 mod read;
+mod settings;
 pub mod survey;
 mod words;
 

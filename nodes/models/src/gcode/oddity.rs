@@ -21,6 +21,21 @@ pub enum Oddity {
         /// Bytes that are read.
         limit: usize,
     },
+    /// Command longer than firmware takes.
+    #[error("command longer than {limit} bytes: firmware may cut it, executed as written")]
+    LongCommand {
+        /// Usual command buffer.
+        limit: usize,
+    },
+    /// The file ends inside a line.
+    #[error("no line end at the end of the file: it may have been cut")]
+    NoLineEnd,
+    /// `G28(comment)X0`.
+    #[error("comment in parentheses skipped")]
+    Parentheses,
+    /// `G1X10Y10`.
+    #[error("words without a space between them")]
+    NoSpace,
     /// Nested parentheses.
     #[error("nested parentheses in a comment")]
     NestedParentheses,

@@ -19,6 +19,8 @@ pub struct RawLine<'a> {
     pub line: u64,
     /// Bytes beyond the limit were dropped.
     pub cut: bool,
+    /// A line end stands behind it: false where the file ends inside the line.
+    pub ended: bool,
 }
 
 impl<R: BufRead> LineReader<R> {
@@ -40,30 +42,32 @@ impl<R: BufRead> LineReader<R> {
         }
         self.line += 1;
         let cut = taken as u64 == limit && self.buffer.last() != Some(&b'\n');
+        let mut ended = self.buffer.last() == Some(&b'\n');
         if cut {
-            self.skip_rest()?;
+            ended = self.skip_rest()?;
             self.buffer.truncate(self.limit);
             taken = self.limit;
-        } else if self.buffer.last() == Some(&b'\n') {
+        } else if ended {
             taken -= 1;
             if taken > 0 && self.buffer[taken - 1] == b'\r' {
                 taken -= 1;
             }
         }
-        Ok(Some(RawLine { bytes: &self.buffer[..taken], line: self.line, cut }))
+        Ok(Some(RawLine { bytes: &self.buffer[..taken], line: self.line, cut, ended }))
     }
 
-    fn skip_rest(&mut self) -> io::Result<()> {
+    /// Drops bytes to the end of the line; false where the file ends first.
+    fn skip_rest(&mut self) -> io::Result<bool> {
         loop {
             let available = self.source.fill_buf()?;
             if available.is_empty() {
-                return Ok(());
+                return Ok(false);
             }
             let end = available.iter().position(|byte| *byte == b'\n');
             let used = end.map_or(available.len(), |at| at + 1);
             self.source.consume(used);
             if end.is_some() {
-                return Ok(());
+                return Ok(true);
             }
         }
     }

@@ -31,8 +31,6 @@ pub struct Survey {
     pub errors: Vec<Warning>,
     /// Lines of the file.
     pub lines: u64,
-    /// Bytes of the file.
-    pub bytes: u64,
     /// Time as the slicer states it `[s]`.
     pub stated_time_s: Option<f64>,
     /// Filament as the slicer states it `[mm]`.
@@ -73,7 +71,6 @@ pub fn survey<R: BufRead>(source: R, header: &Header, params: &MotionParams) -> 
         warnings_total: job.oddities().total(),
         errors,
         lines: totals.lines,
-        bytes: totals.bytes,
         stated_time_s: header.stated_time.map(|time| time.0),
         stated_filament_mm: header.stated_filament_m.map(|filament_m| filament_m * PER_MM),
         travel_m: totals.travel_m,

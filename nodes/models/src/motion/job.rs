@@ -12,8 +12,6 @@ use std::io::BufRead;
 pub struct Totals {
     /// Lines read.
     pub lines: u64,
-    /// Bytes read, line ends excluded beyond one per line.
-    pub bytes: u64,
     /// Moves.
     pub moves: u64,
     /// Arcs and splines.
@@ -44,12 +42,12 @@ pub struct Job<R> {
 }
 
 impl<'a> Job<&'a [u8]> {
-    /// A job over a whole file in memory; `header_bytes` at each end are searched for comments on limits.
+    /// A job over a whole file in memory.
     #[must_use]
-    pub fn from_bytes(bytes: &'a [u8], header_bytes: usize, params: &MotionParams) -> Self {
-        let head = &bytes[..header_bytes.min(bytes.len())];
-        let tail = &bytes[bytes.len() - header_bytes.min(bytes.len())..];
-        Self::new(bytes, &Header::scan(head, tail), params)
+    pub fn from_bytes(bytes: &'a [u8], params: &MotionParams) -> Self {
+        let end_bytes = params.read.header_bytes.min(bytes.len());
+        let header = Header::scan(&bytes[..end_bytes], &bytes[bytes.len() - end_bytes..]);
+        Self::new(bytes, &header, params)
     }
 }
 
@@ -90,7 +88,6 @@ impl<R: BufRead> Job<R> {
         match self.reader.next_line() {
             Ok(Some(raw)) => {
                 self.totals.lines = raw.line;
-                self.totals.bytes += raw.bytes.len() as u64 + 1;
                 self.interpreter.line(raw);
                 for instruction in self.interpreter.take() {
                     match instruction {

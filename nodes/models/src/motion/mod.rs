@@ -14,6 +14,8 @@ mod trapezoid;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+pub(crate) mod tests_support;
 
 pub use job::{Job, Totals};
 pub use junction::junction_speed_m_s;

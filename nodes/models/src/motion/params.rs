@@ -73,6 +73,10 @@ pub struct ReadParams {
     pub chord_tolerance_m: f64,
     /// Bytes of a line that are read; the rest is refused.
     pub line_bytes_max: usize,
+    /// Bytes of a command beyond which it is named: firmware has short buffers.
+    pub command_bytes_noted: usize,
+    /// Bytes at each end of a file that are searched for comments on limits.
+    pub header_bytes: usize,
     /// Warnings that are kept; more are counted.
     pub warnings_max: usize,
 }
@@ -115,6 +119,8 @@ pub struct RawMotionParams {
     pub filament_move_noted_m: f64,
     pub target_max_c: f64,
     pub line_bytes_max: u32,
+    pub command_bytes_noted: u32,
+    pub header_bytes: u32,
     pub warnings_max: u32,
 }
 
@@ -186,6 +192,12 @@ fn reading(raw: &RawMotionParams) -> Result<ReadParams, ParamError> {
         target_max_c: in_range("printer_motion.target_max_c", raw.target_max_c, "degC", (100.0, 600.0))?,
         chord_tolerance_m: length("printer_motion.chord_tolerance_m", raw.chord_tolerance_m, (1e-6, 1e-3))?,
         line_bytes_max: count("printer_motion.line_bytes_max", raw.line_bytes_max, (96.0, 16_777_216.0))?,
+        command_bytes_noted: count(
+            "printer_motion.command_bytes_noted",
+            raw.command_bytes_noted,
+            (16.0, 16_777_216.0),
+        )?,
+        header_bytes: count("printer_motion.header_bytes", raw.header_bytes, (1024.0, 16_777_216.0))?,
         warnings_max: count("printer_motion.warnings_max", raw.warnings_max, (1.0, 1e6))?,
     })
 }

@@ -3,7 +3,7 @@
 //! Until the next move is known the queue's last one ends at rest, so a released plan can always be kept: moves
 //! that come later only raise speeds further back. Passes run once a batch, so the work per move is constant.
 
-use super::junction::{Direction, along, corner_m_s, standstill_m_s};
+use super::junction::{Corner, Direction, along, corner_m_s, standstill_m_s};
 use super::params::{Limits, axis};
 use super::segment::{Action, MoveKind, Role, Segment, Step};
 use super::trapezoid::Trapezoid;
@@ -62,6 +62,14 @@ enum Item {
     Action(Action, u64),
 }
 
+/// What the next corner needs of the newest move.
+struct Last {
+    direction: Direction,
+    cruise_m_s: f64,
+    acceleration_m_s2: f64,
+    path_m: f64,
+}
+
 /// Streaming planner with a bounded queue.
 pub struct Planner {
     limits: Limits,
@@ -71,7 +79,7 @@ pub struct Planner {
     released: usize,
     /// Entry speed that the released move before the queue's first one promised.
     promised_entry_m_s: Option<f64>,
-    last: Option<(Direction, f64)>,
+    last: Option<Last>,
 }
 
 impl Planner {
@@ -97,7 +105,12 @@ impl Planner {
     /// Takes a move; one without way and filament is nothing and vanishes.
     pub fn push_move(&mut self, waypoint: Waypoint) {
         let Some(block) = self.block(waypoint) else { return };
-        self.last = Some((block.direction, block.cruise_m_s));
+        self.last = Some(Last {
+            direction: block.direction,
+            cruise_m_s: block.cruise_m_s,
+            acceleration_m_s2: block.acceleration_m_s2,
+            path_m: block.path_m,
+        });
         self.moves += 1;
         self.queue.push_back(Item::Block(Box::new(block)));
         if self.moves >= BATCH * self.lookahead_moves {
@@ -192,9 +205,15 @@ impl Planner {
         let cruise_m_s = waypoint.feed_m_s.min(along(&direction, &self.limits.feedrate_m_s));
         let standstill_m_s = standstill_m_s(&direction, &self.limits).min(cruise_m_s);
         let entry_max_m_s = match &self.last {
-            Some((before, before_m_s)) => corner_m_s(before, &direction, acceleration_m_s2, &self.limits)
-                .min(*before_m_s)
-                .min(cruise_m_s),
+            Some(last) => {
+                let corner = Corner {
+                    before: last.direction,
+                    after: direction,
+                    acceleration_m_s2: acceleration_m_s2.min(last.acceleration_m_s2),
+                    path_m: path_m.min(last.path_m),
+                };
+                corner_m_s(&corner, &self.limits).min(last.cruise_m_s).min(cruise_m_s)
+            }
             None => standstill_m_s,
         };
         Some(Block {
