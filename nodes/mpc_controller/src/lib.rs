@@ -1,1 +1,27 @@
-//! Placeholder crate page.
+//! Corrects feed, speed, set-point and slip while a print runs, always as trims on the slicer's own values.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`qp`] | receding-horizon problem on Clarabel (model book 1.7) |
+//! | [`trims`] | integral action on the measured width between solves ([QC] (23)) |
+//! | [`reference`] | what the slicer's set-point means for the nozzle |
+//! | [`params`] | `config/mpc_controller.param.yaml` |
+//!
+//! A plan is made at every tick; a command leaves with every estimate, since a slip must act within 0.1 s. When an
+//! input is too old nothing is sent: the last command lapses and the printer is back at the slicer's values.
+
+#![forbid(unsafe_code)]
+
+mod catch_up;
+mod controller;
+mod deadband;
+mod input;
+mod nominal;
+pub mod params;
+pub mod qp;
+pub mod reference;
+pub mod trims;
+
+pub use controller::{Controller, Report};
+pub use input::{Estimate, Event, Refusals, Refused};
+pub use params::{Level, Params};

@@ -1,0 +1,164 @@
+//! Extruder loop for hosts that have none: the shortfall of filament, folded into the slip that is sent.
+//!
+//! A native host feeds `v/(1-ŝ) + k (L_cmd - L_enc)` at 100 Hz (model book 1.7). Other hosts only divide the feed by
+//! one minus the slip, so they get the slip that gives the same feed at the mean feed `v̄`:
+//! `1/(1 - s_eff) = 1/(1 - ŝ) + k (L_cmd - L_enc)/v̄`.
+
+use crate::params::RawSlip;
+use std::collections::VecDeque;
+
+/// Encoder samples kept to meet a status: 0.16 s at 100 Hz.
+const SAMPLES: usize = 16;
+
+/// Shortfall of filament since the loop closed.
+#[derive(Debug, Clone)]
+pub(crate) struct CatchUp {
+    settings: RawSlip,
+    samples: VecDeque<(f64, f64)>,
+    waiting: Option<(f64, f64)>,
+    newest_wanted_m: Option<f64>,
+    /// Wanted less measured position when the loop closed `[m]`: closing it moves nothing.
+    origin_m: Option<f64>,
+    shortfall_m: f64,
+}
+
+impl CatchUp {
+    pub(crate) fn new(settings: RawSlip) -> Self {
+        Self {
+            settings,
+            samples: VecDeque::with_capacity(SAMPLES),
+            waiting: None,
+            newest_wanted_m: None,
+            origin_m: None,
+            shortfall_m: 0.0,
+        }
+    }
+
+    /// Opens the loop; it closes again with the next pair.
+    pub(crate) fn open(&mut self) {
+        self.origin_m = None;
+        self.shortfall_m = 0.0;
+    }
+
+    /// Filament still owed `[m]`.
+    pub(crate) fn shortfall_m(&self) -> f64 {
+        self.shortfall_m
+    }
+
+    pub(crate) fn newest_sample_s(&self) -> Option<f64> {
+        self.samples.back().map(|sample| sample.0)
+    }
+
+    pub(crate) fn on_wanted(&mut self, stamp_s: f64, wanted_m: f64) {
+        let jump = |before_m: f64| (wanted_m - before_m).abs() > self.settings.wanted_jump_m;
+        if self.newest_wanted_m.is_some_and(jump) {
+            self.open();
+        }
+        self.newest_wanted_m = Some(wanted_m);
+        self.waiting = Some((stamp_s, wanted_m));
+        self.pair();
+    }
+
+    pub(crate) fn on_encoder(&mut self, stamp_s: f64, position_m: f64) {
+        let jump = |before: &(f64, f64)| (position_m - before.1).abs() > self.settings.wanted_jump_m;
+        if self.samples.back().is_some_and(jump) {
+            self.open();
+            self.samples.clear();
+        }
+        if self.samples.len() == SAMPLES {
+            self.samples.pop_front();
+        }
+        self.samples.push_back((stamp_s, position_m));
+        self.pair();
+    }
+
+    /// Compares both positions at the status' own time.
+    fn pair(&mut self) {
+        let Some((stamp_s, wanted_m)) = self.waiting else { return };
+        let after = self.samples.partition_point(|sample| sample.0 < stamp_s);
+        let (Some(left), Some(right)) =
+            (after.checked_sub(1).and_then(|index| self.samples.get(index)), self.samples.get(after))
+        else {
+            return;
+        };
+        self.waiting = None;
+        let span_s = right.0 - left.0;
+        if span_s > self.settings.pairing_s {
+            return;
+        }
+        let measured_m = left.1 + (right.1 - left.1) * (stamp_s - left.0) / span_s;
+        let origin_m = *self.origin_m.get_or_insert(wanted_m - measured_m);
+        self.shortfall_m = wanted_m - measured_m - origin_m;
+    }
+
+    /// Slip to send; what the limit cannot catch up is forgotten, so that nothing winds up.
+    pub(crate) fn effective_slip(&mut self, slip: f64, reference_feed_m_s: f64) -> f64 {
+        let settings = &self.settings;
+        let slip = slip.clamp(settings.low, settings.high);
+        if settings.serial_gain_1_s <= 0.0 {
+            return slip;
+        }
+        let most_m = settings.serial_limit * reference_feed_m_s / settings.serial_gain_1_s;
+        let kept_m = self.shortfall_m.clamp(-most_m, most_m);
+        if let Some(origin_m) = self.origin_m.as_mut() {
+            *origin_m += self.shortfall_m - kept_m;
+        }
+        self.shortfall_m = kept_m;
+        let feed = 1.0 / (1.0 - slip) + settings.serial_gain_1_s * kept_m / reference_feed_m_s;
+        (1.0 - 1.0 / feed).clamp(settings.low, settings.high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SETTINGS: RawSlip = RawSlip {
+        low: -0.05,
+        high: 0.5,
+        serial_gain_1_s: 0.5,
+        serial_limit: 0.1,
+        pairing_s: 0.05,
+        wanted_jump_m: 0.05,
+    };
+
+    #[test]
+    fn without_a_shortfall_the_slip_itself_is_sent_and_clipped() {
+        let mut loop_ = CatchUp::new(SETTINGS);
+        assert!((loop_.effective_slip(0.09, 2e-3) - 0.09).abs() < 1e-12);
+        assert!((loop_.effective_slip(0.9, 2e-3) - 0.5).abs() < 1e-12);
+        assert!((loop_.effective_slip(-0.9, 2e-3) + 0.05).abs() < 1e-12);
+    }
+
+    /// The feed that results is the inner loop's: `v/(1-s) + k e`.
+    #[test]
+    fn a_shortfall_raises_the_feed_by_gain_times_shortfall() {
+        let mut loop_ = CatchUp::new(SETTINGS);
+        loop_.on_encoder(0.0, 0.0);
+        loop_.on_wanted(0.005, 1e-5);
+        loop_.on_encoder(0.01, 2e-5);
+        assert!(loop_.shortfall_m().abs() < 1e-12, "closing the loop moves nothing");
+        loop_.on_wanted(0.015, 1e-5 + 1e-4);
+        loop_.on_encoder(0.02, 2e-5);
+        // wanted 0.11 mm, measured 0.02 mm, difference at the origin 0
+        assert!((loop_.shortfall_m() - 0.9e-4).abs() < 1e-12);
+        let feed = 2e-3 / (1.0 - loop_.effective_slip(0.02, 2e-3));
+        assert!((feed - (2e-3 / 0.98 + 0.5 * 0.9e-4)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_the_limit_cannot_catch_up_is_forgotten() {
+        let mut loop_ = CatchUp::new(SETTINGS);
+        loop_.on_encoder(0.0, 0.0);
+        loop_.on_wanted(0.005, 0.0);
+        loop_.on_encoder(0.01, 0.0);
+        loop_.on_wanted(0.015, 0.01);
+        loop_.on_encoder(0.02, 0.0);
+        loop_.effective_slip(0.0, 2e-3);
+        // 10 % of 2 mm/s at 0.5 1/s
+        assert!((loop_.shortfall_m() - 0.4e-3).abs() < 1e-12);
+        loop_.on_wanted(0.025, 0.01);
+        loop_.on_encoder(0.03, 0.0);
+        assert!((loop_.shortfall_m() - 0.4e-3).abs() < 1e-12);
+    }
+}

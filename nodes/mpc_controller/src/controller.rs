@@ -1,0 +1,262 @@
+//! The controller: events in, a command per estimate out, a plan per tick.
+
+use crate::catch_up::CatchUp;
+use crate::input::{Estimate, Event, Refusals, is_valid};
+use crate::nominal::Nominal;
+use crate::params::{Level, Params};
+use crate::qp::{BuildError, Lags, Move, Outcome, Qp, input};
+use models::command::{Command, Trims};
+use models::extruder::Extruder;
+use models::hotend::Hotend;
+use models::material::Material;
+use models::melt::Melt;
+use models::status::{HostProfile, JobPhase, PrinterStatus};
+use models::units::Seconds;
+
+/// The nominal printer, as far as control needs it.
+#[derive(Debug, Clone)]
+struct Printer {
+    hotend: Hotend,
+    material: Material,
+    melt: Melt,
+}
+
+/// What the controller has done and seen, for diagnostics.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Report {
+    /// How the last solve ended; `None` before the first.
+    pub outcome: Option<Outcome>,
+    /// Solves that ended optimal.
+    pub solved: u64,
+    /// Solves that fell back on the last plan.
+    pub fallbacks: u64,
+    /// Estimates or ticks without a command, since an input was too old.
+    pub starved: u64,
+    /// Times the trims in force were taken over.
+    pub adopted: u64,
+    /// Flow error of the last solve `[-]`.
+    pub flow_error: f64,
+    /// Gain error of the last solve `[-]`.
+    pub gain_error: f64,
+    /// Temperature error of the last solve `[K]`.
+    pub temperature_error_k: f64,
+    /// Filament still owed by a host without a loop `[m]`.
+    pub shortfall_m: f64,
+    /// Inputs not used.
+    pub refusals: Refusals,
+}
+
+/// Receding-horizon controller over slicer values. Knows no clock and no middleware.
+#[derive(Debug)]
+pub struct Controller {
+    params: Params,
+    printer: Printer,
+    session: u64,
+    sequence: u64,
+    qp: Qp,
+    catch_up: CatchUp,
+    nominal: Nominal,
+    status: Option<PrinterStatus>,
+    estimate: Option<Estimate>,
+    /// Move in force.
+    held: Move,
+    /// Since when path, width and deposition are steady `[s]`.
+    steady_since_s: f64,
+    /// Since when the trims in force differ from the held ones `[s]`.
+    differ_since_s: Option<f64>,
+    report: Report,
+}
+
+impl Controller {
+    /// A controller that has seen nothing, for a nominal printer and a material. `session` tells this run's commands
+    /// from another's.
+    ///
+    /// # Errors
+    /// [`BuildError`] if the quadratic problem cannot be built from the parameters.
+    pub fn new(
+        params: Params,
+        (hotend, extruder): (&Hotend, &Extruder),
+        material: &Material,
+        session: u64,
+    ) -> Result<Self, BuildError> {
+        let lags = Lags {
+            period_s: params.period_s,
+            horizon: params.model.horizon as usize,
+            flow_s: material.lag_s,
+            thermal_s: params.model.thermal_lag_s,
+        };
+        Ok(Self {
+            params,
+            printer: Printer {
+                hotend: *hotend,
+                material: material.clone(),
+                melt: Melt::new(material, extruder),
+            },
+            session,
+            sequence: 0,
+            qp: Qp::new(params.cost, params.limits, lags, params.solver)?,
+            catch_up: CatchUp::new(params.slip),
+            nominal: Nominal::new(material.lag_s),
+            status: None,
+            estimate: None,
+            held: [0.0; input::COUNT],
+            steady_since_s: f64::NEG_INFINITY,
+            differ_since_s: None,
+            report: Report::default(),
+        })
+    }
+
+    /// What was done and seen so far.
+    #[must_use]
+    pub fn report(&self) -> Report {
+        Report { shortfall_m: self.catch_up.shortfall_m(), ..self.report }
+    }
+
+    /// Takes one event in; an estimate yields a command unless an input is too old.
+    pub fn on_event(&mut self, event: Event) -> Option<Command> {
+        match event {
+            Event::Estimate(estimate) => return self.take_estimate(estimate),
+            Event::Printer(status) => self.take_status(&status),
+            Event::Encoder { stamp, position_m } => self.take_position(stamp, position_m),
+            Event::Width { exposed, width_m } => self.take_width(exposed, width_m),
+            Event::Tick { now } => self.tick(now),
+        }
+        None
+    }
+
+    fn take_estimate(&mut self, estimate: Estimate) -> Option<Command> {
+        if !estimate.is_valid() {
+            self.report.refusals.estimate.invalid += 1;
+            return None;
+        }
+        if self.estimate.is_some_and(|before| estimate.stamp <= before.stamp) {
+            self.report.refusals.estimate.late += 1;
+            return None;
+        }
+        self.estimate = Some(estimate);
+        let Some(status) = self.fresh_status(estimate.stamp) else {
+            self.report.starved += 1;
+            return None;
+        };
+        let trims = self.trims(&status, &estimate);
+        self.sequence += 1;
+        Some(Command {
+            session: self.session,
+            sequence: self.sequence,
+            validity: Seconds(self.params.validity_s),
+            trims,
+        })
+    }
+
+    fn take_status(&mut self, status: &PrinterStatus) {
+        if !is_valid(status) {
+            self.report.refusals.printer.invalid += 1;
+            return;
+        }
+        if self.status.is_some_and(|before| status.stamp <= before.stamp) {
+            self.report.refusals.printer.late += 1;
+            return;
+        }
+        self.nominal.on_status(status, self.params.slip.wanted_jump_m);
+        self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
+        if self.status.is_none_or(|before| self.unsteady(&before, status)) {
+            self.steady_since_s = status.stamp.0;
+        }
+        if matches!(status.phase, JobPhase::Idle | JobPhase::Done | JobPhase::Failed) {
+            self.rest();
+        }
+        self.adopt(status);
+        self.status = Some(*status);
+    }
+
+    fn take_position(&mut self, stamp: Seconds, position_m: f64) {
+        if !(stamp.0.is_finite() && position_m.is_finite()) {
+            self.report.refusals.encoder.invalid += 1;
+        } else if self.catch_up.newest_sample_s().is_some_and(|newest_s| stamp.0 <= newest_s) {
+            self.report.refusals.encoder.late += 1;
+        } else {
+            self.catch_up.on_encoder(stamp.0, position_m);
+        }
+    }
+
+    fn unsteady(&self, before: &PrinterStatus, now: &PrinterStatus) -> bool {
+        let spread = self.params.trims.speed_spread;
+        let changed = |old: f64, new: f64| (new - old).abs() > spread * old.abs().max(new.abs());
+        let width = match (before.target_width_m, now.target_width_m) {
+            (Some(old), Some(new)) => changed(old, new),
+            _ => true,
+        };
+        !now.depositing || width || changed(before.planned_speed_m_s, now.planned_speed_m_s)
+    }
+
+    /// Nothing is printed: forget every correction.
+    fn rest(&mut self) {
+        self.held = [0.0; input::COUNT];
+        self.qp.clear();
+        self.nominal.clear();
+        self.catch_up.open();
+    }
+
+    /// Where the printer keeps other trims than the sent ones (observed, limited, lapsed), goes on from those.
+    fn adopt(&mut self, status: &PrinterStatus) {
+        let in_force = moves_of(&status.trims);
+        let tolerance = self.params.bumpless.tolerance;
+        let differ = (in_force[input::FEED] - self.held[input::FEED]).abs() > tolerance
+            || (in_force[input::SPEED] - self.held[input::SPEED]).abs() > tolerance;
+        if !differ || self.params.control != Level::Mpc {
+            self.differ_since_s = None;
+            return;
+        }
+        let since_s = *self.differ_since_s.get_or_insert(status.stamp.0);
+        if status.stamp.0 - since_s > self.params.bumpless.adopt_s {
+            let (low, high) = (self.params.limits.low(), self.params.limits.high());
+            self.held = std::array::from_fn(|index| in_force[index].clamp(low[index], high[index]));
+            self.qp.clear();
+            self.differ_since_s = None;
+            self.report.adopted += 1;
+        }
+    }
+
+    fn fresh_status(&self, at: Seconds) -> Option<PrinterStatus> {
+        self.status.filter(|status| at.0 - status.stamp.0 <= self.params.status_age_limit_s)
+    }
+
+    fn trims(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Trims {
+        let printing = !matches!(status.phase, JobPhase::Idle | JobPhase::Done | JobPhase::Failed);
+        if self.params.control == Level::Off || !printing {
+            return Trims::NEUTRAL;
+        }
+        let slip = self.slip(status, estimate);
+        let [feed, speed, setpoint_offset_k] =
+            if self.params.control == Level::Mpc { self.held } else { [0.0; 3] };
+        Trims {
+            // the move is feed over time, the printer's trim is feed over path
+            flow: (1.0 + feed) / (1.0 + speed),
+            speed: 1.0 + speed,
+            setpoint_offset_k,
+            advance_s: Some(self.printer.material.lag_s),
+            slip,
+        }
+    }
+
+    fn slip(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Option<f64> {
+        if !estimate.encoder_alive {
+            self.catch_up.open();
+            return None;
+        }
+        Some(match status.host {
+            HostProfile::Native => estimate.slip.clamp(self.params.slip.low, self.params.slip.high),
+            HostProfile::Serial => self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s),
+        })
+    }
+}
+
+/// Feed over time, speed and offset of trims in force.
+fn moves_of(trims: &Trims) -> Move {
+    [trims.flow * trims.speed - 1.0, trims.speed - 1.0, trims.setpoint_offset_k]
+}
+
+mod planning;
+
+#[cfg(test)]
+mod tests;

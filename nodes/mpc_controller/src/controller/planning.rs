@@ -1,0 +1,102 @@
+//! The plan: errors now, the solve at every tick, and the fast trims between.
+
+use super::{Controller, Printer};
+use crate::input::Estimate;
+use crate::params::Level;
+use crate::qp::{Outcome, Start, input};
+use crate::reference::nozzle_reference;
+use crate::trims::{Gains, trimmed};
+use models::bead::ROUND_SIDES;
+use models::status::PrinterStatus;
+use models::units::{Kelvin, Seconds};
+
+impl Controller {
+    /// Fast trims on a frame that shows a steady road (model book 1.7).
+    pub(super) fn take_width(&mut self, exposed: Seconds, width_m: f64) {
+        if !(exposed.0.is_finite() && width_m.is_finite() && width_m > 0.0) {
+            self.report.refusals.width.invalid += 1;
+            return;
+        }
+        let Some(status) = self.status else { return };
+        let target_m = status.target_width_m.filter(|_| status.depositing);
+        let steady = exposed.0 >= self.steady_since_s + self.params.trims.steady_s;
+        let (Some(target_m), true, Level::Mpc) = (target_m, steady, self.params.control) else { return };
+        let error = self.params.deadband.relative(width_m / target_m - 1.0);
+        let (low, high, rate) =
+            (self.params.limits.low(), self.params.limits.high(), self.params.limits.rate());
+        let around = |index: usize| {
+            (
+                (self.held[index] - rate[index]).max(low[index]),
+                (self.held[index] + rate[index]).min(high[index]),
+            )
+        };
+        let gains = Gains {
+            feed_1_s: self.params.trims.feed_gain,
+            features_m_s: 0.0,
+            speed_1_s: self.params.trims.speed_gain,
+            feed_range_m_s: around(input::FEED),
+            speed_range_m_s: around(input::SPEED),
+        };
+        let (feed, speed) = trimmed(&gains, (self.held[input::FEED], self.held[input::SPEED]), error, &[]);
+        self.held[input::FEED] = feed;
+        self.held[input::SPEED] = speed;
+    }
+
+    pub(super) fn tick(&mut self, now: Seconds) {
+        if !now.0.is_finite() {
+            self.report.refusals.tick.invalid += 1;
+            return;
+        }
+        if self.params.control != Level::Mpc {
+            return;
+        }
+        let recent = self.estimate.filter(|made| now.0 - made.stamp.0 <= self.params.estimate_age_limit_s);
+        let (Some(estimate), Some(status)) = (recent, self.fresh_status(now)) else {
+            self.report.starved += 1;
+            return;
+        };
+        let Some(start) = self.start(&status, &estimate) else { return };
+        let (held, outcome) = self.qp.solve(&start);
+        self.held = held;
+        self.report.outcome = Some(outcome);
+        match outcome {
+            Outcome::Solved { .. } => self.report.solved += 1,
+            Outcome::Fallback(_) | Outcome::Infeasible | Outcome::Refused => self.report.fallbacks += 1,
+        }
+    }
+
+    /// Errors now; `None` while no road is deposited: the move is held.
+    fn start(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Option<Start> {
+        if !status.depositing || status.planned_feed_m_s <= 0.0 {
+            return None;
+        }
+        let (width_m, height_m) = (status.target_width_m?, status.layer_height_m?);
+        let ratio = 1.0 - height_m * ROUND_SIDES / width_m;
+        if ratio <= 0.0 {
+            return None;
+        }
+        let least_m_s = self.params.bumpless.flow_min_rel * estimate.reference_feed_m_s;
+        let flow_error = self
+            .nominal
+            .flow_m_s(self.params.bumpless.settle_lags)
+            .filter(|nominal_m_s| estimate.encoder_alive && *nominal_m_s > least_m_s)
+            .map_or(0.0, |nominal_m_s| estimate.flow_m_s / nominal_m_s - 1.0);
+        let ambient = Kelvin(self.params.ambient_k);
+        let Printer { hotend, material, melt } = &self.printer;
+        let block: Kelvin = status.hotend_sliced_target.into();
+        let reference = nozzle_reference(hotend, material, block, (self.params.reference.flow_m3_s, ambient));
+        let flow_max = melt.flow_max_m3_s(estimate.nozzle, ambient, self.params.limits.force_margin);
+        self.report.flow_error = flow_error;
+        self.report.gain_error = estimate.gain - 1.0;
+        self.report.temperature_error_k = estimate.nozzle.0 - reference.0;
+        let band = &self.params.deadband;
+        Some(Start {
+            flow: band.relative(flow_error),
+            temperature_k: band.temperature_k(self.report.temperature_error_k),
+            gain: band.relative(self.report.gain_error),
+            last: self.held,
+            feed_cap: Some(flow_max / (status.planned_feed_m_s * melt.filament_area_m2()) - 1.0),
+            width_ratio: 1.0 / ratio,
+        })
+    }
+}

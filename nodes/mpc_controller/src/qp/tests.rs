@@ -1,0 +1,114 @@
+use super::*;
+use proptest::prelude::*;
+
+pub(crate) const COST: RawCost = RawCost {
+    width_scale: 0.05,
+    temperature_scale_k: 5.0,
+    temperature_weight: 0.3,
+    speed_scale: 0.2,
+    feed_scale: 0.6,
+    setpoint_weight_1_k2: 0.02,
+    change_weight: 0.3,
+    feed_change: 0.05,
+    speed_change: 0.04,
+    setpoint_change_k: 2.0,
+};
+
+pub(crate) const LIMITS: RawLimits = RawLimits {
+    feed: 0.25,
+    speed_low: -0.30,
+    speed_high: 0.15,
+    setpoint_k: 10.0,
+    feed_rate: 0.06,
+    speed_rate: 0.05,
+    setpoint_rate_k: 1.0,
+    force_margin: 0.8,
+};
+
+fn problem() -> Qp {
+    let lags = Lags { period_s: 0.25, horizon: 16, flow_s: 0.63, thermal_s: 12.0 };
+    Qp::new(COST, LIMITS, lags, RawSolver { iterations: 60, time_limit_s: 1.0 }).unwrap()
+}
+
+const REST: Start =
+    Start { flow: 0.0, temperature_k: 0.0, gain: 0.0, last: [0.0; 3], feed_cap: None, width_ratio: 1.09 };
+
+/// Golden vectors `mpc_step-1..5`, tolerance 2e-4 + 1e-3 of the value, on one problem updated in place.
+#[test]
+fn first_moves_agree_with_the_reference() {
+    let mut qp = problem();
+    for (start, expected) in [
+        (REST, [0.0, 0.0, 0.0]),
+        (Start { gain: 0.03, ..REST }, [-0.017_040_96, 0.016_882_54, 0.0]),
+        (Start { flow: -0.09, ..REST }, [0.021_234_08, -0.035_014_26, 0.0]),
+        (Start { temperature_k: -6.0, ..REST }, [0.0, 0.0, 0.308_911_54]),
+        (
+            Start { gain: -0.4, last: [0.2, -0.25, 0.0], feed_cap: Some(0.22), ..REST },
+            [0.22, -0.288_234_96, 0.0],
+        ),
+    ] {
+        let expected: Move = expected;
+        let (got, outcome) = qp.solve(&start);
+        assert!(matches!(outcome, Outcome::Solved { .. }), "{outcome:?}");
+        for index in 0..input::COUNT {
+            let tolerance = 2e-4 + 1e-3 * expected[index].abs();
+            assert!((got[index] - expected[index]).abs() <= tolerance, "{got:?} for {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn a_wide_road_gives_less_feed_and_more_speed() {
+    let ([feed, speed, _], _) = problem().solve(&Start { gain: 0.05, ..REST });
+    assert!(feed < 0.0 && speed > 0.0);
+}
+
+#[test]
+fn what_is_not_finite_is_refused_and_the_plan_goes_on() {
+    let mut qp = problem();
+    qp.solve(&Start { gain: 0.1, ..REST });
+    let planned = qp.plan()[1];
+    let last = qp.plan()[0];
+    let (got, outcome) = qp.solve(&Start { flow: f64::NAN, last, ..REST });
+    assert_eq!(outcome, Outcome::Refused);
+    for index in 0..input::COUNT {
+        assert!((got[index] - planned[index]).abs() < 1e-6);
+    }
+}
+
+#[test]
+fn a_solve_that_ends_early_falls_back_on_the_shifted_plan() {
+    let lags = Lags { period_s: 0.25, horizon: 16, flow_s: 0.63, thermal_s: 12.0 };
+    let mut qp = Qp::new(COST, LIMITS, lags, RawSolver { iterations: 1, time_limit_s: 1.0 }).unwrap();
+    let (got, outcome) = qp.solve(&Start { gain: 0.1, ..REST });
+    assert_eq!(outcome, Outcome::Fallback(Cause::Iterations));
+    assert!(got.iter().all(|part| part.abs() < 1e-12));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(10_000))]
+
+    /// Bounds and rates hold for any state, solved or not, also from a move outside of the bounds.
+    #[test]
+    fn bounds_and_rates_hold(
+        (flow, temperature_k, gain) in (-2.0f64..2.0, -80.0f64..80.0, -0.9f64..2.0),
+        last in (-0.3f64..0.3, -0.4f64..0.2, -12.0f64..12.0),
+        feed_cap in prop::option::of(-1.0f64..1.0),
+        width_ratio in 1.01f64..1.5,
+    ) {
+        thread_local!(static QP: std::cell::RefCell<Qp> = std::cell::RefCell::new(problem()));
+        let start = Start { flow, temperature_k, gain, last: [last.0, last.1, last.2], feed_cap, width_ratio };
+        let (got, outcome) = QP.with_borrow_mut(|qp| qp.solve(&start));
+        prop_assert!(matches!(outcome, Outcome::Solved { .. }), "{:?}", outcome);
+        let (low, high, rate) = (LIMITS.low(), LIMITS.high(), LIMITS.rate());
+        for index in 0..input::COUNT {
+            let last = start.last[index].clamp(low[index], high[index]);
+            prop_assert!(got[index] >= low[index] && got[index] <= high[index]);
+            prop_assert!((got[index] - last).abs() <= rate[index] + 1e-12);
+        }
+        if let Some(cap) = feed_cap {
+            let last = start.last[input::FEED].clamp(low[0], high[0]);
+            prop_assert!(got[input::FEED] <= cap.max(last - rate[0]).max(low[0]) + 1e-12);
+        }
+    }
+}
