@@ -1,1 +1,84 @@
-//! Runtime.
+//! The ROS 2 runtime of every node, and the only crate that names the ROS client and the DDS.
+//!
+//! ```no_run
+//! use models::units::Seconds;
+//! use runtime::{Node, RuntimeError, topics};
+//!
+//! async fn run(mut node: Node) -> Result<(), RuntimeError> {
+//!     let mut temperatures = node.subscribe(&topics::HOTEND_TEMPERATURE)?;
+//!     let estimates = node.publish_on(&topics::ESTIMATE)?;
+//!     let mut ticks = node.timer(Seconds(0.05)); // on the node's clock
+//!     let (diagnostics, work) = (node.diagnostics(), node.work());
+//!     loop {
+//!         tokio::select! {
+//!             reading = temperatures.recv() => {
+//!                 if !reading.message.temperature.is_finite() {
+//!                     diagnostics.count("refused_not_finite");
+//!                 }
+//!             }
+//!             _now = ticks.next() => {
+//!                 estimates.send(Default::default()); // never waits; drops are counted
+//!                 work.done();
+//!             }
+//!             () = node.shutdown() => return Ok(()),
+//!         }
+//!     }
+//! }
+//!
+//! fn main() -> std::process::ExitCode {
+//!     runtime::run("state_estimator", run)
+//! }
+//! ```
+//!
+//! | part | what |
+//! |---|---|
+//! | [`run`], [`Node`] | start from `--ros-args` and the environment, end on signals within 2 s |
+//! | [`topics`], [`qos`] | every topic and service with type and quality of service at both ends |
+//! | [`Publisher`] | synchronous, never waiting; drops counted |
+//! | [`Subscription`], [`RawSubscription`] | time of receipt on the node's clock, publisher, age watchdog |
+//! | [`Server`], [`Client`] | services; calls with a limit |
+//! | [`Clock`], [`Timer`] | monotonic, or `/clock` under `use_sim_time` |
+//! | [`params`] | parameter files, merged, checked, hashed |
+//! | [`Diagnostics`], [`Work`] | `/diagnostics`, heartbeat |
+//!
+//! Each process watches its own middleware through a message to itself and aborts when it is deaf (`self_loop`).
+//! Lifecycle (`node.rs`) and the parameter services (`params.rs`) come with the ROS issue.
+#![forbid(unsafe_code)]
+
+mod args;
+mod background;
+mod clock;
+mod diagnostics;
+mod environment;
+mod error;
+mod heartbeat;
+mod logging;
+mod names;
+mod node;
+pub mod params;
+mod publisher;
+pub mod qos;
+mod raw;
+mod self_loop;
+mod service;
+mod shutdown;
+mod start;
+mod stats;
+mod subscription;
+pub mod topics;
+
+pub use args::{Args, ArgsError, LogLevel};
+pub use clock::{Clock, Timer};
+pub use diagnostics::{Diagnostics, Level};
+pub use environment::{Environment, Range};
+pub use error::RuntimeError;
+pub use heartbeat::Work;
+pub use node::Node;
+pub use params::{NodePath, ParamFileError, Parameters};
+pub use publisher::Publisher;
+pub use raw::{RawMessage, RawSubscription};
+pub use self_loop::SelfLoopAge;
+pub use service::{Asked, CallError, Client, Server};
+pub use shutdown::Shutdown;
+pub use start::run;
+pub use subscription::{Gid, Received, Subscription};

@@ -1,0 +1,187 @@
+//! ROS 2 arguments: what `ros2 run` and `launch_ros` pass to a node.
+//!
+//! `--ros-args -r from:=to | -r __node:=name | -r __ns:=/ns | -p name:=value | --params-file FILE | --log-level LEVEL --`
+
+use std::path::PathBuf;
+
+/// What was asked for at the start.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Args {
+    /// Name of the node in place of its own (`-r __node:=`).
+    pub node: Option<String>,
+    /// Namespace of the node (`-r __ns:=`).
+    pub namespace: Option<String>,
+    /// Name remappings in order (`-r from:=to`).
+    pub remaps: Vec<(String, String)>,
+    /// Parameter overrides in order (`-p name:=value`).
+    pub parameters: Vec<(String, String)>,
+    /// Parameter files in order; a later one wins.
+    pub params_files: Vec<PathBuf>,
+    /// Log levels in order: logger (`None`: all) and level.
+    pub log_levels: Vec<(Option<String>, LogLevel)>,
+    /// Arguments outside of `--ros-args ... --`: the node's own.
+    pub rest: Vec<String>,
+}
+
+/// Level of `--log-level`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogLevel {
+    /// Everything the developer wants.
+    Debug,
+    /// Normal course.
+    Info,
+    /// Something is odd.
+    Warn,
+    /// Something failed.
+    Error,
+}
+
+impl LogLevel {
+    /// The level as a filter directive names it.
+    pub(crate) fn directive(self) -> &'static str {
+        match self {
+            Self::Debug => "debug",
+            Self::Info => "info",
+            Self::Warn => "warn",
+            Self::Error => "error",
+        }
+    }
+
+    /// `ros2` takes any case; `fatal` ends with the errors, `unset` is the default level.
+    fn parse(text: &str) -> Option<Self> {
+        match text.to_ascii_lowercase().as_str() {
+            "debug" => Some(Self::Debug),
+            "info" | "unset" => Some(Self::Info),
+            "warn" | "warning" => Some(Self::Warn),
+            "error" | "fatal" => Some(Self::Error),
+            _ => None,
+        }
+    }
+}
+
+/// Why arguments or environment variables were refused.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ArgsError {
+    /// An argument that is not known after `--ros-args`.
+    #[error("unknown argument '{0}' after --ros-args (known: -r, -p, --params-file, --log-level, --)")]
+    Unknown(String),
+    /// An argument outside of `--ros-args` that this node does not take.
+    #[error("unknown argument '{0}': this node takes only '--ros-args ...'")]
+    NotTaken(String),
+    /// An option without its value.
+    #[error("argument '{0}' needs a value")]
+    MissingValue(String),
+    /// A pair without `:=`.
+    #[error("argument '{option} {value}': expected {expected}")]
+    Malformed {
+        /// The option.
+        option: String,
+        /// What stood behind it.
+        value: String,
+        /// What should stand there.
+        expected: &'static str,
+    },
+    /// An environment variable with a value that cannot be used.
+    #[error("{name}={value}: must be {rule}")]
+    Environment {
+        /// Name of the variable.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// What it may be.
+        rule: &'static str,
+    },
+}
+
+impl Args {
+    /// Arguments of this process.
+    ///
+    /// # Errors
+    /// [`ArgsError`] for what is not understood.
+    pub fn from_env() -> Result<Self, ArgsError> {
+        Self::parse(std::env::args().skip(1))
+    }
+
+    /// Parses arguments without the program's name. What stands before `--ros-args` or behind `--` goes to `rest`.
+    ///
+    /// # Errors
+    /// [`ArgsError`] for what is not understood.
+    pub fn parse(words: impl IntoIterator<Item = String>) -> Result<Self, ArgsError> {
+        let mut args = Self::default();
+        let mut words = words.into_iter();
+        let mut ros = false;
+        while let Some(word) = words.next() {
+            match (ros, word.as_str()) {
+                (false, "--ros-args") => ros = true,
+                (false, _) => args.rest.push(word),
+                (true, "--") => ros = false,
+                // launch_ros repeats it once per source of arguments.
+                (true, "--ros-args") => {}
+                (true, _) => args.ros_argument(&word, &mut words)?,
+            }
+        }
+        Ok(args)
+    }
+
+    /// Takes one ROS argument and its value in.
+    fn ros_argument(
+        &mut self,
+        word: &str,
+        words: &mut impl Iterator<Item = String>,
+    ) -> Result<(), ArgsError> {
+        let mut value = || words.next().ok_or_else(|| ArgsError::MissingValue(word.to_owned()));
+        match word {
+            "-r" | "--remap" => {
+                let (from, to) = pair(word, &value()?)?;
+                self.remap(from, to);
+            }
+            "-p" | "--param" => self.parameters.push(pair(word, &value()?)?),
+            "--params-file" => self.params_files.push(PathBuf::from(value()?)),
+            "--log-level" => self.log_levels.push(log_level(word, &value()?)?),
+            // Outputs that are always on here; launch files may still name them.
+            "--enable-rosout-logs" | "--enable-stdout-logs" => {}
+            other => return Err(ArgsError::Unknown(other.to_owned())),
+        }
+        Ok(())
+    }
+
+    /// Sorts a remapping into node name, namespace or name. A `node:` prefix on those two is not needed: one node a
+    /// process.
+    fn remap(&mut self, from: String, to: String) {
+        match from.rsplit(':').next().unwrap_or(&from) {
+            "__node" | "__name" => self.node = Some(to),
+            "__ns" => self.namespace = Some(to),
+            _ => self.remaps.push((from, to)),
+        }
+    }
+}
+
+/// Splits `name:=value`.
+fn pair(option: &str, text: &str) -> Result<(String, String), ArgsError> {
+    match text.split_once(":=") {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
+        _ => Err(ArgsError::Malformed {
+            option: option.to_owned(),
+            value: text.to_owned(),
+            expected: "name:=value",
+        }),
+    }
+}
+
+/// Parses `level` or `logger:=level`.
+fn log_level(option: &str, text: &str) -> Result<(Option<String>, LogLevel), ArgsError> {
+    let (logger, level) = match text.split_once(":=") {
+        Some((logger, level)) => (Some(logger.to_owned()), level),
+        None => (None, text),
+    };
+    let level = LogLevel::parse(level).ok_or_else(|| ArgsError::Malformed {
+        option: option.to_owned(),
+        value: text.to_owned(),
+        expected: "debug, info, warn, error or fatal",
+    })?;
+    Ok((logger, level))
+}
+
+#[cfg(test)]
+mod tests;

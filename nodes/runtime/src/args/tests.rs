@@ -1,0 +1,36 @@
+use super::*;
+
+fn parse(line: &str) -> Result<Args, ArgsError> {
+    Args::parse(line.split_whitespace().map(str::to_owned))
+}
+
+#[test]
+fn launch_ros_arguments_are_understood() {
+    let args = parse(
+        "--ros-args -r __node:=left -r __ns:=/printer_1 --params-file a.yaml --params-file b.yaml \
+         -p rate_hz:=20 -p name:=x:=y --log-level debug --log-level rustdds:=ERROR -r printer/state:=other",
+    )
+    .unwrap();
+    assert_eq!(args.node.as_deref(), Some("left"));
+    assert_eq!(args.namespace.as_deref(), Some("/printer_1"));
+    assert_eq!(args.params_files, [PathBuf::from("a.yaml"), PathBuf::from("b.yaml")]);
+    assert_eq!(args.parameters, [("rate_hz".into(), "20".into()), ("name".into(), "x:=y".into())]);
+    assert_eq!(args.log_levels, [(None, LogLevel::Debug), (Some("rustdds".into()), LogLevel::Error)]);
+    assert_eq!(args.remaps, [("printer/state".into(), "other".into())]);
+}
+
+#[test]
+fn a_double_dash_ends_ros_arguments() {
+    let args = parse("before --ros-args -p a:=1 -- after --ros-args -p b:=2").unwrap();
+    assert_eq!(args.rest, ["before", "after"]);
+    assert_eq!(args.parameters.len(), 2);
+}
+
+#[test]
+fn what_is_not_understood_is_named() {
+    assert_eq!(parse("--ros-args --bogus").unwrap_err(), ArgsError::Unknown("--bogus".into()));
+    assert_eq!(parse("--ros-args -p").unwrap_err(), ArgsError::MissingValue("-p".into()));
+    let text = parse("--ros-args -p rate=3").unwrap_err().to_string();
+    assert_eq!(text, "argument '-p rate=3': expected name:=value");
+    assert!(matches!(parse("--ros-args --log-level loud"), Err(ArgsError::Malformed { .. })));
+}

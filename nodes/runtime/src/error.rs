@@ -1,0 +1,54 @@
+//! What can go wrong between the graph and a node.
+
+use crate::args::ArgsError;
+use crate::params::ParamFileError;
+
+/// Why a node cannot start or take part in the graph.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RuntimeError {
+    /// Arguments or environment were not understood.
+    #[error(transparent)]
+    Args(#[from] ArgsError),
+    /// A parameter file was refused.
+    #[error(transparent)]
+    Parameters(#[from] ParamFileError),
+    /// A name is not valid in ROS 2.
+    #[error("name '{name}' is not a valid ROS 2 name: {reason}")]
+    Name {
+        /// The refused name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// The middleware refused to create an entity.
+    #[error("cannot create {what}: {reason}")]
+    Create {
+        /// What was to be created.
+        what: String,
+        /// Why not.
+        reason: String,
+    },
+    /// A system call failed.
+    #[error("{what}")]
+    System {
+        /// What was tried.
+        what: &'static str,
+        /// Why it failed.
+        #[source]
+        source: std::io::Error,
+    },
+}
+
+impl RuntimeError {
+    /// An entity that the middleware refused.
+    pub(crate) fn create(what: impl Into<String>, reason: &dyn std::fmt::Debug) -> Self {
+        Self::Create { what: what.into(), reason: format!("{reason:?}") }
+    }
+
+    /// Whether the person who started the node has to change something: exit code 2.
+    #[must_use]
+    pub fn is_usage(&self) -> bool {
+        matches!(self, Self::Args(_) | Self::Parameters(_) | Self::Name { .. })
+    }
+}

@@ -1,0 +1,124 @@
+//! Log lines to standard error and to `/rosout`.
+
+use crate::args::{Args, LogLevel};
+use fdm_loop_msgs::Log;
+use std::fmt::Write;
+use std::sync::OnceLock;
+use tokio::sync::mpsc::{Receiver, Sender, channel};
+use tracing::field::{Field, Visit};
+use tracing::{Event, Level, Subscriber};
+use tracing_subscriber::filter::EnvFilter;
+use tracing_subscriber::layer::{Context, Layer, SubscriberExt};
+use tracing_subscriber::util::SubscriberInitExt;
+
+/// Filter where neither `RUST_LOG` nor `--log-level` says otherwise. RustDDS reports every port that nobody listens on.
+const DEFAULT_FILTER: &str = "warn,rustdds::network::udp_sender=error";
+/// The middleware's own levels stay where they are when a node's level is set for all loggers.
+const MIDDLEWARE: &str = "rustdds=warn,ros2_client=warn,rustdds::network::udp_sender=error";
+/// Lines that wait for `/rosout`; more are dropped (they are on standard error all the same).
+const WAITING_LINES: usize = 256;
+
+/// The end that feeds `/rosout`, once a node is there to publish.
+static ROSOUT: OnceLock<Sender<Log>> = OnceLock::new();
+
+/// The filter in force: `RUST_LOG`, else `--log-level`, else the default.
+fn filter(args: &Args) -> EnvFilter {
+    if std::env::var_os("RUST_LOG").is_some() && args.log_levels.is_empty() {
+        return EnvFilter::from_default_env();
+    }
+    if args.log_levels.is_empty() {
+        return EnvFilter::new(DEFAULT_FILTER);
+    }
+    EnvFilter::new(directives(&args.log_levels))
+}
+
+/// Filter directives of the levels asked for, in order: a later one wins.
+fn directives(levels: &[(Option<String>, LogLevel)]) -> String {
+    let mut all = DEFAULT_FILTER.to_owned();
+    for (logger, level) in levels {
+        let level = level.directive();
+        // Writing to a string cannot fail.
+        _ = match logger {
+            Some(logger) => write!(all, ",{}={level}", logger.replace('.', "::")),
+            None => write!(all, ",{level},{MIDDLEWARE}"),
+        };
+    }
+    all
+}
+
+/// Starts logging; a second call in the same process changes nothing.
+pub(crate) fn start(args: &Args) {
+    let console = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    _ = tracing_subscriber::registry().with(filter(args)).with(console).with(Rosout).try_init();
+}
+
+/// The lines to be published; `None` where another node of this process has them.
+pub(crate) fn rosout_lines() -> Option<Receiver<Log>> {
+    let (sender, receiver) = channel(WAITING_LINES);
+    ROSOUT.set(sender).ok().map(|()| receiver)
+}
+
+/// Passes lines on to `/rosout`.
+struct Rosout;
+
+impl<S: Subscriber> Layer<S> for Rosout {
+    fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
+        let metadata = event.metadata();
+        let target = metadata.target();
+        // A line about sending a line would never end.
+        if target.starts_with("rustdds") || target.starts_with("ros2_client") || target == "log" {
+            return;
+        }
+        let Some(sender) = ROSOUT.get() else { return };
+        let mut text = Text::default();
+        event.record(&mut text);
+        let line = Log {
+            level: level_number(*metadata.level()),
+            name: target.to_owned(),
+            msg: text.0,
+            file: metadata.file().unwrap_or_default().to_owned(),
+            line: metadata.line().unwrap_or_default(),
+            ..Log::default()
+        };
+        // Full: the line is on standard error.
+        _ = sender.try_send(line);
+    }
+}
+
+/// Level as `rcl_interfaces/Log` has it.
+fn level_number(level: Level) -> u8 {
+    match level {
+        Level::ERROR => Log::ERROR,
+        Level::WARN => Log::WARN,
+        Level::INFO => Log::INFO,
+        Level::DEBUG | Level::TRACE => Log::DEBUG,
+    }
+}
+
+/// Message and fields of an event in one line.
+#[derive(Default)]
+struct Text(String);
+
+impl Visit for Text {
+    fn record_debug(&mut self, field: &Field, value: &dyn std::fmt::Debug) {
+        let gap = if self.0.is_empty() { "" } else { " " };
+        // Writing to a string cannot fail.
+        _ = match field.name() {
+            "message" => write!(self.0, "{gap}{value:?}"),
+            name => write!(self.0, "{gap}{name}={value:?}"),
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_for_all_leaves_the_middleware_quiet() {
+        let all = directives(&[(None, LogLevel::Debug), (Some("thermistor".into()), LogLevel::Error)]);
+        assert!(all.contains(",debug,rustdds=warn"), "{all}");
+        assert!(all.ends_with(",thermistor=error"), "{all}");
+        assert!(all.parse::<EnvFilter>().is_ok());
+    }
+}

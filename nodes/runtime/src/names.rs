@@ -1,0 +1,106 @@
+//! From a name as declared to the one on the graph: namespace, `~` and remappings.
+
+use crate::args::Args;
+use crate::error::RuntimeError;
+use ros2_client::{Name, NodeName};
+
+/// Namespace where none is asked for: every printer has its own.
+const DEFAULT_NAMESPACE: &str = "/printer";
+
+/// Name of the node and the remappings in force.
+#[derive(Debug, Clone)]
+pub(crate) struct Names {
+    node: NodeName,
+    remaps: Vec<(String, String)>,
+}
+
+impl Names {
+    /// Checks the node's name and all remappings.
+    pub(crate) fn new(default_node: &str, args: &Args) -> Result<Self, RuntimeError> {
+        let namespace = args.namespace.as_deref().unwrap_or(DEFAULT_NAMESPACE);
+        let base = args.node.as_deref().unwrap_or(default_node);
+        let node = NodeName::new(namespace, base).map_err(|reason| RuntimeError::Name {
+            name: format!("{namespace}/{base}"),
+            reason: reason.to_string(),
+        })?;
+        let mut names = Self { node, remaps: Vec::new() };
+        for (from, to) in &args.remaps {
+            let pair = (names.expand(from), names.expand(to));
+            names.check(&pair.0)?;
+            names.check(&pair.1)?;
+            names.remaps.push(pair);
+        }
+        Ok(names)
+    }
+
+    /// The node's name as the client wants it.
+    pub(crate) fn node(&self) -> &NodeName {
+        &self.node
+    }
+
+    /// Name without namespace.
+    pub(crate) fn base(&self) -> &str {
+        self.node.base_name()
+    }
+
+    /// Name with namespace.
+    pub(crate) fn qualified(&self) -> String {
+        self.node.fully_qualified_name()
+    }
+
+    /// Absolute name of a topic or service after remapping.
+    pub(crate) fn resolve(&self, name: &str) -> String {
+        let name = self.expand(name);
+        self.remaps.iter().find(|(from, _)| *from == name).map_or(name, |(_, to)| to.clone())
+    }
+
+    /// The client's form of an absolute name.
+    pub(crate) fn check(&self, absolute: &str) -> Result<Name, RuntimeError> {
+        Name::parse(absolute)
+            .map_err(|reason| RuntimeError::Name { name: absolute.to_owned(), reason: reason.to_string() })
+    }
+
+    /// Makes a name absolute.
+    fn expand(&self, name: &str) -> String {
+        if name.starts_with('/') {
+            name.to_owned()
+        } else if let Some(private) = name.strip_prefix("~/") {
+            format!("{}/{private}", self.qualified())
+        } else {
+            format!("{}/{name}", self.node.namespace().trim_end_matches('/'))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(line: &str) -> Result<Names, RuntimeError> {
+        Names::new("thermistor", &Args::parse(line.split_whitespace().map(str::to_owned)).unwrap())
+    }
+
+    #[test]
+    fn relative_absolute_and_private_names() {
+        let names = names("--ros-args -r __ns:=/a/b").unwrap();
+        assert_eq!(names.resolve("printer/state"), "/a/b/printer/state");
+        assert_eq!(names.resolve("/clock"), "/clock");
+        assert_eq!(names.resolve("~/status"), "/a/b/thermistor/status");
+        assert_eq!(self::names("").unwrap().resolve("events"), "/printer/events");
+        assert_eq!(self::names("--ros-args -r __ns:=/").unwrap().resolve("events"), "/events");
+    }
+
+    #[test]
+    fn a_remapping_holds_for_the_resolved_name() {
+        let names = names("--ros-args -r events:=/all/events -r /clock:=sim_clock").unwrap();
+        assert_eq!(names.resolve("/printer/events"), "/all/events");
+        assert_eq!(names.resolve("/clock"), "/printer/sim_clock");
+    }
+
+    #[test]
+    fn bad_names_are_refused() {
+        assert!(names("--ros-args -r __node:=1st").is_err());
+        assert!(names("--ros-args -r __ns:=printer").is_err());
+        assert!(names("--ros-args -r a:=b//c").is_err());
+    }
+}

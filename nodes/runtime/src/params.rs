@@ -1,0 +1,218 @@
+//! Parameter files: several ROS 2 files merged, later wins, then `-p` overrides; parsed into a checked struct.
+//!
+//! ```yaml
+//! /**:                       # or the node's name, or /namespace/node
+//!   ros__parameters:
+//!     limits:
+//!       flow_max: 1.2        # nested or dotted (limits.flow_max) keys
+//! ```
+//! An error is one line: `config/mpc.yaml:12: limits.flow_max = 3 -: must be in [1, 2]`. Unknown keys are refused by
+//! the structs (`deny_unknown_fields`). `use_sim_time` belongs to the runtime and is taken out.
+//!
+//! The six parameter services of ROS 2 and changes at run time are not here yet; they will live in
+//! `params/services.rs` and pass a changed tree through the same `Deserialize`.
+
+mod tree;
+
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
+use std::path::PathBuf;
+use tree::{Origin, Tree};
+
+/// Why parameters were refused; one line that says where, what and why.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParamFileError {
+    /// A file cannot be read.
+    #[error("{}: {reason}", file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// Why not.
+        reason: String,
+    },
+    /// Text that is not YAML, or not a ROS 2 parameter file.
+    #[error("{at}: {reason}")]
+    Malformed {
+        /// File and line, or the option `-p`.
+        at: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A value, or a set of them, was refused.
+    #[error("{at}: {message}")]
+    Refused {
+        /// File and line, or the option `-p`.
+        at: String,
+        /// Field, value and allowed range.
+        message: String,
+    },
+}
+
+/// Name of the node that files are read for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NodePath {
+    /// Namespace and name: `/printer/thermistor`.
+    pub qualified: String,
+    /// Name alone: `thermistor`.
+    pub base: String,
+}
+
+/// Parameters in force, before they are parsed into a struct.
+#[derive(Debug, Clone, Default)]
+pub struct Parameters {
+    tree: Tree,
+    use_sim_time: bool,
+    last_file: Option<PathBuf>,
+}
+
+/// Name of the parameter that chooses the clock.
+const USE_SIM_TIME: &str = "use_sim_time";
+
+impl Parameters {
+    /// Reads `files` in order and then the overrides (`name`, YAML value); a later one wins.
+    ///
+    /// # Errors
+    /// [`ParamFileError`] for a file that cannot be read or is no parameter file.
+    pub fn read(
+        files: &[PathBuf],
+        overrides: &[(String, String)],
+        node: &NodePath,
+    ) -> Result<Self, ParamFileError> {
+        let mut merged = Tree::default();
+        for file in files {
+            let text = std::fs::read_to_string(file).map_err(|error| ParamFileError::Unreadable {
+                file: file.clone(),
+                reason: error.to_string(),
+            })?;
+            tree::merge_file(&mut merged, &text, file, node)?;
+        }
+        for (name, value) in overrides {
+            tree::merge_override(&mut merged, name, value)?;
+        }
+        let use_sim_time = match merged.take(USE_SIM_TIME) {
+            None => false,
+            Some((Tree::Leaf(Value::Bool(value)), _)) => value,
+            Some((other, origin)) => {
+                return Err(refused(&origin, USE_SIM_TIME, &other.to_json(), "a boolean"));
+            }
+        };
+        Ok(Self { tree: merged, use_sim_time, last_file: files.last().cloned() })
+    }
+
+    /// Whether the node's time comes from `/clock`.
+    #[must_use]
+    pub fn use_sim_time(&self) -> bool {
+        self.use_sim_time
+    }
+
+    /// Parses the parameters into a checked struct.
+    ///
+    /// # Errors
+    /// [`ParamFileError::Refused`] with file, line, field, value and range.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ParamFileError> {
+        if let Some((path, origin)) = self.tree.not_finite() {
+            return Err(ParamFileError::Refused {
+                at: origin.to_string(),
+                message: format!("{path}: must be finite"),
+            });
+        }
+        let json = self.tree.to_json();
+        serde_path_to_error::deserialize(&json).map_err(|error| {
+            let path = error.path().to_string();
+            let path = if path == "." { String::new() } else { path };
+            self.explain(&path, &error.inner().to_string())
+        })
+    }
+
+    /// Canonical text of what is in force: one `name: value` per line, sorted, values as JSON.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut lines = self.tree.lines();
+        lines.push(format!("{USE_SIM_TIME}: {}", self.use_sim_time));
+        lines.sort();
+        lines.join("\n") + "\n"
+    }
+
+    /// SHA-256 of [`Parameters::text`], lower-case hexadecimal.
+    #[must_use]
+    pub fn sha256(&self) -> String {
+        sha256_hex(self.text().as_bytes())
+    }
+
+    /// Puts file and line in front of what the struct said, and the whole name in place of a block's own.
+    fn explain(&self, path: &str, said: &str) -> ParamFileError {
+        // `models::params` begins its messages with `name = value`, the name relative to its block or to the file.
+        let named = said.split_once(" = ").map(|(name, _)| name).filter(|name| !name.contains(' '));
+        for candidate in named.into_iter().flat_map(|name| [join(path, name), name.to_owned()]) {
+            if let Some(origin) = self.tree.origin(&candidate) {
+                let rest = named.and_then(|name| said.strip_prefix(name)).unwrap_or(said);
+                return ParamFileError::Refused {
+                    at: origin.to_string(),
+                    message: format!("{candidate}{rest}"),
+                };
+            }
+        }
+        let (at, value) = match self.tree.get(path) {
+            Some((tree, origin)) => (origin.to_string(), tree.leaf_text()),
+            None => (self.fallback(path), None),
+        };
+        let message = match (path.is_empty(), value) {
+            (true, _) => said.to_owned(),
+            (false, Some(value)) => format!("{path} = {value}: {said}"),
+            (false, None) => format!("{path}: {said}"),
+        };
+        ParamFileError::Refused { at, message }
+    }
+
+    /// Where to look when the path itself stands nowhere: the nearest block above, or the last file.
+    fn fallback(&self, path: &str) -> String {
+        let mut path = path;
+        while let Some((above, _)) = path.rsplit_once('.') {
+            if let Some(origin) = self.tree.origin(above) {
+                return origin.to_string();
+            }
+            path = above;
+        }
+        self.last_file
+            .as_ref()
+            .map_or_else(|| "no --params-file given".to_owned(), |file| file.display().to_string())
+    }
+}
+
+/// Reads files and overrides and parses them in one go.
+///
+/// # Errors
+/// As [`Parameters::read`] and [`Parameters::parse`].
+pub fn load<T: DeserializeOwned>(
+    files: &[PathBuf],
+    overrides: &[(String, String)],
+    node: &NodePath,
+) -> Result<T, ParamFileError> {
+    Parameters::read(files, overrides, node)?.parse()
+}
+
+/// SHA-256 as lower-case hexadecimal.
+#[must_use]
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().fold(String::with_capacity(64), |mut text, byte| {
+        // Writing to a string cannot fail.
+        _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+/// Appends a name to a dotted path.
+fn join(path: &str, name: &str) -> String {
+    if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
+}
+
+/// A value of the wrong kind.
+fn refused(origin: &Origin, name: &str, value: &Value, rule: &str) -> ParamFileError {
+    ParamFileError::Refused { at: origin.to_string(), message: format!("{name} = {value}: must be {rule}") }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,152 @@
+use super::*;
+use models::params::{ParamError, in_range, ordered};
+use serde::Deserialize;
+
+#[derive(Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Params {
+    rate_hz: f64,
+    limits: Limits,
+    #[serde(default)]
+    names: Vec<String>,
+}
+
+#[derive(Debug, PartialEq, Deserialize)]
+#[serde(try_from = "RawLimits")]
+struct Limits {
+    flow_min: f64,
+    flow_max: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawLimits {
+    flow_min: f64,
+    flow_max: f64,
+}
+
+impl TryFrom<RawLimits> for Limits {
+    type Error = ParamError;
+    fn try_from(raw: RawLimits) -> Result<Self, ParamError> {
+        ordered(("flow_min", raw.flow_min), ("flow_max", raw.flow_max))?;
+        Ok(Self {
+            flow_min: in_range("flow_min", raw.flow_min, "-", (0.0, 1.0))?,
+            flow_max: in_range("limits.flow_max", raw.flow_max, "-", (1.0, 2.0))?,
+        })
+    }
+}
+
+const GOOD: &str = "/**:\n  ros__parameters:\n    rate_hz: 4    # [Hz]\n    limits:\n      flow_min: 0.8\n      flow_max: 1.2\n";
+
+fn node() -> NodePath {
+    NodePath { qualified: "/printer/mpc".into(), base: "mpc".into() }
+}
+
+/// Writes the texts to files of their own and reads them.
+fn read(texts: &[&str], overrides: &[(&str, &str)]) -> Result<Parameters, ParamFileError> {
+    let folder = std::env::temp_dir().join(format!("runtime_params_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let files: Vec<PathBuf> = texts
+        .iter()
+        .map(|text| {
+            let file = folder.join(format!("{}.yaml", &sha256_hex(text.as_bytes())[..12]));
+            std::fs::write(&file, text).unwrap();
+            file
+        })
+        .collect();
+    let overrides: Vec<_> = overrides.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned())).collect();
+    Parameters::read(&files, &overrides, &node())
+}
+
+fn parse(texts: &[&str], overrides: &[(&str, &str)]) -> Result<Params, ParamFileError> {
+    read(texts, overrides)?.parse()
+}
+
+/// The error without its folder and file name: `:line: message`.
+fn refusal(text: &str) -> String {
+    let error = parse(&[text], &[]).unwrap_err().to_string();
+    error.split_once(".yaml").map_or(error.clone(), |(_, rest)| rest.to_owned())
+}
+
+#[test]
+fn a_later_file_wins_and_overrides_win_over_files() {
+    let second = "mpc:\n  ros__parameters:\n    limits.flow_max: 1.5\n    names: [a, b]\n";
+    let third =
+        "other:\n  ros__parameters:\n    rate_hz: 100\n/printer/mpc:\n  ros__parameters: {rate_hz: 5}\n";
+    let params = parse(&[GOOD, second, third], &[("limits.flow_min", "0.9")]).unwrap();
+    let limits = Limits { flow_min: 0.9, flow_max: 1.5 };
+    assert_eq!(params, Params { rate_hz: 5.0, limits, names: vec!["a".into(), "b".into()] });
+}
+
+#[test]
+fn a_refused_value_is_named_with_file_line_field_and_range() {
+    assert_eq!(refusal(&GOOD.replace("1.2", "3")), ":6: limits.flow_max = 3 -: must be in [1, 2]");
+    assert_eq!(refusal(&GOOD.replace("0.8", "-1")), ":5: limits.flow_min = -1 -: must be in [0, 1]");
+    assert_eq!(
+        refusal(&GOOD.replace("0.8", "1.9")),
+        ":5: limits.flow_min = 1.9: must be below flow_max = 1.2"
+    );
+}
+
+#[test]
+fn unknown_missing_and_mistyped_keys_are_named_with_their_line() {
+    let unknown = refusal(&GOOD.replace("flow_max: 1.2", "flow_max: 1.2\n      flow_mux: 1"));
+    assert!(unknown.starts_with(":7: limits.flow_mux") && unknown.contains("unknown field"), "{unknown}");
+    let missing = refusal(&GOOD.replace("      flow_max: 1.2\n", ""));
+    assert!(missing.starts_with(":4: limits") && missing.contains("missing field `flow_max`"), "{missing}");
+    let mistyped = refusal(&GOOD.replace("rate_hz: 4", "rate_hz: fast"));
+    assert_eq!(mistyped, ":3: rate_hz = \"fast\": invalid type: string \"fast\", expected f64");
+}
+
+#[test]
+fn values_that_are_not_finite_are_refused() {
+    assert_eq!(refusal(&GOOD.replace("rate_hz: 4", "rate_hz: .nan")), ":3: rate_hz: must be finite");
+    assert_eq!(refusal(&GOOD.replace("0.8", ".inf")), ":5: limits.flow_min: must be finite");
+}
+
+#[test]
+fn text_that_is_no_parameter_file_is_refused_with_its_line() {
+    let text = refusal("/**:\n  rate_hz: 4\n");
+    assert!(text.starts_with(":2: 'rate_hz' stands outside of ros__parameters"), "{text}");
+    let text = refusal("/**:\n  ros__parameters:\n    a: 1\n    a: 2\n");
+    assert!(text.starts_with(":4: "), "{text}");
+    let text = refusal("/**:\n  ros__parameters: [\n");
+    assert!(text.starts_with(':'), "{text}");
+    let gone = Parameters::read(&["/no/such.yaml".into()], &[], &node()).unwrap_err().to_string();
+    assert!(gone.starts_with("/no/such.yaml: "), "{gone}");
+}
+
+#[test]
+fn an_override_is_named_in_its_error() {
+    let error = parse(&[GOOD], &[("limits.flow_max", "9")]).unwrap_err().to_string();
+    assert_eq!(error, "-p limits.flow_max:=9: limits.flow_max = 9 -: must be in [1, 2]");
+}
+
+#[test]
+fn simulated_time_belongs_to_the_runtime() {
+    let parameters = read(&[GOOD], &[("use_sim_time", "true")]).unwrap();
+    assert!(parameters.use_sim_time());
+    assert!(parameters.parse::<Params>().is_ok());
+    let error = read(&[GOOD], &[("use_sim_time", "3")]).unwrap_err().to_string();
+    assert_eq!(error, "-p use_sim_time:=3: use_sim_time = 3: must be a boolean");
+}
+
+#[test]
+fn the_text_and_its_hash_depend_on_the_values_alone() {
+    let nested = read(&[GOOD], &[]).unwrap();
+    let dotted =
+        "mpc:\n  ros__parameters:\n    limits.flow_max: 1.2\n    limits.flow_min: 0.8\n    rate_hz: 4\n";
+    let dotted = read(&[dotted], &[]).unwrap();
+    assert_eq!(
+        nested.text(),
+        "limits.flow_max: 1.2\nlimits.flow_min: 0.8\nrate_hz: 4\nuse_sim_time: false\n"
+    );
+    assert_eq!(nested.sha256(), dotted.sha256());
+    assert_eq!(sha256_hex(b""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+}
+
+#[test]
+fn namespaced_blocks_are_found() {
+    let text = "/printer:\n  mpc:\n    ros__parameters:\n      rate_hz: 7\n/**/mpc:\n  ros__parameters:\n    limits: {flow_min: 0.5, flow_max: 1.5}\n/left:\n  mpc:\n    ros__parameters:\n      rate_hz: 1\n";
+    assert!((parse(&[text], &[]).unwrap().rate_hz - 7.0).abs() < f64::EPSILON);
+}

@@ -1,0 +1,99 @@
+//! Quality of service, both ends in one value, so that two nodes cannot disagree.
+
+use ros2_client::QosProfile;
+use ros2_client::qos::{Durability as RosDurability, History, Reliability as RosReliability, WhenFull};
+
+/// Whether lost samples are sent again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reliability {
+    /// Lost samples stay lost.
+    BestEffort,
+    /// Lost samples are sent again; a full send window refuses the next one at once.
+    Reliable,
+}
+
+/// Whether a late joiner gets what was sent before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Durability {
+    /// Only what is sent while subscribed.
+    Volatile,
+    /// The last `depth` samples.
+    TransientLocal,
+}
+
+/// One end of a topic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct End {
+    /// Whether lost samples are sent again.
+    pub reliability: Reliability,
+    /// Whether a late joiner gets what was sent before.
+    pub durability: Durability,
+    /// Samples kept (`KEEP_LAST`).
+    pub depth: usize,
+}
+
+impl End {
+    /// The client's form. A publisher never waits for a slow reader: the window is full, the sample is dropped and
+    /// counted (waiting starves the loop, and the client ignores the limit of its asynchronous form).
+    pub(crate) fn profile(self) -> QosProfile {
+        let profile = match self.reliability {
+            Reliability::BestEffort => QosProfile::subscription_default().reliability_best_effort(),
+            Reliability::Reliable => QosProfile::subscription_default()
+                .reliability(RosReliability::Reliable { when_full: WhenFull::Fail }),
+        };
+        let durability = match self.durability {
+            Durability::Volatile => RosDurability::Volatile,
+            Durability::TransientLocal => RosDurability::TransientLocal,
+        };
+        profile.durability(durability).history(History::KeepLast { depth: self.depth })
+    }
+}
+
+/// Both ends of a topic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Qos {
+    /// What a publisher offers.
+    pub offered: End,
+    /// What a subscriber requests.
+    pub requested: End,
+}
+
+/// A reliable, volatile end.
+const fn reliable(depth: usize) -> End {
+    End { reliability: Reliability::Reliable, durability: Durability::Volatile, depth }
+}
+
+/// A best effort, volatile end.
+const fn best_effort(depth: usize) -> End {
+    End { reliability: Reliability::BestEffort, durability: Durability::Volatile, depth }
+}
+
+/// A reliable end that keeps its newest sample for late joiners.
+const fn transient_local(depth: usize) -> End {
+    End { reliability: Reliability::Reliable, durability: Durability::TransientLocal, depth }
+}
+
+/// Raw samples: offered reliable, requested best effort (REP-2003), newest wins. The depth covers a subscriber that
+/// is away for 0.1 s at 100 Hz.
+pub const SENSOR: Qos = Qos { offered: reliable(10), requested: best_effort(10) };
+
+/// Results of which none may be lost; the depth covers 1 s of short moves at 500 Hz and two times real time.
+pub const RELIABLE: Qos = Qos { offered: reliable(1000), requested: reliable(1000) };
+
+/// Commands: the newest counts, what is older than its validity is refused by the receiver.
+pub const COMMAND: Qos = Qos { offered: reliable(1), requested: reliable(1) };
+
+/// States that a late joiner must know. The client replays old samples too, oldest first: keep the highest sequence.
+pub const LATCHED: Qos = Qos { offered: transient_local(1), requested: transient_local(1) };
+
+/// Simulated time: subscribers of the ROS tools request best effort.
+pub const CLOCK: Qos = Qos { offered: reliable(10), requested: best_effort(10) };
+
+/// Diagnostics and log lines, as the ROS tools expect them.
+pub const STANDARD: Qos = Qos { offered: reliable(100), requested: reliable(100) };
+
+/// Log lines: `rclcpp` offers them transient local.
+pub const ROSOUT: Qos = Qos { offered: transient_local(100), requested: reliable(100) };
+
+/// Service requests and replies.
+pub(crate) const SERVICE: End = reliable(10);

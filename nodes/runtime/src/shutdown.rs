@@ -1,0 +1,67 @@
+//! Orderly end on SIGINT and SIGTERM.
+
+use crate::error::RuntimeError;
+use std::time::Duration;
+use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::watch;
+
+/// Time the shell and the middleware have to end before the process is ended: the promise is 2 s.
+const GRACE: Duration = Duration::from_millis(1800);
+
+/// A demand to stop; clones see the same.
+#[derive(Debug, Clone)]
+pub struct Shutdown {
+    demanded: watch::Receiver<bool>,
+}
+
+/// The demanding end.
+#[derive(Debug, Clone)]
+pub(crate) struct ShutdownSender(watch::Sender<bool>);
+
+impl ShutdownSender {
+    /// Demands an orderly end.
+    pub(crate) fn demand(&self) {
+        self.0.send_replace(true);
+    }
+}
+
+impl Shutdown {
+    /// A pair of demand and its sender.
+    pub(crate) fn channel() -> (ShutdownSender, Self) {
+        let (sender, demanded) = watch::channel(false);
+        (ShutdownSender(sender), Self { demanded })
+    }
+
+    /// Waits for the demand.
+    pub async fn wait(&mut self) {
+        // A sender that is gone means that the node is gone: that is an end too.
+        _ = self.demanded.wait_for(|demanded| *demanded).await;
+    }
+
+    /// Whether the end was demanded.
+    #[must_use]
+    pub fn is_demanded(&self) -> bool {
+        *self.demanded.borrow()
+    }
+}
+
+/// Turns SIGINT and SIGTERM into a demand, and ends the process where the shell does not follow it in time.
+pub(crate) fn follow_signals(sender: ShutdownSender) -> Result<(), RuntimeError> {
+    let system = |source| RuntimeError::System { what: "cannot listen to signals", source };
+    let mut interrupt = signal(SignalKind::interrupt()).map_err(system)?;
+    let mut terminate = signal(SignalKind::terminate()).map_err(system)?;
+    tokio::spawn(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+        }
+        sender.demand();
+        // A thread of its own: the executor may be what hangs. It never outlives the process.
+        std::thread::spawn(|| {
+            std::thread::sleep(GRACE);
+            tracing::error!("not ended {} s after the signal: ending the process", GRACE.as_secs_f64());
+            std::process::exit(1);
+        });
+    });
+    Ok(())
+}

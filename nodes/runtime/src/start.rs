@@ -1,0 +1,69 @@
+//! From `main` to a running node and back.
+
+use crate::args::{Args, ArgsError};
+use crate::error::RuntimeError;
+use crate::logging;
+use crate::node::Node;
+use std::error::Error;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Exit code where the person who started the node has to change something.
+const USAGE: u8 = 2;
+/// Exit code of every other failure.
+const FAILURE: u8 = 1;
+
+/// Runs a node until it ends: starts it from the arguments of this process on a single-threaded executor and hands it
+/// to `main`. Exit code 0 after an orderly end, 2 for arguments and parameters that were refused, 1 otherwise.
+pub fn run<F, R, E>(name: &str, main: F) -> ExitCode
+where
+    F: FnOnce(Node) -> R,
+    R: Future<Output = Result<(), E>>,
+    E: Error + 'static,
+{
+    // A shell may wrap a refused parameter in an error of its own: the node remembers it.
+    let refused = Arc::new(AtomicBool::new(false));
+    match start(name, main, &refused) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            let usage = refused.load(Ordering::Relaxed)
+                || error.is::<ArgsError>()
+                || error.downcast_ref::<RuntimeError>().is_some_and(RuntimeError::is_usage);
+            // Arguments may be what is wrong: logging starts with what can be had.
+            logging::start(&Args::default());
+            tracing::error!("{name}: {}", chain(error.as_ref()));
+            ExitCode::from(if usage { USAGE } else { FAILURE })
+        }
+    }
+}
+
+/// Starts the node and runs the shell to its end.
+fn start<F, R, E>(name: &str, main: F, refused: &Arc<AtomicBool>) -> Result<(), Box<dyn Error>>
+where
+    F: FnOnce(Node) -> R,
+    R: Future<Output = Result<(), E>>,
+    E: Error + 'static,
+{
+    let args = Args::from_env()?;
+    if let Some(word) = args.rest.first() {
+        return Err(ArgsError::NotTaken(word.clone()).into());
+    }
+    let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    executor.block_on(async {
+        let mut node = Node::start_with(name, args)?;
+        node.remember_refusals(Arc::clone(refused));
+        Ok(main(node).await?)
+    })
+}
+
+/// An error and its causes in one line.
+fn chain(error: &(dyn Error + 'static)) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text = format!("{text}: {error}");
+        cause = error.source();
+    }
+    text
+}

@@ -1,0 +1,185 @@
+//! Every topic with its type and both ends of its quality of service, and every service, declared once.
+//!
+//! Names are relative to the node's namespace unless they begin with `/`.
+
+use crate::qos::{self, Qos};
+use fdm_loop_msgs::{
+    BeadWidth, Clock, ControlCommand, Definition, DiagnosticArray, FilamentMotion, FilamentReport, Heartbeat,
+    InjectFault, Log, MotionSegment, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode,
+    SimTruth, StateEstimate, Temperature, TemperatureReport, Trigger,
+};
+use std::marker::PhantomData;
+
+/// Name, type and quality of service of a topic.
+#[derive(Debug)]
+pub struct Topic<T> {
+    name: &'static str,
+    qos: Qos,
+    message: PhantomData<fn() -> T>,
+}
+
+impl<T: RosType> Topic<T> {
+    /// Declares a topic.
+    const fn new(name: &'static str, qos: Qos) -> Self {
+        Self { name, qos, message: PhantomData }
+    }
+
+    /// Name as declared, before namespace and remapping.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Both ends of its quality of service.
+    #[must_use]
+    pub const fn qos(&self) -> Qos {
+        self.qos
+    }
+
+    /// The declaration without its type, as a recorder wants it.
+    #[must_use]
+    pub const fn info(&self) -> TopicInfo {
+        TopicInfo { name: self.name, qos: self.qos, definition: T::DEFINITION }
+    }
+}
+
+/// A topic without its Rust type.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TopicInfo {
+    /// Name as declared.
+    pub name: &'static str,
+    /// Both ends of its quality of service.
+    pub qos: Qos,
+    /// Definition of its message.
+    pub definition: Definition,
+}
+
+/// Name and type of a service.
+#[derive(Debug)]
+pub struct Service<S> {
+    name: &'static str,
+    service: PhantomData<fn() -> S>,
+}
+
+impl<S> Service<S> {
+    /// Declares a service.
+    const fn new(name: &'static str) -> Self {
+        Self { name, service: PhantomData }
+    }
+
+    /// Name as declared, before namespace and remapping.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        self.name
+    }
+}
+
+/// Hot end temperature, checked, from the thermistor node.
+pub const HOTEND_TEMPERATURE: Topic<Temperature> = Topic::new("sensors/hotend/temperature", qos::SENSOR);
+/// Temperature of a second sensor in the nozzle, where fitted.
+pub const NOZZLE_TEMPERATURE: Topic<Temperature> = Topic::new("sensors/nozzle/temperature", qos::SENSOR);
+/// Bed temperature, checked, from the thermistor node.
+pub const BED_TEMPERATURE: Topic<Temperature> = Topic::new("sensors/bed/temperature", qos::SENSOR);
+/// Filament position and speed from the encoder node.
+pub const FILAMENT_MOTION: Topic<FilamentMotion> = Topic::new("sensors/filament/motion", qos::SENSOR);
+/// Printer and job.
+pub const PRINTER_STATE: Topic<PrinterState> = Topic::new("printer/state", qos::SENSOR);
+/// Planned moves.
+pub const PRINTER_MOTION: Topic<MotionSegment> = Topic::new("printer/motion", qos::RELIABLE);
+/// Raw temperatures of the firmware.
+pub const TEMPERATURE_REPORT: Topic<TemperatureReport> =
+    Topic::new("printer/report/temperature", qos::SENSOR);
+/// Raw counts of the filament encoder.
+pub const FILAMENT_REPORT: Topic<FilamentReport> = Topic::new("printer/report/filament", qos::SENSOR);
+/// Measured width of the road.
+pub const BEAD_WIDTH: Topic<BeadWidth> = Topic::new("vision/bead_width", qos::RELIABLE);
+/// State estimate.
+pub const ESTIMATE: Topic<StateEstimate> = Topic::new("estimate/state", qos::RELIABLE);
+/// The controller's wish.
+pub const CONTROL_COMMAND: Topic<ControlCommand> = Topic::new("control/command", qos::COMMAND);
+/// The supervisor's permit.
+pub const SAFETY_COMMAND: Topic<ControlCommand> = Topic::new("safety/command", qos::COMMAND);
+/// The supervisor's state.
+pub const SAFETY_STATE: Topic<SafetyState> = Topic::new("safety/state", qos::LATCHED);
+/// Decisions and changes of all nodes.
+pub const EVENTS: Topic<PrintEvent> = Topic::new("events", qos::RELIABLE);
+/// What is being printed.
+pub const PRINT_INFO: Topic<PrintInfo> = Topic::new("print/info", qos::LATCHED);
+/// Proof of work of all nodes.
+pub const HEARTBEAT: Topic<Heartbeat> = Topic::new("heartbeat", qos::STANDARD);
+/// What the simulated printer really does: tests and reports only.
+pub const SIM_TRUTH: Topic<SimTruth> = Topic::new("sim/truth/state", qos::SENSOR);
+/// Simulated time.
+pub const CLOCK: Topic<Clock> = Topic::new("/clock", qos::CLOCK);
+/// Status of all nodes.
+pub const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::new("/diagnostics", qos::STANDARD);
+/// Log lines of all nodes.
+pub const ROSOUT: Topic<Log> = Topic::new("/rosout", qos::ROSOUT);
+
+/// Every topic above: what a recorder may record.
+pub const ALL: &[TopicInfo] = &[
+    HOTEND_TEMPERATURE.info(),
+    NOZZLE_TEMPERATURE.info(),
+    BED_TEMPERATURE.info(),
+    FILAMENT_MOTION.info(),
+    PRINTER_STATE.info(),
+    PRINTER_MOTION.info(),
+    TEMPERATURE_REPORT.info(),
+    FILAMENT_REPORT.info(),
+    BEAD_WIDTH.info(),
+    ESTIMATE.info(),
+    CONTROL_COMMAND.info(),
+    SAFETY_COMMAND.info(),
+    SAFETY_STATE.info(),
+    EVENTS.info(),
+    PRINT_INFO.info(),
+    HEARTBEAT.info(),
+    SIM_TRUTH.info(),
+    CLOCK.info(),
+    DIAGNOSTICS.info(),
+    ROSOUT.info(),
+];
+
+/// Pause: firmware pause and park.
+pub const SAFETY_PAUSE: Service<Trigger> = Service::new("safety/pause");
+/// Print on after a pause.
+pub const SAFETY_RESUME: Service<Trigger> = Service::new("safety/resume");
+/// Stop: heaters off, motion stopped.
+pub const SAFETY_STOP: Service<Trigger> = Service::new("safety/stop");
+/// Emergency stop.
+pub const SAFETY_ESTOP: Service<Trigger> = Service::new("safety/estop");
+/// A person has seen the cause of a latched mode.
+pub const SAFETY_ACKNOWLEDGE: Service<Trigger> = Service::new("safety/acknowledge");
+/// Observe, advise or act.
+pub const SAFETY_SET_MODE: Service<SetMode> = Service::new("safety/set_mode");
+/// Approve the waiting correction in the mode advise.
+pub const CONTROL_APPROVE: Service<Trigger> = Service::new("control/approve");
+/// Inject a fault into the simulated printer.
+pub const INJECT_FAULT: Service<InjectFault> = Service::new("printer_sim/inject_fault");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::qos::{Durability, Reliability};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn names_are_unique_and_in_snake_case() {
+        let names: BTreeSet<_> = ALL.iter().map(|topic| topic.name).collect();
+        assert_eq!(names.len(), ALL.len());
+        for name in names {
+            assert!(name.chars().all(|c| c.is_ascii_lowercase() || "_/".contains(c)), "{name}");
+        }
+    }
+
+    /// DDS matches only where the offered end is at least what is requested.
+    #[test]
+    fn every_request_is_met_by_its_offer() {
+        for TopicInfo { name, qos, .. } in ALL {
+            let best_effort = qos.requested.reliability == Reliability::BestEffort;
+            assert!(best_effort || qos.offered.reliability == Reliability::Reliable, "{name}");
+            let volatile = qos.requested.durability == Durability::Volatile;
+            assert!(volatile || qos.offered.durability == Durability::TransientLocal, "{name}");
+        }
+    }
+}
