@@ -1,1 +1,12 @@
-//! Placeholder crate page.
+//! Brain and drivers of the filament encoder: counts in, checked positions or counted refusals out.
+
+#![forbid(unsafe_code)]
+
+pub mod encoder;
+pub mod params;
+pub mod serial_line;
+#[cfg(feature = "serial")]
+pub mod serial_port;
+
+pub use encoder::{Encoder, Refusal, Refusals, Sample};
+pub use params::{Driver, Params};
