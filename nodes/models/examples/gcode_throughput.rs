@@ -84,7 +84,5 @@ fn main() {
         survey.stated_time_s,
         survey.dialect
     );
-    for warning in &survey.warnings {
-        println!("{}: {}", warning.line, warning.reason);
-    }
+    println!("warnings {}", survey.warnings_total);
 }

@@ -75,9 +75,11 @@ pub struct Planner {
     limits: Limits,
     lookahead_moves: usize,
     queue: VecDeque<Item>,
-    moves: usize,
+    /// Items at the queue's front whose speeds are final.
     released: usize,
-    /// Entry speed that the released move before the queue's first one promised.
+    /// Moves behind them.
+    open_moves: usize,
+    /// Entry speed that the newest released move promises to the first open one; `None` from rest.
     promised_entry_m_s: Option<f64>,
     last: Option<Last>,
 }
@@ -90,8 +92,8 @@ impl Planner {
             limits,
             lookahead_moves,
             queue: VecDeque::new(),
-            moves: 0,
             released: 0,
+            open_moves: 0,
             promised_entry_m_s: None,
             last: None,
         }
@@ -111,11 +113,11 @@ impl Planner {
             acceleration_m_s2: block.acceleration_m_s2,
             path_m: block.path_m,
         });
-        self.moves += 1;
+        self.open_moves += 1;
         self.queue.push_back(Item::Block(Box::new(block)));
-        if self.moves >= BATCH * self.lookahead_moves {
+        if self.open_moves >= BATCH * self.lookahead_moves {
             self.plan();
-            self.released = self.items_before_last(self.lookahead_moves);
+            self.release(self.items_before_last(self.lookahead_moves));
         }
     }
 
@@ -125,9 +127,9 @@ impl Planner {
             self.rest();
         }
         self.queue.push_back(Item::Action(action, line));
-        if action.stops() || self.moves == 0 {
+        if action.stops() || self.open_moves == 0 {
             self.release_all();
-        } else if self.queue.len() > BATCH * BATCH * self.lookahead_moves {
+        } else if self.queue.len() - self.released > BATCH * BATCH * self.lookahead_moves {
             self.rest();
             self.release_all();
         }
@@ -147,11 +149,7 @@ impl Planner {
         self.released -= 1;
         match self.queue.pop_front()? {
             Item::Action(action, line) => Some(Step::Action(action, line)),
-            Item::Block(block) => {
-                self.moves -= 1;
-                self.promised_entry_m_s = (!block.then_rest).then_some(block.exit_m_s);
-                Some(Step::Move(segment(&block)))
-            }
+            Item::Block(block) => Some(Step::Move(segment(&block))),
         }
     }
 
@@ -168,7 +166,18 @@ impl Planner {
 
     fn release_all(&mut self) {
         self.plan();
-        self.released = self.queue.len();
+        self.release(self.queue.len());
+    }
+
+    /// Makes the speeds of the first `until` items final.
+    fn release(&mut self, until: usize) {
+        for item in self.queue.range(self.released..until) {
+            if let Item::Block(block) = item {
+                self.open_moves -= 1;
+                self.promised_entry_m_s = (!block.then_rest).then_some(block.exit_m_s);
+            }
+        }
+        self.released = until;
     }
 
     /// Items in front of the last `keep` moves.
@@ -233,14 +242,14 @@ impl Planner {
 
     fn plan(&mut self) {
         let mut following_m_s = 0.0;
-        for item in self.queue.iter_mut().rev() {
+        for item in self.queue.range_mut(self.released..).rev() {
             let Item::Block(block) = item else { continue };
             block.exit_m_s = if block.then_rest { block.standstill_m_s } else { following_m_s };
             block.entry_m_s = block.entry_max_m_s.min(block.reachable_m_s(block.exit_m_s));
             following_m_s = block.entry_m_s;
         }
         let mut promised_m_s = self.promised_entry_m_s;
-        for item in &mut self.queue {
+        for item in self.queue.range_mut(self.released..) {
             let Item::Block(block) = item else { continue };
             if let Some(promised_m_s) = promised_m_s {
                 block.entry_m_s = promised_m_s;

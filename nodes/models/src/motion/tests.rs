@@ -127,6 +127,21 @@ fn chords_of_a_circle_keep_the_centripetal_limit() {
     }
 }
 
+/// Moves that come in one burst, as the chords of an arc do, are planned as those that come one by one.
+#[test]
+fn a_burst_is_planned_within_the_same_horizon() {
+    let params = shipped_params();
+    let point = |index: u32| [f64::from(index) * 1e-4, f64::from(index % 7) * 1e-5, 0.0];
+    let moves: Vec<Waypoint> =
+        (0..2000).map(|index| waypoint(point(index), point(index + 1), 1e-6, 0.05)).collect();
+    let mut planner = Planner::new(params.limits, params.lookahead_moves);
+    let mut burst = Vec::new();
+    moves.iter().for_each(|waypoint| planner.push_move(*waypoint));
+    planner.finish();
+    drain(&mut planner, &mut burst);
+    assert_eq!(burst, plan(params.limits, params.lookahead_moves, &moves));
+}
+
 fn jobs() -> impl Strategy<Value = Vec<Waypoint>> {
     let coordinate = || prop_oneof![Just(0.0), -0.05..0.05_f64, -1e-5..1e-5_f64];
     let filament = prop_oneof![Just(0.0), -1e-3..1e-3_f64, 0.0..0.02_f64];
@@ -153,7 +168,8 @@ proptest! {
             limits.cornering = Cornering::JunctionDeviation;
         }
         let segments = plan(limits, lookahead, &moves);
-        let kept = moves.iter().filter(|m| m.start_m != m.end_m || m.filament_m != 0.0);
+        let moved = |m: &Waypoint| m.start_m.iter().zip(m.end_m).any(|(start, end)| (end - start).abs() > 0.0);
+        let kept = moves.iter().filter(|m| moved(m) || m.filament_m.abs() > 0.0);
         prop_assert!(segments.iter().map(|s| (s.start_m, s.end_m, s.filament_m)).eq(
             kept.map(|m| (m.start_m, m.end_m, m.filament_m))
         ));
@@ -171,6 +187,15 @@ proptest! {
         for pair in segments.windows(2) {
             let speed_m_s = pair[0].profile.exit_m_s;
             prop_assert_eq!(speed_m_s.to_bits(), pair[1].profile.entry_m_s.to_bits());
+            let (before, after) = (direction(&pair[0]), direction(&pair[1]));
+            if deviation && pair[0].length_m > 0.0 && pair[1].length_m > 0.0 {
+                let straight: f64 = (0..3).map(|axis| before[axis] * after[axis]).sum();
+                let acceleration_m_s2 = pair[0].profile.acceleration_m_s2.min(pair[1].profile.acceleration_m_s2);
+                let interior_rad = (-straight.clamp(-1.0, 1.0)).acos();
+                let corner_m_s =
+                    junction_speed_m_s(interior_rad, acceleration_m_s2, limits.junction_deviation_m);
+                prop_assert!(speed_m_s <= corner_m_s * (1.0 + ROUNDING));
+            }
         }
     }
 
@@ -194,8 +219,8 @@ proptest! {
             }
             before = direction(segment).map(|share| share * segment.profile.exit_m_s);
         }
-        for axis in 0..4 {
-            prop_assert!(before[axis].abs() <= limits.jerk_m_s[axis] * (1.0 + ROUNDING));
+        for (speed, jerk) in before.iter().zip(limits.jerk_m_s) {
+            prop_assert!(speed.abs() <= jerk * (1.0 + ROUNDING));
         }
     }
 }

@@ -121,3 +121,42 @@ fn the_hand_made_file_nets_the_filament_of_its_executed_lines() {
     assert!((found.filament_mm - 1.6).abs() < 1e-6, "{}", found.filament_mm);
     assert_eq!((found.arcs, found.tools, found.errors.len()), (4, 2, 0));
 }
+
+/// PrusaSlicer takes its flow from the same stadium: commanded width and stated width agree but for E and X, Y being
+/// rounded (E to 1e-5 mm, X and Y to 1e-3 mm: 0.5 % on the millimetre, so roads from 1 mm on are compared).
+#[test]
+fn commanded_width_is_the_stated_one_where_the_slicer_states_it() {
+    use crate::motion::tests_support::shipped_params;
+    use crate::motion::{Job, Role, Step};
+    let bytes = file(SLICED[0].0);
+    let mut compared = 0;
+    for step in Job::from_bytes(&bytes, &shipped_params()) {
+        let Step::Move(segment) = step else { continue };
+        if segment.role != Role::ExternalPerimeter || segment.length_m < 1e-3 {
+            continue;
+        }
+        if let (Some(target_m), Some(stated_m)) = (segment.target_width_m, segment.stated_width_m) {
+            compared += 1;
+            assert!((target_m / stated_m - 1.0).abs() < 0.01, "line {}: {target_m} {stated_m}", segment.line);
+        }
+    }
+    assert!(compared > 300, "{compared}");
+}
+
+/// Cura states no width: it follows from the E words, near the profile's line width of 0.4 mm.
+#[test]
+fn width_follows_from_filament_where_the_slicer_states_none() {
+    use crate::motion::tests_support::shipped_params;
+    use crate::motion::{Job, MoveKind, Step};
+    let bytes = file(SLICED[3].0);
+    let (mut volume, mut way) = (0.0, 0.0);
+    for step in Job::from_bytes(&bytes, &shipped_params()) {
+        let Step::Move(segment) = step else { continue };
+        if segment.kind == MoveKind::Deposit && segment.layer > Some(0) {
+            assert!((segment.layer_height_m.unwrap() - 1e-4).abs() < 1e-6, "line {}", segment.line);
+            volume += segment.target_width_m.unwrap() * segment.length_m;
+            way += segment.length_m;
+        }
+    }
+    assert!((volume / way - 4e-4).abs() < 0.1e-3, "{}", volume / way);
+}
