@@ -99,7 +99,8 @@ impl Diagnostics {
     pub(crate) fn ages_changed(&self, clock: &Clock) -> bool {
         let now = clock.now();
         let state = self.state();
-        state.topics.iter().fold(false, |changed, topic| topic.lateness_changed(now) || changed)
+        // Every topic is asked: each one notes what it answered.
+        state.topics.iter().filter(|topic| topic.lateness_changed(now)).count() > 0
     }
 
     /// The message for `/diagnostics`: a status of the node and one of its topics.

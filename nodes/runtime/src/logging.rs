@@ -11,10 +11,14 @@ use tracing_subscriber::filter::EnvFilter;
 use tracing_subscriber::layer::{Context, Layer, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 
-/// Filter where neither `RUST_LOG` nor `--log-level` says otherwise. RustDDS reports every port that nobody listens on.
-const DEFAULT_FILTER: &str = "warn,rustdds::network::udp_sender=error";
-/// The middleware's own levels stay where they are when a node's level is set for all loggers.
-const MIDDLEWARE: &str = "rustdds=warn,ros2_client=warn,rustdds::network::udp_sender=error";
+/// Filter where neither `RUST_LOG` nor `--log-level` says otherwise; see [`MIDDLEWARE`].
+const DEFAULT_LEVEL: &str = "warn";
+/// The middleware's own levels, whatever level is asked for all loggers. RustDDS reports every port that nobody listens
+/// on (`udp_sender`), and on a `lo` without multicast every message to its own readers (`writer`) and every multicast
+/// group that it cannot join or leave (`udp_listener`). `RUST_LOG` replaces all of it.
+const MIDDLEWARE: &str = "rustdds=warn,ros2_client=warn,rustdds::network::udp_sender=error,\
+                          rustdds::network::udp_listener=off,rustdds::rtps::writer=error,\
+                          ros2_client::distributions=error,ros2_client::service::wrappers=error";
 /// Lines that wait for `/rosout`; more are dropped (they are on standard error all the same).
 const WAITING_LINES: usize = 256;
 
@@ -26,21 +30,18 @@ fn filter(args: &Args) -> EnvFilter {
     if std::env::var_os("RUST_LOG").is_some() && args.log_levels.is_empty() {
         return EnvFilter::from_default_env();
     }
-    if args.log_levels.is_empty() {
-        return EnvFilter::new(DEFAULT_FILTER);
-    }
     EnvFilter::new(directives(&args.log_levels))
 }
 
 /// Filter directives of the levels asked for, in order: a later one wins.
 fn directives(levels: &[(Option<String>, LogLevel)]) -> String {
-    let mut all = DEFAULT_FILTER.to_owned();
+    let mut all = format!("{DEFAULT_LEVEL},{MIDDLEWARE}");
     for (logger, level) in levels {
         let level = level.directive();
         // Writing to a string cannot fail.
         _ = match logger {
             Some(logger) => write!(all, ",{}={level}", logger.replace('.', "::")),
-            None => write!(all, ",{level},{MIDDLEWARE}"),
+            None => write!(all, ",{level}"),
         };
     }
     all
@@ -117,8 +118,8 @@ mod tests {
     #[test]
     fn a_level_for_all_leaves_the_middleware_quiet() {
         let all = directives(&[(None, LogLevel::Debug), (Some("thermistor".into()), LogLevel::Error)]);
-        assert!(all.contains(",debug,rustdds=warn"), "{all}");
-        assert!(all.ends_with(",thermistor=error"), "{all}");
+        assert!(all.ends_with(",debug,thermistor=error"), "{all}");
+        assert!(all.contains("rustdds=warn"), "{all}");
         assert!(all.parse::<EnvFilter>().is_ok());
     }
 }

@@ -338,6 +338,11 @@ impl Node {
         self.shutdown.wait().await;
     }
 
+    /// Keeps the middleware while the node's tasks end.
+    pub(crate) fn middleware(&self) -> Context {
+        self.context.clone()
+    }
+
     /// Demands the end of this node.
     pub fn stop(&self) {
         self.shutdown_sender.demand();

@@ -17,8 +17,9 @@ mod tree;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use tree::{Origin, Tree};
 
 /// Why parameters were refused; one line that says where, what and why.
@@ -127,6 +128,36 @@ impl Parameters {
         })
     }
 
+    /// Parses one block of the root alone: files that several nodes share hold a block of their own.
+    ///
+    /// # Errors
+    /// As [`Parameters::parse`]; a block that is not there is named.
+    pub fn block<T: DeserializeOwned>(&self, name: &str) -> Result<T, ParamFileError> {
+        let mut alone = Self {
+            tree: Tree::default(),
+            use_sim_time: self.use_sim_time,
+            last_file: self.last_file.clone(),
+        };
+        if let Some((tree, origin)) = self.tree.clone().take(name) {
+            alone.tree = Tree::Block(vec![(name.to_owned(), tree, origin)]);
+        }
+        let mut blocks: BTreeMap<String, T> = alone.parse()?;
+        blocks.remove(name).ok_or_else(|| ParamFileError::Refused {
+            at: self.fallback(name),
+            message: format!("{name}: this block is missing; is a --params-file missing?"),
+        })
+    }
+
+    /// The parameters without these blocks of the root.
+    #[must_use]
+    pub fn without(&self, names: &[&str]) -> Self {
+        let mut rest = self.clone();
+        for name in names {
+            _ = rest.tree.take(name);
+        }
+        rest
+    }
+
     /// Canonical text of what is in force: one `name: value` per line, sorted, values as JSON.
     #[must_use]
     pub fn text(&self) -> String {
@@ -192,6 +223,26 @@ pub fn load<T: DeserializeOwned>(
     node: &NodePath,
 ) -> Result<T, ParamFileError> {
     Parameters::read(files, overrides, node)?.parse()
+}
+
+/// Parses a YAML file that is no parameter file: a scenario, say.
+///
+/// # Errors
+/// One line with file, line and reason.
+pub fn from_yaml<T: DeserializeOwned>(file: &Path) -> Result<T, ParamFileError> {
+    let text = std::fs::read_to_string(file).map_err(|error| ParamFileError::Unreadable {
+        file: file.to_path_buf(),
+        reason: error.to_string(),
+    })?;
+    serde_saphyr::from_str(&text).map_err(|error| {
+        let at = error.location().map_or_else(
+            || file.display().to_string(),
+            |location| format!("{}:{}", file.display(), location.line()),
+        );
+        let reason = error.without_snippet().to_string();
+        let reason = reason.lines().next().unwrap_or_default().to_owned();
+        ParamFileError::Malformed { at, reason }
+    })
 }
 
 /// SHA-256 as lower-case hexadecimal.

@@ -53,7 +53,12 @@ where
     executor.block_on(async {
         let mut node = Node::start_with(name, args)?;
         node.remember_refusals(Arc::clone(refused));
-        Ok(main(node).await?)
+        // The shell drops the node; its tasks end when the executor runs again, and the middleware after them.
+        let middleware = node.middleware();
+        let ended = main(node).await;
+        tokio::task::yield_now().await;
+        drop(middleware);
+        Ok(ended?)
     })
 }
 

@@ -3,7 +3,7 @@
 use super::{NodePath, ParamFileError, join};
 use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
-use serde_saphyr::Spanned;
+use serde_saphyr::{NonFiniteFloatPolicy, Spanned};
 use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
@@ -160,13 +160,11 @@ pub(super) fn merge_file(
     if text.lines().all(|line| line.trim().is_empty() || line.trim_start().starts_with('#')) {
         return Ok(());
     }
-    let parsed: Spanned<Parsed> = serde_saphyr::from_str(text).map_err(|error| {
+    let parsed: Parsed = read_yaml(text).map_err(|error| {
         let line = error.location().map_or(1, |location| location.line());
-        let reason = error.to_string();
-        let reason = reason.lines().next().unwrap_or_default().to_owned();
-        ParamFileError::Malformed { at: format!("{name}:{line}"), reason }
+        ParamFileError::Malformed { at: format!("{name}:{line}"), reason: reason(&error) }
     })?;
-    let root = parsed.value.placed(&name);
+    let root = parsed.placed(&name);
     merge_nodes(merged, &root, "", &Target { file: &name, node })
 }
 
@@ -237,10 +235,8 @@ pub(super) fn merge_override(merged: &mut Tree, name: &str, value: &str) -> Resu
     let tree = if value.is_empty() {
         Tree::Leaf(Value::String(String::new()))
     } else {
-        let parsed: Parsed = serde_saphyr::from_str(value).map_err(|error| ParamFileError::Malformed {
-            at: origin.to_string(),
-            reason: error.to_string().lines().next().unwrap_or_default().to_owned(),
-        })?;
+        let parsed: Parsed = read_yaml(value)
+            .map_err(|error| ParamFileError::Malformed { at: origin.to_string(), reason: reason(&error) })?;
         parsed.overriding(&origin)
     };
     // A node's name in front, as `ros2 run` allows, is not needed: one node a process.
@@ -248,9 +244,27 @@ pub(super) fn merge_override(merged: &mut Tree, name: &str, value: &str) -> Resu
     Ok(())
 }
 
-/// YAML as read, each value with its line.
+/// Reads YAML; numbers that are not finite pass, to be refused with their name.
+fn read_yaml(text: &str) -> Result<Parsed, serde_saphyr::Error> {
+    let mut options = serde_saphyr::Options::default();
+    options.non_finite_float_policy = NonFiniteFloatPolicy::PassThrough;
+    serde_saphyr::from_str_with_options(text, options)
+}
+
+/// What is wrong with the text, without the place, which stands in front already.
+fn reason(error: &serde_saphyr::Error) -> String {
+    let text = error.to_string();
+    let line = text.lines().next().unwrap_or_default();
+    let line = line.strip_prefix("error: ").unwrap_or(line);
+    match line.split_once(": ") {
+        Some((place, reason)) if place.starts_with("line ") => reason.to_owned(),
+        _ => line.to_owned(),
+    }
+}
+
+/// YAML as read, each name with its line.
 enum Parsed {
-    Block(Vec<(String, Spanned<Self>)>),
+    Block(Vec<(Spanned<String>, Self)>),
     Leaf(Value),
     NotFinite,
 }
@@ -274,8 +288,8 @@ impl Parsed {
                 entries
                     .into_iter()
                     .map(|(key, child)| {
-                        let origin = place(child.referenced.line());
-                        (key, child.value.convert(place), origin)
+                        let origin = place(key.referenced.line());
+                        (key.value, child.convert(place), origin)
                     })
                     .collect(),
             ),
@@ -289,7 +303,7 @@ impl Parsed {
             Self::NotFinite => None,
             Self::Block(entries) => entries
                 .into_iter()
-                .map(|(key, child)| child.value.into_json().map(|value| (key, value)))
+                .map(|(key, child)| child.into_json().map(|value| (key.value, value)))
                 .collect::<Option<Map<_, _>>>()
                 .map(Value::Object),
         }
@@ -355,10 +369,10 @@ impl<'de> Visitor<'de> for ParsedVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Parsed, A::Error> {
-        let mut entries: Vec<(String, Spanned<Parsed>)> = Vec::new();
-        while let Some(key) = map.next_key::<String>()? {
-            if entries.iter().any(|(known, _)| *known == key) {
-                return Err(de::Error::custom(format!("'{key}' stands twice in the same block")));
+        let mut entries: Vec<(Spanned<String>, Parsed)> = Vec::new();
+        while let Some(key) = map.next_key::<Spanned<String>>()? {
+            if entries.iter().any(|(known, _)| known.value == key.value) {
+                return Err(de::Error::custom(format!("'{}' stands twice in the same block", key.value)));
             }
             entries.push((key, map.next_value()?));
         }

@@ -1,0 +1,96 @@
+//! The smallest pair of nodes: `pair --ros-args -p role:=talker` and, in another shell, `-p role:=listener`.
+//!
+//! The talker publishes numbered widths at 100 Hz, a latched print and a service. The listener ends well when it has
+//! received the print, 200 widths in order (decoded and as bytes) and an answer, and ends badly otherwise.
+
+use fdm_loop_msgs::{BeadWidth, Header, PrintInfo, SetModeRequest, SetModeResponse};
+use models::units::Seconds;
+use runtime::{CallError, Node, RuntimeError, topics};
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Params {
+    role: Role,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Role {
+    Talker,
+    Listener,
+}
+
+#[derive(Debug, thiserror::Error)]
+enum PairError {
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    #[error(transparent)]
+    Call(#[from] CallError),
+    #[error("unexpected: {0}")]
+    Unexpected(String),
+}
+
+/// Widths that the listener waits for.
+const WIDTHS: usize = 200;
+
+async fn talk(mut node: Node) -> Result<(), PairError> {
+    let widths = node.publish_on(&topics::BEAD_WIDTH)?;
+    let prints = node.publish_on(&topics::PRINT_INFO)?;
+    let mut modes = node.serve(&topics::SAFETY_SET_MODE)?;
+    let (clock, work) = (node.clock(), node.work());
+    let mut ticks = node.timer(Seconds(0.01));
+    prints.send(PrintInfo { print_id: "pair".into(), ..PrintInfo::default() });
+    let mut number = 0.0;
+    loop {
+        tokio::select! {
+            now = ticks.next() => {
+                number += 1.0;
+                widths.send(BeadWidth { header: Header::at(now.0), width_m: number, ..BeadWidth::default() });
+                work.done();
+            }
+            asked = modes.next() => {
+                let message = format!("mode {} at {:.3} s", asked.request.mode, clock.now().0);
+                modes.answer(&asked, SetModeResponse { accepted: true, message });
+            }
+            () = node.shutdown() => return Ok(()),
+        }
+    }
+}
+
+async fn listen(mut node: Node) -> Result<(), PairError> {
+    let mut widths = node.subscribe(&topics::BEAD_WIDTH)?;
+    let mut raw = node.subscribe_raw(&topics::BEAD_WIDTH.info())?;
+    let mut prints = node.subscribe(&topics::PRINT_INFO)?;
+    let modes = node.client(&topics::SAFETY_SET_MODE)?;
+
+    let print = prints.recv().await;
+    let first = widths.recv().await;
+    let mut newest = first.message.width_m;
+    for _ in 1..WIDTHS {
+        let width = widths.recv().await;
+        let age = node.clock().now().0 - width.message.header.stamp.seconds().unwrap_or(0.0);
+        if width.message.width_m <= newest || width.publisher != first.publisher || !(0.0..1.0).contains(&age)
+        {
+            return Err(PairError::Unexpected(format!("{width:?} after {newest}, {age} s old")));
+        }
+        newest = width.message.width_m;
+    }
+    let bytes = raw.recv().await;
+    if bytes.payload.get(..4) != Some(&[0, 1, 0, 0]) || raw.type_name() != "fdm_loop_msgs/msg/BeadWidth" {
+        return Err(PairError::Unexpected(format!("{bytes:?}")));
+    }
+    let answer = modes.call(SetModeRequest { mode: 3 }, Seconds(5.0)).await?;
+    tracing::warn!("print '{}', {WIDTHS} widths, answer '{}'", print.message.print_id, answer.message);
+    if answer.accepted { Ok(()) } else { Err(PairError::Unexpected(format!("{answer:?}"))) }
+}
+
+async fn pair(node: Node) -> Result<(), PairError> {
+    match node.parameters::<Params>()?.role {
+        Role::Talker => talk(node).await,
+        Role::Listener => listen(node).await,
+    }
+}
+
+fn main() -> std::process::ExitCode {
+    runtime::run("pair", pair)
+}

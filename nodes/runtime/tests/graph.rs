@@ -1,0 +1,91 @@
+//! Two processes over loopback, and a process that went deaf. Real time passes here: DDS has no other.
+#![allow(clippy::unwrap_used, clippy::expect_used)] // helpers of tests: a failure is the test's failure
+
+use rustix::process::{Pid, Signal, kill_process};
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// A node process that does not outlive its test.
+struct Process(Child);
+
+impl Process {
+    /// Starts the example `pair` in a role, in a domain of the test's own.
+    fn start(role: &str, domain: u32) -> Self {
+        let tests = std::env::current_exe().unwrap();
+        let pair: PathBuf = tests.parent().unwrap().parent().unwrap().join("examples/pair");
+        let child = Command::new(pair)
+            .args(["--ros-args", "-r", &format!("__node:={role}"), "-p", &format!("role:={role}")])
+            .env("ROS_DOMAIN_ID", domain.to_string())
+            .env_remove("RUST_LOG")
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        Self(child)
+    }
+
+    fn signal(&self, signal: Signal) {
+        kill_process(Pid::from_child(&self.0), signal).unwrap();
+    }
+
+    /// Waits for the end; `None` where it does not come in time.
+    fn ended_within(&mut self, limit: Duration) -> Option<ExitStatus> {
+        let begin = Instant::now();
+        while begin.elapsed() < limit {
+            if let Some(status) = self.0.try_wait().unwrap() {
+                return Some(status);
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        None
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        _ = self.0.kill();
+        _ = self.0.wait();
+    }
+}
+
+/// A domain that no other test process uses at the same time (ports of domains up to 101 lie below the ephemeral ones).
+fn domain(test: u32) -> u32 {
+    20 + (std::process::id() * 3 + test) % 80
+}
+
+/// Messages (decoded and raw), a latched message for a late joiner and a service cross processes on a plain `lo`, and
+/// SIGTERM ends a node with exit code 0 within 2 s.
+#[test]
+fn messages_latched_state_and_services_cross_processes() {
+    let mut talker = Process::start("talker", domain(0));
+    let mut listener = Process::start("listener", domain(0));
+    let status = listener.ended_within(Duration::from_secs(30)).expect("the listener hears all it waits for");
+    assert_eq!(status.code(), Some(0));
+    assert!(talker.0.try_wait().unwrap().is_none(), "the talker lives on");
+    talker.signal(Signal::TERM);
+    let status = talker.ended_within(Duration::from_secs(2)).expect("SIGTERM ends a node within 2 s");
+    assert_eq!(status.code(), Some(0));
+}
+
+/// C4, C5: SIGSTOP and SIGCONT end the middleware's event loops; the process notices and aborts.
+#[test]
+fn a_process_that_went_deaf_ends_itself() {
+    let mut talker = Process::start("talker", domain(1));
+    let mut listener = Process::start("listener", domain(1));
+    assert!(
+        listener.ended_within(Duration::from_secs(30)).is_some(),
+        "the talker works before it is stopped"
+    );
+    talker.signal(Signal::STOP);
+    assert!(talker.ended_within(Duration::from_secs(2)).is_none());
+    talker.signal(Signal::CONT);
+    let status = talker.ended_within(Duration::from_secs(5)).expect("a deaf process ends itself");
+    assert_eq!(status.code(), None, "aborted by a signal, not ended in order");
+}
+
+/// Wrong arguments and parameters are the user's to mend: exit code 2.
+#[test]
+fn refused_arguments_and_parameters_end_with_code_2() {
+    let mut singer = Process::start("singer", domain(2));
+    assert_eq!(singer.ended_within(Duration::from_secs(10)).unwrap().code(), Some(2));
+}
