@@ -51,8 +51,11 @@ impl Supervisor {
     }
 
     pub(super) fn on_printer(&mut self, now: Seconds, report: PrinterReport) {
-        let numbers = [report.stamp.0, report.motor_position_m, report.hotend_duty, report.fan];
-        if !numbers.iter().all(|value| value.is_finite()) {
+        let finite = [report.stamp.0, report.motor_position_m, report.hotend_sliced_target.0];
+        let shares = [report.hotend_duty, report.fan];
+        if !(finite.iter().all(|value| value.is_finite())
+            && shares.iter().all(|share| (0.0..=1.0).contains(share)))
+        {
             return self.checks.bad_values.note(now);
         }
         let phase_before = self.printer.map(|printer| printer.phase);

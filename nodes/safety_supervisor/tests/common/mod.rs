@@ -91,6 +91,8 @@ pub(crate) struct Heater {
     /// Coupling of the thermistor to the block; its remainder couples to air.
     pub(crate) coupling: f64,
     pub(crate) frozen: bool,
+    /// Added to the next reading.
+    pub(crate) spike_k: f64,
     pub(crate) duty: f64,
     pub(crate) reading_c: f64,
     pub(crate) block_c: f64,
@@ -120,6 +122,7 @@ impl Heater {
             stuck_on: false,
             coupling: 1.0,
             frozen: false,
+            spike_k: 0.0,
             duty: 0.0,
             reading_c: 25.0,
             block_c: 25.0,
@@ -169,7 +172,7 @@ impl Heater {
         if self.ticks.is_multiple_of(5) {
             let noise_k = 0.15 * self.random.normal();
             if !self.frozen {
-                self.reading_c = self.sensor_c + noise_k;
+                self.reading_c = self.sensor_c + noise_k + std::mem::take(&mut self.spike_k);
             }
             self.regulate();
             events.push(Event::Hotend { stamp: Seconds(self.now_s), temp: Celsius(self.reading_c) });

@@ -1,0 +1,383 @@
+//! Modes, gate, permits and the checks that need no heater.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use common::{params, params_with, report};
+use models::command::{Command, Mode, Request, Trims};
+use models::status::JobPhase;
+use models::units::{Celsius, Seconds};
+use proptest::prelude::*;
+use safety_supervisor::{Cause, Event, Latch, Operator, Output, PrinterReport, Stream, Supervisor, What};
+
+/// A print at 210 degC, at 50 Hz, whose parts can be switched off.
+struct Print {
+    supervisor: Supervisor,
+    tick: u32,
+    output: Output,
+    report: PrinterReport,
+    temp_c: f64,
+    hotend: bool,
+    encoder: bool,
+    printer: bool,
+    controller: bool,
+    estimator: bool,
+    slip: f64,
+    encoder_m: f64,
+    wish: Trims,
+    sequence: u64,
+}
+
+impl Print {
+    fn with(mut supervisor: Supervisor) -> Self {
+        let output = supervisor.on_event(Seconds(0.0), Event::Tick { now: Seconds(0.0) }).unwrap();
+        let report = PrinterReport {
+            hotend_duty: 0.32,
+            hotend_target: Celsius(210.0),
+            hotend_sliced_target: Celsius(210.0),
+            filament_present: Some(true),
+            ..report(0.0)
+        };
+        Self {
+            supervisor,
+            tick: 0,
+            output,
+            report,
+            temp_c: 210.0,
+            hotend: true,
+            encoder: true,
+            printer: true,
+            controller: true,
+            estimator: true,
+            slip: 0.0,
+            encoder_m: 0.0,
+            wish: Trims { flow: 1.05, ..Trims::NEUTRAL },
+            sequence: 0,
+        }
+    }
+
+    fn acting() -> Self {
+        let mut print =
+            Self::with(Supervisor::new(params_with("start_mode: observe", "start_mode: act"), 7, None));
+        print.run(5.0);
+        assert_eq!(print.mode(), Mode::Act, "{:?}", print.output.state.cause);
+        print
+    }
+
+    fn now(&self) -> f64 {
+        f64::from(self.tick) * 0.02
+    }
+
+    fn mode(&self) -> Mode {
+        self.output.permit.mode
+    }
+
+    fn event(&mut self, event: Event) {
+        let now = Seconds(self.now());
+        if let Some(output) = self.supervisor.on_event(now, event) {
+            self.output = output;
+        }
+    }
+
+    fn ask(&mut self, operator: Operator) -> What {
+        self.event(Event::Operator(operator));
+        self.output.events.last().unwrap().what
+    }
+
+    fn step(&mut self) {
+        self.tick += 1;
+        let now = Seconds(self.now());
+        if self.report.phase == JobPhase::Printing {
+            self.report.motor_position_m += 2e-3 * 0.02;
+            self.encoder_m += 2e-3 * 0.02 * (1.0 - self.slip);
+        }
+        if self.hotend && self.tick % 5 == 0 {
+            // the last digits differ, as of a sound sensor
+            let temp = Celsius(self.temp_c + f64::from(self.tick % 7) * 0.01);
+            self.event(Event::Hotend { stamp: now, temp });
+        }
+        if self.printer {
+            self.event(Event::Printer(PrinterReport { stamp: now, ..self.report }));
+        }
+        if self.encoder {
+            self.event(Event::Encoder { stamp: now, position_m: self.encoder_m });
+        }
+        if self.estimator {
+            self.event(Event::EstimateHeartbeat { stamp: now });
+        }
+        if self.controller && self.tick % 12 == 0 {
+            self.sequence += 1;
+            let (sequence, trims) = (self.sequence, self.wish);
+            self.event(Event::Command(Command { session: 3, sequence, validity: Seconds(1.0), trims }));
+        }
+        self.event(Event::Tick { now });
+    }
+
+    fn run(&mut self, span_s: f64) {
+        let end_s = self.now() + span_s;
+        while self.now() < end_s {
+            self.step();
+        }
+    }
+
+    /// Runs until the mode is reached and returns how long it took.
+    fn until(&mut self, mode: Mode) -> f64 {
+        let start_s = self.now();
+        while self.mode() != mode && self.now() - start_s < 30.0 {
+            self.step();
+        }
+        self.now() - start_s
+    }
+}
+
+#[test]
+fn observe_is_the_default_and_sends_nothing() {
+    let mut print = Print::with(Supervisor::new(params(), 7, None));
+    assert_eq!(print.mode(), Mode::Init);
+    print.run(5.0);
+    assert_eq!((print.mode(), print.output.permit.trims), (Mode::Observe, Trims::NEUTRAL));
+    assert_eq!(print.ask(Operator::SetMode(Mode::Act)), What::Granted(Operator::SetMode(Mode::Act)));
+    print.run(2.0);
+    assert!((print.output.permit.trims.flow - 1.05).abs() < 1e-12);
+    let refused = Operator::SetMode(Mode::Estop);
+    assert_eq!(print.ask(refused), What::Denied(refused));
+}
+
+#[test]
+fn advise_waits_for_approval_and_an_approval_ends_with_the_controller() {
+    let mut print =
+        Print::with(Supervisor::new(params_with("start_mode: observe", "start_mode: advise"), 7, None));
+    print.run(3.0);
+    assert_eq!(print.output.permit.trims, Trims::NEUTRAL);
+    assert_eq!(print.ask(Operator::Approve), What::Granted(Operator::Approve));
+    print.run(1.0);
+    assert!((print.output.permit.trims.flow - 1.05).abs() < 1e-12);
+    print.controller = false;
+    print.run(3.0);
+    assert_eq!(print.output.permit.trims, Trims::NEUTRAL);
+}
+
+/// C1: with a part of the control path away the printer is at the slicer's values within 2.5 s, and whole again
+/// within 5 s after it is back.
+#[test]
+fn a_part_that_is_away_degrades_and_heals() {
+    let away: [fn(&mut Print, bool); 3] =
+        [|print, on| print.controller = on, |print, on| print.estimator = on, |print, on| print.encoder = on];
+    for switch in away {
+        let mut print = Print::acting();
+        switch(&mut print, false);
+        let detected_s = print.until(Mode::Degraded);
+        assert!(detected_s <= 1.0, "{detected_s}");
+        print.run(2.5 - detected_s);
+        assert_eq!((print.output.permit.trims, print.output.permit.request), (Trims::NEUTRAL, Request::Run));
+        switch(&mut print, true);
+        assert!(print.until(Mode::Act) <= 5.0);
+    }
+}
+
+/// S7: 300 ms degraded, 1.5 s paused, 3 s heaters off; whole again after acknowledge, the job waits for a resume.
+#[test]
+fn s7_a_silent_thermistor_degrades_pauses_and_ends_in_safe_off() {
+    let mut print = Print::acting();
+    print.hotend = false;
+    // one sample period of 0.1 s and a tick beyond the age
+    for (mode, limit_s) in [(Mode::Degraded, 0.32), (Mode::Paused, 1.52), (Mode::SafeOff, 3.02)] {
+        let start_s = print.now();
+        print.until(mode);
+        assert!(print.now() - 5.0 <= limit_s + 0.02, "{mode:?} {start_s} {}", print.now());
+    }
+    print.report.phase = JobPhase::Paused;
+    assert_eq!(print.ask(Operator::Acknowledge), What::Denied(Operator::Acknowledge));
+    print.hotend = true;
+    print.run(1.0);
+    assert_eq!((print.mode(), print.output.permit.request), (Mode::SafeOff, Request::HeatersOff));
+    assert_eq!(print.ask(Operator::Acknowledge), What::Granted(Operator::Acknowledge));
+    print.run(3.0);
+    assert_eq!((print.mode(), print.output.permit.request), (Mode::Act, Request::Pause));
+    assert_eq!(print.ask(Operator::Resume), What::Granted(Operator::Resume));
+    assert_eq!(print.output.permit.request, Request::Run);
+}
+
+#[test]
+fn a_supervisor_that_stood_still_blames_nobody() {
+    let mut print = Print::acting();
+    print.tick += 250;
+    print.step();
+    assert!(print.output.events.iter().any(|decision| decision.what == What::StoodStill));
+    assert_eq!(print.output.permit.trims, Trims::NEUTRAL);
+    print.run(3.0);
+    assert_eq!(print.mode(), Mode::Act);
+}
+
+/// S1: 0.5 s, and no trip on a single spike.
+#[test]
+fn s1_open_and_short_circuits_switch_off() {
+    for reading_c in [-14.0, 450.0] {
+        let mut print = Print::acting();
+        print.temp_c = reading_c;
+        print.run(0.1);
+        print.temp_c = 210.0;
+        print.run(2.0);
+        assert_eq!(print.mode(), Mode::Act, "spike");
+        print.temp_c = reading_c;
+        assert!(print.until(Mode::SafeOff) <= 0.5);
+        assert_eq!(print.output.state.cause, Some(Cause::HotendRange));
+        print.run(1.0);
+        assert_eq!(print.ask(Operator::Acknowledge), What::Denied(Operator::Acknowledge));
+    }
+}
+
+/// S5: three refused values in a second.
+#[test]
+fn s5_refused_values_degrade() {
+    let mut print = Print::acting();
+    for _ in 0..2 {
+        print.event(Event::Refused { stream: Stream::Printer });
+    }
+    print.run(0.5);
+    assert_eq!(print.mode(), Mode::Act);
+    print.event(Event::Hotend { stamp: Seconds(0.0), temp: Celsius(f64::NAN) });
+    print.step();
+    assert_eq!((print.mode(), print.output.state.cause), (Mode::Degraded, Some(Cause::BadValues)));
+    print.run(4.0);
+    assert_eq!(print.mode(), Mode::Act);
+}
+
+/// K6: clamped at once; three in a second degrade.
+#[test]
+fn k6_commands_out_of_the_envelope_are_clamped_and_degrade() {
+    let mut print = Print::acting();
+    print.wish = Trims { flow: 3.0, ..Trims::NEUTRAL };
+    let detected_s = print.until(Mode::Degraded);
+    // three commands of 0.24 s and the first one's wait
+    assert!(detected_s <= 1.0, "{detected_s}");
+    assert!(print.output.permit.trims.flow <= 1.25);
+    assert_eq!(print.output.state.clamped_commands, 3);
+}
+
+/// C8: a second publisher.
+#[test]
+fn c8_a_second_publisher_is_refused_and_degrades() {
+    let mut print = Print::acting();
+    let trims = Trims { flow: 0.8, ..Trims::NEUTRAL };
+    print.event(Event::Command(Command { session: 4, sequence: 1, validity: Seconds(1.0), trims }));
+    print.step();
+    assert_eq!((print.mode(), print.output.state.cause), (Mode::Degraded, Some(Cause::SecondPublisher)));
+    assert!(print.output.permit.trims.flow > 1.0);
+}
+
+/// P6: 7 mm and 1 s at 2 mm/s; 30 % slip is for the controller.
+#[test]
+fn p6_slip_pauses_once_and_small_slip_does_not() {
+    for (slip, way_m) in [(0.5, 7e-3), (1.0, 7e-3)] {
+        let mut print = Print::acting();
+        print.slip = slip;
+        let time_s = print.until(Mode::Paused);
+        assert!(time_s <= way_m / 2e-3 + 1.0, "{slip}: {time_s}");
+        assert_eq!(print.output.state.cause, Some(Cause::FilamentSlip));
+    }
+    let mut print = Print::acting();
+    print.slip = 0.3;
+    print.run(20.0);
+    assert_eq!(print.mode(), Mode::Act);
+}
+
+/// P7: 1 s after the switch; the resume wants filament, heat and a homed printer, and heats up again after standby.
+#[test]
+fn p7_run_out_pauses_and_resumes_only_when_ready() {
+    let mut print = Print::acting();
+    print.report.filament_present = Some(false);
+    assert!(print.until(Mode::Paused) <= 1.0);
+    print.report.phase = JobPhase::Paused;
+    print.run(1.0);
+    assert_eq!(print.output.permit.request, Request::Pause);
+    assert_eq!(print.ask(Operator::Resume), What::Denied(Operator::Resume));
+    print.report.filament_present = Some(true);
+    print.run(61.0);
+    assert_eq!(print.output.permit.request, Request::Standby);
+    print.report.homed = false;
+    print.run(1.0);
+    assert_eq!(print.ask(Operator::Resume), What::Denied(Operator::Resume));
+    print.report.homed = true;
+    print.report.hotend_sliced_target = Celsius(216.0);
+    print.run(0.1);
+    assert_eq!(print.ask(Operator::Resume), What::Granted(Operator::Resume));
+    print.run(1.0);
+    assert_eq!(print.output.permit.request, Request::Pause, "210 degC is more than 5 K below 216 degC");
+    print.report.hotend_sliced_target = Celsius(212.0);
+    print.run(0.1);
+    assert_eq!((print.mode(), print.output.permit.request), (Mode::Act, Request::Run));
+}
+
+/// P13: the answer comes with the event itself.
+#[test]
+fn p13_an_emergency_stop_is_answered_at_once_and_stays() {
+    let mut print = Print::acting();
+    assert_eq!(print.ask(Operator::Estop), What::Granted(Operator::Estop));
+    assert_eq!((print.mode(), print.output.permit.request), (Mode::Estop, Request::EmergencyStop));
+    print.run(5.0);
+    assert_eq!((print.mode(), print.output.permit.trims), (Mode::Estop, Trims::NEUTRAL));
+    let latch = print.supervisor.latch();
+    let mut restarted = Print::with(Supervisor::new(params(), 8, latch));
+    assert_eq!(restarted.output.permit.request, Request::EmergencyStop, "from the first permit on");
+    restarted.run(5.0);
+    assert_eq!(restarted.mode(), Mode::Estop);
+    restarted.report.phase = JobPhase::Failed;
+    restarted.run(0.1);
+    assert_eq!(restarted.ask(Operator::Acknowledge), What::Granted(Operator::Acknowledge));
+    // the printer's own report of the given-up job is the last cause
+    restarted.run(2.1);
+    assert_eq!((restarted.mode(), restarted.output.permit.request), (Mode::Observe, Request::Run));
+}
+
+#[test]
+fn a_pause_that_the_printer_made_itself_is_taken_over() {
+    let mut print = Print::acting();
+    print.report.phase = JobPhase::Paused;
+    assert!(print.until(Mode::Paused) <= 1.1);
+    assert_eq!(print.output.permit.request, Request::Pause);
+}
+
+fn any_event() -> impl Strategy<Value = (u8, f64)> {
+    (0u8..16, prop_oneof![Just(f64::NAN), -20.0..500.0f64, 0.0..2.0f64])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Whatever comes in: permits are finite and inside the envelope, a latched mode ends by acknowledge alone, and
+    /// no permit of a latched mode lets heaters on.
+    #[test]
+    fn laws_of_the_permit(events in proptest::collection::vec(any_event(), 1..300), latched in any::<bool>()) {
+        let restored = latched.then_some(Latch { estop: false, cause: Cause::HotendRange });
+        let supervisor = Supervisor::new(params_with("start_mode: observe", "start_mode: act"), 1, restored);
+        let mut print = Print::with(supervisor);
+        let mut sequence = 0;
+        for (kind, value) in events {
+            let before = print.mode();
+            match kind {
+                0 => print.hotend = !print.hotend,
+                1 => print.temp_c = value,
+                2 => print.encoder = !print.encoder,
+                3 => print.wish.flow = value,
+                4 => print.slip = if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 },
+                5 => print.report.hotend_duty = value,
+                6 => print.event(Event::Confidence { confidence: value }),
+                7 => drop(print.ask(Operator::Resume)),
+                8 => drop(print.ask(Operator::Stop)),
+                9 => print.printer = !print.printer,
+                10 => print.tick += 50,
+                _ => print.run(0.1),
+            }
+            print.step();
+            let permit = print.output.permit;
+            prop_assert!(params().limits.clamp(&permit.trims).is_ok_and(|clamped| !clamped.changed.any()));
+            prop_assert!(permit.sequence > sequence);
+            sequence = permit.sequence;
+            prop_assert!(before < Mode::SafeOff || permit.mode >= before);
+            prop_assert!(permit.mode < Mode::SafeOff || permit.request >= Request::HeatersOff);
+            prop_assert!(permit.mode < Mode::SafeOff || permit.trims == Trims::NEUTRAL);
+            prop_assert!(permit.mode != Mode::Paused || permit.request != Request::Run);
+        }
+    }
+}
