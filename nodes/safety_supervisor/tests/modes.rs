@@ -3,132 +3,13 @@
 
 mod common;
 
-use common::{params, params_with, report};
+use common::print::Print;
+use common::{params, params_with};
 use models::command::{Command, Mode, Request, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
 use proptest::prelude::*;
-use safety_supervisor::{Cause, Event, Latch, Operator, Output, PrinterReport, Stream, Supervisor, What};
-
-/// A print at 210 degC, at 50 Hz, whose parts can be switched off.
-struct Print {
-    supervisor: Supervisor,
-    tick: u32,
-    output: Output,
-    report: PrinterReport,
-    temp_c: f64,
-    hotend: bool,
-    encoder: bool,
-    printer: bool,
-    controller: bool,
-    estimator: bool,
-    slip: f64,
-    encoder_m: f64,
-    wish: Trims,
-    sequence: u64,
-}
-
-impl Print {
-    fn with(mut supervisor: Supervisor) -> Self {
-        let output = supervisor.on_event(Seconds(0.0), Event::Tick { now: Seconds(0.0) }).unwrap();
-        let report = PrinterReport {
-            hotend_duty: 0.32,
-            hotend_target: Celsius(210.0),
-            hotend_sliced_target: Celsius(210.0),
-            filament_present: Some(true),
-            ..report(0.0)
-        };
-        Self {
-            supervisor,
-            tick: 0,
-            output,
-            report,
-            temp_c: 210.0,
-            hotend: true,
-            encoder: true,
-            printer: true,
-            controller: true,
-            estimator: true,
-            slip: 0.0,
-            encoder_m: 0.0,
-            wish: Trims { flow: 1.05, ..Trims::NEUTRAL },
-            sequence: 0,
-        }
-    }
-
-    fn acting() -> Self {
-        let mut print =
-            Self::with(Supervisor::new(params_with("start_mode: observe", "start_mode: act"), 7, None));
-        print.run(5.0);
-        assert_eq!(print.mode(), Mode::Act, "{:?}", print.output.state.cause);
-        print
-    }
-
-    fn now(&self) -> f64 {
-        f64::from(self.tick) * 0.02
-    }
-
-    fn mode(&self) -> Mode {
-        self.output.permit.mode
-    }
-
-    fn event(&mut self, event: Event) {
-        let now = Seconds(self.now());
-        if let Some(output) = self.supervisor.on_event(now, event) {
-            self.output = output;
-        }
-    }
-
-    fn ask(&mut self, operator: Operator) -> What {
-        self.event(Event::Operator(operator));
-        self.output.events.last().unwrap().what
-    }
-
-    fn step(&mut self) {
-        self.tick += 1;
-        let now = Seconds(self.now());
-        if self.report.phase == JobPhase::Printing {
-            self.report.motor_position_m += 2e-3 * 0.02;
-            self.encoder_m += 2e-3 * 0.02 * (1.0 - self.slip);
-        }
-        if self.hotend && self.tick % 5 == 0 {
-            // the last digits differ, as of a sound sensor
-            let temp = Celsius(self.temp_c + f64::from(self.tick % 7) * 0.01);
-            self.event(Event::Hotend { stamp: now, temp });
-        }
-        if self.printer {
-            self.event(Event::Printer(PrinterReport { stamp: now, ..self.report }));
-        }
-        if self.encoder {
-            self.event(Event::Encoder { stamp: now, position_m: self.encoder_m });
-        }
-        if self.estimator {
-            self.event(Event::EstimateHeartbeat { stamp: now });
-        }
-        if self.controller && self.tick % 12 == 0 {
-            self.sequence += 1;
-            let (sequence, trims) = (self.sequence, self.wish);
-            self.event(Event::Command(Command { session: 3, sequence, validity: Seconds(1.0), trims }));
-        }
-        self.event(Event::Tick { now });
-    }
-
-    fn run(&mut self, span_s: f64) {
-        let end_s = self.now() + span_s;
-        while self.now() < end_s {
-            self.step();
-        }
-    }
-
-    /// Runs until the mode is reached and returns how long it took.
-    fn until(&mut self, mode: Mode) -> f64 {
-        let start_s = self.now();
-        while self.mode() != mode && self.now() - start_s < 30.0 {
-            self.step();
-        }
-        self.now() - start_s
-    }
-}
+use safety_supervisor::{Cause, Event, Latch, Operator, Stream, Supervisor, What};
 
 #[test]
 fn observe_is_the_default_and_sends_nothing() {

@@ -1,6 +1,8 @@
 //! Shared by the tests: shipped parameters, a stand-in heater, a printer report.
 #![allow(dead_code, clippy::unwrap_used, reason = "each test binary uses its part; a test may panic")]
 
+pub(crate) mod print;
+
 use std::collections::BTreeMap;
 
 use models::command::Trims;
