@@ -56,6 +56,8 @@ pub struct Controller {
     qp: Qp,
     catch_up: CatchUp,
     nominal: Nominal,
+    /// Slow mean of the flow error `[-]`.
+    flow_error: f64,
     status: Option<PrinterStatus>,
     estimate: Option<Estimate>,
     /// Move in force.
@@ -97,6 +99,7 @@ impl Controller {
             qp: Qp::new(params.cost, params.limits, lags, params.solver)?,
             catch_up: CatchUp::new(params.slip),
             nominal: Nominal::new(material.lag_s),
+            flow_error: 0.0,
             status: None,
             estimate: None,
             held: [0.0; input::COUNT],
@@ -133,11 +136,13 @@ impl Controller {
             self.report.refusals.estimate.late += 1;
             return None;
         }
-        self.estimate = Some(estimate);
+        let before = self.estimate.replace(estimate);
         let Some(status) = self.fresh_status(estimate.stamp) else {
             self.report.starved += 1;
             return None;
         };
+        let dt_s = before.map_or(0.0, |before| estimate.stamp.0 - before.stamp.0);
+        self.follow_flow(&status, &estimate, dt_s);
         let trims = self.trims(&status, &estimate);
         self.sequence += 1;
         Some(Command {
@@ -194,6 +199,7 @@ impl Controller {
         self.held = [0.0; input::COUNT];
         self.qp.clear();
         self.nominal.clear();
+        self.flow_error = 0.0;
         self.catch_up.open();
     }
 

@@ -239,6 +239,8 @@ pub struct RawBumpless {
     pub flow_min_rel: f64,
     /// Lags after which the start of the slicer's flow is forgotten `[-]`.
     pub settle_lags: f64,
+    /// Time constant of the flow error `[s]`.
+    pub flow_averaging_s: f64,
 }
 
 impl TryFrom<RawParams> for Params {
@@ -269,6 +271,7 @@ impl TryFrom<RawParams> for Params {
         in_range("bumpless.tolerance", raw.bumpless.tolerance, "-", (0.0, 0.1))?;
         in_range("bumpless.flow_min_rel", raw.bumpless.flow_min_rel, "-", (0.0, 1.0))?;
         in_range("bumpless.settle_lags", raw.bumpless.settle_lags, "-", (0.0, 20.0))?;
+        positive("bumpless.flow_averaging_s", raw.bumpless.flow_averaging_s, "s")?;
         Ok(Self(raw))
     }
 }

@@ -139,28 +139,34 @@ impl Filter {
         Drive { heater_power_w: duty * self.model.heater_power_w(), motor_speed_m_s, fan: status.fan }
     }
 
+    /// Goes from report to report: a stroke back and a stroke forth do not cancel, since only one of them slips.
     fn predict(&mut self, run: &mut Running, status: &PrinterStatus, inbox: &Inbox) -> Health {
-        let dt_s = status.stamp.0 - run.at_s;
-        if dt_s <= 0.0 {
+        if status.stamp.0 <= run.at_s {
             return Health::Sound;
         }
-        let moved = inbox.samples.motor_at(run.at_s).map(|start| status.motor_position_m - start.motor_m);
-        // without the count at the start (a new job) the slicer's feed has to do
-        let motor_speed_m_s = moved.map_or(status.planned_feed_m_s, |moved_m| moved_m / dt_s);
-        run.drive = self.drive(status, motor_speed_m_s);
-        self.average_feed(status, dt_s);
-
-        let noise = self.noise(run, status, dt_s);
-        let (model, drive) = (self.model, run.drive);
-        let health = run.ukf.predict(&noise, |x| model.step(x, &drive, dt_s));
-        run.at_s = status.stamp.0;
-
-        let x = &run.ukf.belief().mean;
-        let off_m_s = (self.model.filament_speed(x, motor_speed_m_s) - x[state::FLOW]).abs();
-        let memory_s = self.params.width.memory_lags * self.model.lag_s();
-        run.flows.push((run.at_s, x[state::FLOW]));
-        run.imbalance_m_s = off_m_s.max(run.imbalance_m_s * (-dt_s / memory_s).exp());
-        health
+        self.average_feed(status, status.stamp.0 - run.at_s);
+        // without the count at the start (a new job) the slicer's feed has to do for the first step
+        let mut motor_m = inbox.samples.motor_at(run.at_s).map(|start| start.motor_m);
+        let from_s = run.at_s;
+        for sample in inbox.samples.iter().filter(|sample| sample.stamp_s > from_s) {
+            let dt_s = sample.stamp_s - run.at_s;
+            let motor_speed_m_s =
+                motor_m.map_or(status.planned_feed_m_s, |before_m| (sample.motor_m - before_m) / dt_s);
+            motor_m = Some(sample.motor_m);
+            run.drive = self.drive(status, motor_speed_m_s);
+            let noise = self.noise(run, status, dt_s);
+            let (model, drive) = (self.model, run.drive);
+            if run.ukf.predict(&noise, |x| model.step(x, &drive, dt_s)) == Health::Diverged {
+                return Health::Diverged;
+            }
+            run.at_s = sample.stamp_s;
+            let x = &run.ukf.belief().mean;
+            let off_m_s = (self.model.filament_speed(x, motor_speed_m_s) - x[state::FLOW]).abs();
+            let memory_s = self.params.width.memory_lags * self.model.lag_s();
+            run.imbalance_m_s = off_m_s.max(run.imbalance_m_s * (-dt_s / memory_s).exp());
+        }
+        run.flows.push((run.at_s, run.ukf.belief().mean[state::FLOW]));
+        Health::Sound
     }
 
     fn average_feed(&mut self, status: &PrinterStatus, dt_s: f64) {
@@ -176,8 +182,8 @@ impl Filter {
         let root = (dt_s / process.reference_period_s).sqrt();
         let belief = run.ukf.belief();
         let filament_m_s = self.model.filament_speed(&belief.mean, run.drive.motor_speed_m_s);
-        let share = 1.0 - (-dt_s / self.model.lag_s()).exp();
-        let off_m_s = (filament_m_s - belief.mean[state::FLOW].max(0.0)).abs() * share;
+        let off_m_s = (filament_m_s - belief.mean[state::FLOW].max(0.0)).abs() / self.model.lag_s();
+        let off_m_s = off_m_s * (dt_s * process.reference_period_s).sqrt();
         let flow_std_m_s =
             (process.flow_rel * self.reference_feed_m_s * root).hypot(process.lag_rel * off_m_s);
         // nothing can be learned of slip and gain at rest: forget slowly, and never more than the prior knew

@@ -130,10 +130,12 @@ impl PrinterModel {
         next
     }
 
-    /// Mean filament speed `[m/s]` past the encoder while the motor turns at `motor_speed_m_s`: `(1 - s) v`.
+    /// Filament speed `[m/s]` past the encoder while the motor turns at `motor_speed_m_s`: `(1 - s) v`.
+    ///
+    /// A stroke back is unloaded and does not slip (model book 1.5).
     #[must_use]
     pub fn filament_speed(&self, x: &State, motor_speed_m_s: f64) -> f64 {
-        (1.0 - x[state::SLIP]) * motor_speed_m_s
+        if motor_speed_m_s > 0.0 { (1.0 - x[state::SLIP]) * motor_speed_m_s } else { motor_speed_m_s }
     }
 
     /// Width `[m]` of a stadium road from outlet flow and gain: `w = u g A_f / (v h) + h (1 - pi/4)`.

@@ -75,12 +75,7 @@ impl Controller {
         if ratio <= 0.0 {
             return None;
         }
-        let least_m_s = self.params.bumpless.flow_min_rel * estimate.reference_feed_m_s;
-        let flow_error = self
-            .nominal
-            .flow_m_s(self.params.bumpless.settle_lags)
-            .filter(|nominal_m_s| estimate.encoder_alive && *nominal_m_s > least_m_s)
-            .map_or(0.0, |nominal_m_s| estimate.flow_m_s / nominal_m_s - 1.0);
+        let flow_error = if estimate.encoder_alive { self.flow_error } else { 0.0 };
         let ambient = Kelvin(self.params.ambient_k);
         let Printer { hotend, material, melt } = &self.printer;
         let block: Kelvin = status.hotend_sliced_target.into();
@@ -98,5 +93,16 @@ impl Controller {
             feed_cap: Some(flow_max / (status.planned_feed_m_s * melt.filament_area_m2()) - 1.0),
             width_ratio: 1.0 / ratio,
         })
+    }
+
+    /// Follows the flow error slowly: a road's transients are over before a correction could act on them.
+    pub(super) fn follow_flow(&mut self, status: &PrinterStatus, estimate: &Estimate, dt_s: f64) {
+        let settings = &self.params.bumpless;
+        let least_m_s = settings.flow_min_rel * estimate.reference_feed_m_s;
+        let nominal = self.nominal.flow_m_s(settings.settle_lags).filter(|flow_m_s| *flow_m_s > least_m_s);
+        if let (Some(nominal_m_s), true) = (nominal, status.depositing) {
+            let share = 1.0 - (-dt_s / settings.flow_averaging_s).exp();
+            self.flow_error += share * (estimate.flow_m_s / nominal_m_s - 1.0 - self.flow_error);
+        }
     }
 }
