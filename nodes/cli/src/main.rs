@@ -1,2 +1,5 @@
-//! fdm
-fn main() {}
+//! The command `fdm`.
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

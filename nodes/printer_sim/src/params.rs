@@ -6,7 +6,7 @@ use models::bed::Bed;
 use models::command::{DeadManParams, Limits};
 use models::extruder::{Extruder, Filament, SlipParams};
 use models::heater::PidParams;
-use models::hotend::Hotend;
+use models::hotend::{Hotend, Inputs as HeatInputs};
 use models::latent::Cooling;
 use models::material::{Deviation, Material};
 use models::params::{ParamError, in_range};
@@ -56,6 +56,8 @@ pub struct Firmware {
     pub runout_switch: bool,
     /// Layer below the road `[K]` under its bed: how much colder it is than the bed.
     pub below_bed_k: f64,
+    /// Flow at which a slicer's set-point is meant `[m3/s]`.
+    pub reference_flow_m3_s: f64,
 }
 
 /// The `simulator` block of `config/printer_sim.param.yaml`.
@@ -92,6 +94,7 @@ pub struct RawSimulator {
     pub thermal_period_s: f64,
     pub runout_switch: bool,
     pub below_bed_k: f64,
+    pub reference_flow_m3_s: f64,
     pub temperature_period_s: f64,
     pub temperature_sigma_k: f64,
     pub encoder_period_s: f64,
@@ -139,6 +142,12 @@ impl TryFrom<RawSimulator> for SimulatorParams {
                 thermal_period_s: in_range("thermal_period_s", raw.thermal_period_s, "s", (1e-3, 0.1))?,
                 runout_switch: raw.runout_switch,
                 below_bed_k: in_range("below_bed_k", raw.below_bed_k, "K", (0.0, 50.0))?,
+                reference_flow_m3_s: in_range(
+                    "reference_flow_m3_s",
+                    raw.reference_flow_m3_s,
+                    "m3/s",
+                    (0.0, 1e-7),
+                )?,
             },
             sensors: sensors::Settings {
                 temperature_period_s: period("temperature_period_s", raw.temperature_period_s)?,
@@ -176,6 +185,26 @@ pub struct Params {
     /// How much colder than its block the nozzle is at reference conditions `[K]`: the file's set-point less this
     /// counts as the right nozzle temperature.
     pub nozzle_drop_k: f64,
+}
+
+impl Params {
+    /// How much colder than its block the nozzle of the nominal printer is at the reference flow `[K]`.
+    #[must_use]
+    pub fn nominal_drop_k(
+        nominal: &Hotend,
+        material: &Material,
+        simulator: &SimulatorParams,
+        air: Kelvin,
+    ) -> f64 {
+        let inputs = HeatInputs {
+            heater_w: 0.0,
+            fan: material.fan,
+            ambient_k: air.0,
+            filament_k: air.0,
+            melt_w_k: material.heat_flow_w_k(simulator.firmware.reference_flow_m3_s),
+        };
+        nominal.steady(material.nozzle_temp_k, &inputs).block_k - material.nozzle_temp_k
+    }
 }
 
 impl PlantParams {

@@ -172,6 +172,22 @@ impl TryFrom<RawEntry> for Entry {
     }
 }
 
+impl Component {
+    /// From its name in files and services.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::deserialize(serde::de::value::StrDeserializer::<serde::de::value::Error>::new(name)).ok()
+    }
+}
+
+impl Kind {
+    /// From its name in files and services.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::deserialize(serde::de::value::StrDeserializer::<serde::de::value::Error>::new(name)).ok()
+    }
+}
+
 impl Entry {
     /// A fault by name, as the `inject_fault` service asks for it; sets in at `onset_s` of the simulation.
     ///

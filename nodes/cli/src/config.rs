@@ -1,0 +1,208 @@
+//! Finds and loads the files of `config/`: the same ones, through the same checks, as the nodes get.
+
+use anyhow::bail;
+use models::bed::Bed;
+use models::command::{DeadManParams, Limits};
+use models::extruder::Extruder;
+use models::hotend::Hotend;
+use models::latent::Cooling;
+use models::material::Material;
+use models::motion::MotionParams;
+use mpc_controller::params::Level;
+use printer_sim::params::{PlantParams, SimulatorParams};
+use runtime::params::{NodePath, Parameters};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// The `printer` block: what estimator and controller believe.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Printer {
+    /// Hot end.
+    pub hotend: Hotend,
+    /// Bed.
+    pub bed: Bed,
+    /// Extruder.
+    pub extruder: Extruder,
+    /// Cooling of a road.
+    pub cooling: Cooling,
+}
+
+/// Everything that a loop needs to know.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// The nominal printer.
+    pub printer: Printer,
+    /// The nominal material.
+    pub material: Material,
+    /// Motion limits before the file's own.
+    pub motion: MotionParams,
+    /// The simulated printer.
+    pub simulated: printer_sim::Params,
+    /// Estimator.
+    pub estimator: state_estimator::Params,
+    /// Controller.
+    pub controller: mpc_controller::Params,
+    /// Supervisor.
+    pub supervisor: safety_supervisor::Params,
+}
+
+/// A folder like the repository's `config/`.
+#[derive(Debug, Clone)]
+pub struct ConfigDir(PathBuf);
+
+/// What a command line chooses among the files.
+#[derive(Debug, Clone)]
+pub struct Choice {
+    /// Material: a file of `config/materials/`.
+    pub material: String,
+    /// Control level.
+    pub control: Level,
+    /// Host profile of the simulated printer.
+    pub host: String,
+}
+
+impl ConfigDir {
+    /// The folder given, or `$FDM_CONFIG`, or `config/` here, or beside the executable's workspace, or installed.
+    ///
+    /// # Errors
+    /// Says where it looked.
+    pub fn find(given: Option<&Path>) -> anyhow::Result<Self> {
+        let beside = std::env::current_exe()
+            .ok()
+            .and_then(|exe| Some(exe.parent()?.parent()?.parent()?.join("config")));
+        let candidates: Vec<PathBuf> = given
+            .map(Path::to_path_buf)
+            .into_iter()
+            .chain(std::env::var_os("FDM_CONFIG").map(PathBuf::from))
+            .chain([PathBuf::from("config")])
+            .chain(beside)
+            .chain([PathBuf::from("/usr/share/fdm_loop/config")])
+            .collect();
+        let tried = if given.is_some() { &candidates[..1] } else { &candidates[..] };
+        match tried.iter().find(|path| path.join("printer_sim.param.yaml").is_file()) {
+            Some(found) => Ok(Self(found.clone())),
+            None => bail!("no folder with printer_sim.param.yaml among {tried:?}: give one with --config"),
+        }
+    }
+
+    /// A file of the folder.
+    #[must_use]
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// Parameter files of a node, in the order in which they are merged.
+    #[must_use]
+    pub fn files_of(&self, node: &str, material: &str) -> Vec<PathBuf> {
+        let own = format!("{node}.param.yaml");
+        let material = format!("materials/{}.yaml", material.to_lowercase());
+        let names: Vec<String> = match node {
+            "state_estimator" | "mpc_controller" => vec![own, "printers/ender3.yaml".into(), material],
+            "printer_sim" => vec![
+                own,
+                "plants/ender3.yaml".into(),
+                "printers/ender3.yaml".into(),
+                "printers/ender3_motion.yaml".into(),
+                "quality.yaml".into(),
+                material,
+            ],
+            _ => vec![own],
+        };
+        names.into_iter().map(|name| self.file(&name)).collect()
+    }
+
+    /// Names of the scenarios.
+    #[must_use]
+    pub fn names_in(&self, folder: &str) -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(self.file(folder))
+            .into_iter()
+            .flatten()
+            .flatten()
+            .filter_map(|entry| Some(entry.path().file_name()?.to_str()?.strip_suffix(".yaml")?.to_owned()))
+            .collect();
+        names.sort();
+        names
+    }
+
+    /// A scenario by name or by path.
+    ///
+    /// # Errors
+    /// Names the scenarios that there are, or file, line and field.
+    pub fn scenario(&self, name: &str) -> anyhow::Result<printer_sim::Scenario> {
+        let path = if name.ends_with(".yaml") {
+            PathBuf::from(name)
+        } else {
+            self.file(&format!("scenarios/{name}.yaml"))
+        };
+        if !path.is_file() {
+            bail!("scenario '{name}' is unknown; there are {}", self.names_in("scenarios").join(", "));
+        }
+        Ok(runtime::params::from_yaml(&path)?)
+    }
+
+    /// Motion limits of the printer.
+    ///
+    /// # Errors
+    /// File, line, field, value and range of what is refused.
+    pub fn motion(&self) -> anyhow::Result<MotionParams> {
+        let path = NodePath { qualified: "/printer/printer_sim".into(), base: "printer_sim".into() };
+        let parameters = Parameters::read(&[self.file("printers/ender3_motion.yaml")], &[], &path)?;
+        Ok(parameters.block("printer_motion")?)
+    }
+
+    /// Loads everything for a loop in one process.
+    ///
+    /// # Errors
+    /// File, line, field, value and range of what is refused.
+    pub fn load(&self, choice: &Choice) -> anyhow::Result<Setup> {
+        if !self.names_in("materials").contains(&choice.material.to_lowercase()) {
+            let known = self.names_in("materials").join(", ").to_uppercase();
+            bail!("material '{}' is unknown; there are {known}", choice.material);
+        }
+        let read = |node: &str, overrides: &[(String, String)]| {
+            let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
+            Parameters::read(&self.files_of(node, &choice.material), overrides, &path)
+        };
+        let nominal = ["printer", "material"];
+        let estimator = read("state_estimator", &[])?;
+        let controller = read("mpc_controller", &[])?;
+        let simulator = read("printer_sim", &[("simulator.host".into(), choice.host.clone())])?;
+        let printer: Printer = estimator.block("printer")?;
+        let material: Material = estimator.block("material")?;
+        let simulated = simulated(&simulator, &printer, &material)?;
+        Ok(Setup {
+            motion: simulator.block("printer_motion")?,
+            estimator: estimator.without(&nominal).parse()?,
+            controller: controller
+                .without(&nominal)
+                .parse::<mpc_controller::Params>()?
+                .with_level(choice.control),
+            supervisor: read("safety_supervisor", &[("start_mode".into(), "act".into())])?.parse()?,
+            simulated,
+            printer,
+            material,
+        })
+    }
+}
+
+/// The simulated printer from its parameters.
+fn simulated(
+    parameters: &Parameters,
+    printer: &Printer,
+    material: &Material,
+) -> anyhow::Result<printer_sim::Params> {
+    let plant: PlantParams = parameters.block("plant")?;
+    let simulator: SimulatorParams = parameters.block("simulator")?;
+    let dead_man: DeadManParams = parameters.block("dead_man")?;
+    let limits: Limits = parameters.block("limits")?;
+    Ok(printer_sim::Params {
+        plant,
+        material: material.clone(),
+        simulator,
+        dead_man,
+        limits,
+        quality: parameters.block("quality")?,
+        nozzle_drop_k: printer_sim::Params::nominal_drop_k(&printer.hotend, material, &simulator, plant.ambient()),
+    })
+}

@@ -1,0 +1,82 @@
+//! A G-code file on disk as a job for the simulated printer.
+
+use crate::config::Setup;
+use anyhow::{Context, bail};
+use models::gcode::Header;
+use models::hotend::Inputs;
+use models::motion::MotionParams;
+use models::units::Kelvin;
+use printer_sim::JobSource;
+use printer_sim::job::{SetPoints, Wishes};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Bytes at the end of a file in which slicers state the material.
+const MATERIAL_BYTES: usize = 65_536;
+
+/// A file in memory.
+#[derive(Debug, Clone)]
+pub struct GcodeFile {
+    name: String,
+    bytes: Arc<[u8]>,
+    header: Header,
+    wishes: Wishes,
+}
+
+impl GcodeFile {
+    /// Reads a file; `layers` limits the print to the first ones.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is empty.
+    pub fn read(path: &Path, motion: &MotionParams, layers: Option<u32>) -> anyhow::Result<Self> {
+        let bytes: Arc<[u8]> = std::fs::read(path).with_context(|| path.display().to_string())?.into();
+        if bytes.is_empty() {
+            bail!("{}: the file is empty", path.display());
+        }
+        let header_bytes = motion.read.header_bytes.min(bytes.len());
+        let header = Header::scan(&bytes[..header_bytes], &bytes[bytes.len() - header_bytes..]);
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        Ok(Self { name, bytes, header, wishes: Wishes { layers, set_points: None } })
+    }
+
+    /// File name without folder.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    /// Material that the slicer states; PLA where it states none.
+    #[must_use]
+    pub fn material(&self) -> String {
+        const KEY: &str = "; filament_type = ";
+        let tail = &self.bytes[self.bytes.len() - MATERIAL_BYTES.min(self.bytes.len())..];
+        let text = String::from_utf8_lossy(tail);
+        let stated = text.lines().find_map(|line| line.strip_prefix(KEY)).map(str::trim);
+        stated.filter(|name| !name.is_empty()).map_or_else(|| "PLA".to_owned(), str::to_uppercase)
+    }
+
+    /// The same file with the set-points of the material in use.
+    #[must_use]
+    pub fn with_set_points(mut self, setup: &Setup) -> Self {
+        let (hotend, material) = (&setup.printer.hotend, &setup.material);
+        let air = setup.simulated.plant.ambient();
+        let inputs = Inputs {
+            heater_w: 0.0,
+            fan: material.fan,
+            ambient_k: air.0,
+            filament_k: air.0,
+            melt_w_k: material.heat_flow_w_k(setup.simulated.simulator.firmware.reference_flow_m3_s),
+        };
+        // A slicer's set-point is the block's: the one that gives the material's nozzle temperature.
+        let block = Kelvin(hotend.steady(material.nozzle_temp_k, &inputs).block_k);
+        let bed = Kelvin(material.bed_temp_k);
+        self.wishes.set_points = Some(SetPoints { hotend: block.into(), bed: bed.into(), fan: material.fan });
+        self
+    }
+
+    /// The job, from its start.
+    #[must_use]
+    pub fn job(&self, setup: &Setup) -> JobSource {
+        JobSource::from_gcode(&self.bytes, &self.header, &setup.motion, self.wishes)
+    }
+}

@@ -1,0 +1,48 @@
+//! `fdm`: starts, watches, simulates and reports. Every figure the project states is printed by one of its commands.
+
+pub mod config;
+pub mod gcode;
+pub mod job;
+pub mod output;
+pub mod sim;
+pub mod up;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Exit code where the person who called has to change something.
+const USAGE: u8 = 2;
+
+#[derive(Debug, Parser)]
+#[command(name = "fdm", version, about = "Closed-loop 3D printing: simulate, run, watch, stop")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Start the node processes and print a file on the simulated printer.
+    Up(up::UpArgs),
+    /// Simulate the whole loop in one process and virtual time.
+    Sim(sim::SimArgs),
+    /// Parse and plan a file: layers, moves, filament, time, oddities.
+    Gcode(gcode::GcodeArgs),
+}
+
+/// Runs the command line of this process.
+#[must_use]
+pub fn main() -> ExitCode {
+    let done = match Cli::parse().command {
+        Command::Up(args) => up::run(&args),
+        Command::Sim(args) => sim::run(&args),
+        Command::Gcode(args) => gcode::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            output::complain(&error);
+            ExitCode::from(USAGE)
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! Whether the estimator's stated uncertainty holds against the truth: NEES, model book 1.5.
+
+use nalgebra::SVector;
+use printer_sim::Truth;
+use state_estimator::Estimate;
+
+/// States of the estimator.
+const STATES: usize = state_estimator::state::COUNT;
+
+/// Gathers the normalised estimation error squared while roads are deposited.
+#[derive(Debug, Clone, Default)]
+pub struct Consistency {
+    nees: Vec<f64>,
+    indefinite: u64,
+}
+
+impl Consistency {
+    /// Compares an estimate with the truth of the same moment.
+    pub fn add(&mut self, estimate: &Estimate, truth: &Truth) {
+        // Slip and gain are not observable, and the gear's slip is not defined, while nothing is pushed.
+        if !truth.depositing {
+            return;
+        }
+        let actual = SVector::<f64, STATES>::from([
+            truth.block_k,
+            truth.nozzle_k,
+            truth.sensor_k,
+            truth.outlet_m_s,
+            truth.slip,
+            truth.gain,
+        ]);
+        let error = actual - estimate.x;
+        match estimate.p.cholesky() {
+            Some(root) => self.nees.push(error.dot(&root.solve(&error))),
+            None => self.indefinite += 1,
+        }
+    }
+
+    /// Median of the error; `None` before the first.
+    #[must_use]
+    pub fn median(&self) -> Option<f64> {
+        let mut sorted = self.nees.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted.get(sorted.len() / 2).copied()
+    }
+
+    /// Covariances that were not positive definite.
+    #[must_use]
+    pub fn indefinite(&self) -> u64 {
+        self.indefinite
+    }
+}

@@ -1,0 +1,206 @@
+//! `fdm sim`: the whole loop in one process and virtual time.
+
+mod consistency;
+mod printing;
+mod report;
+mod text;
+mod width_trace;
+
+use crate::config::{Choice, ConfigDir, Setup};
+use crate::job::GcodeFile;
+use crate::output::{self, Json};
+use anyhow::bail;
+use clap::Args;
+use models::status::JobPhase;
+use mpc_controller::params::Level;
+use printer_sim::Scenario;
+use printing::Printing;
+use report::{Comparison, Group, Run};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::time::Instant;
+use width_trace::WidthTrace;
+
+/// Simulates a print in virtual time; every figure is a simulated one.
+#[derive(Debug, Args)]
+pub struct SimArgs {
+    /// File to print.
+    gcode: PathBuf,
+    /// Scenario of config/scenarios, or a path to one.
+    #[arg(long, default_value = "nominal")]
+    scenario: String,
+    /// Control levels, separated by commas: off, encoder, mpc.
+    #[arg(long, default_value = "mpc", value_delimiter = ',')]
+    control: Vec<String>,
+    /// Host profile: native or serial.
+    #[arg(long, default_value = "native", value_parser = ["native", "serial"])]
+    host: String,
+    /// PLA, PETG or ABS with its set-points, instead of the file's own.
+    #[arg(long)]
+    material: Option<String>,
+    /// Seed of all noise.
+    #[arg(long, default_value_t = 1, conflicts_with = "seeds")]
+    seed: u64,
+    /// Several seeds: A..B, both included.
+    #[arg(long)]
+    seeds: Option<String>,
+    /// Print only the first layers.
+    #[arg(long)]
+    layers: Option<u32>,
+    /// Folder with the parameter files.
+    #[arg(long)]
+    config: Option<PathBuf>,
+    /// Write the figures to a file, or to standard output with `-`.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// What several runs share.
+struct Task {
+    setup: Setup,
+    file: GcodeFile,
+    scenario: Scenario,
+    names: Names,
+}
+
+struct Names {
+    scenario: String,
+    host: String,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line that says what is wrong and where.
+pub fn run(args: &SimArgs) -> anyhow::Result<()> {
+    let seeds = seeds(args)?;
+    let levels = args.control.iter().map(|name| level(name)).collect::<anyhow::Result<Vec<_>>>()?;
+    let config = ConfigDir::find(args.config.as_deref())?;
+    let file = GcodeFile::read(&args.gcode, &config.motion()?, args.layers)?;
+    let scenario = config.scenario(&args.scenario)?;
+    let material = args.material.clone().unwrap_or_else(|| file.material());
+    let mut groups = Vec::new();
+    let mut fault_free: BTreeMap<u64, WidthTrace> = BTreeMap::new();
+    let progress = output::bar((levels.len() * seeds.len()) as u64, "runs");
+    let choice = Choice { material, control: levels[0], host: args.host.clone() };
+    let setup = config.load(&choice)?;
+    let file = if args.material.is_some() { file.with_set_points(&setup) } else { file };
+    let names = Names { scenario: args.scenario.clone(), host: args.host.clone() };
+    let mut task = Task { setup, file, scenario, names };
+    for level in levels {
+        task.setup.controller = task.setup.controller.with_level(level);
+        fault_free.clear();
+        let mut runs = Vec::new();
+        for &seed in &seeds {
+            runs.push(task.one(level, seed, &mut fault_free)?);
+            progress.inc(1);
+        }
+        groups.push(Group::of(name_of(level).to_owned(), runs));
+    }
+    progress.finish_and_clear();
+    publish(args, groups)
+}
+
+fn publish(args: &SimArgs, groups: Vec<Group>) -> anyhow::Result<()> {
+    let json = Json::new(args.json.as_deref());
+    if !json.is_stdout() {
+        output::line(&text::table(&groups))?;
+    }
+    match (&groups[..], args.seeds.is_none()) {
+        ([only], true) => json.write(&only.runs[0]),
+        _ => json.write(&Comparison { results: groups }),
+    }
+}
+
+impl Task {
+    /// One run; a run with a fault is compared with the same seed's run without.
+    fn one(&self, level: Level, seed: u64, fault_free: &mut BTreeMap<u64, WidthTrace>) -> anyhow::Result<Run> {
+        let started = Instant::now();
+        let (printing, notes) = self.print(&self.scenario, seed)?;
+        let wall_time_s = started.elapsed().as_secs_f64();
+        if !self.scenario.faults.is_empty() && !fault_free.contains_key(&seed) {
+            fault_free.insert(seed, self.print(&Scenario::default(), seed)?.0.width);
+        }
+        Ok(self.report(&printing, fault_free.get(&seed), (level, seed, wall_time_s, notes)))
+    }
+
+    fn print(&self, scenario: &Scenario, seed: u64) -> anyhow::Result<(Printing, Option<String>)> {
+        let mut printing = Printing::new(&self.setup, self.file.job(&self.setup), scenario, seed)?;
+        while printing.step() {
+            if printing.is_stuck() {
+                return Ok((printing, Some("paused".to_owned())));
+            }
+        }
+        Ok((printing, None))
+    }
+
+    fn report(
+        &self,
+        printing: &Printing,
+        fault_free: Option<&WidthTrace>,
+        (level, seed, wall_time_s, stuck): (Level, u64, f64, Option<String>),
+    ) -> Run {
+        let truth = printing.simulator().truth();
+        let whole = truth.integrals.since(&Default::default());
+        let settled = printing.settled.and_then(|at| truth.integrals.since(&at));
+        let channels = ["thermistor", "encoder", "width"];
+        let ended = stuck.unwrap_or_else(|| match printing.simulator().phase() {
+            JobPhase::Done => "done".to_owned(),
+            other => format!("{other:?}").to_lowercase(),
+        });
+        Run {
+            gcode: self.file.name(),
+            material: self.setup.material.name.clone(),
+            scenario: self.names.scenario.clone(),
+            control: name_of(level).to_owned(),
+            host: self.names.host.clone(),
+            seed,
+            ended,
+            print_time_s: truth.stamp_s,
+            wall_time_s,
+            realtime_factor: truth.stamp_s / wall_time_s,
+            quality_mean: whole.map(|figures| figures.quality_mean),
+            width_rms_rel: whole.map(|figures| figures.width_rms_rel),
+            feed_error_rel: whole.map(|figures| figures.feed_error_rel),
+            feed_error_after_2s_rel: settled.map(|figures| figures.feed_error_rel),
+            recovery_time_s: fault_free
+                .zip(printing.onset_path_s)
+                .and_then(|(fault_free, onset_s)| printing.width.recovery_s(fault_free, onset_s)),
+            nis_mean: channels.into_iter().zip(printing.nis_mean).collect(),
+            nees_median: printing.consistency.median(),
+            detections: printing.noticed.iter().filter(|found| found.onset_s.is_some()).cloned().collect(),
+            false_alarms: printing.noticed.iter().filter(|found| found.onset_s.is_none()).count(),
+            max_command: printing.extremes,
+        }
+    }
+}
+
+fn seeds(args: &SimArgs) -> anyhow::Result<Vec<u64>> {
+    let Some(range) = &args.seeds else { return Ok(vec![args.seed]) };
+    let bounds = range.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    match bounds {
+        Some((first, last)) if first <= last && last - first < 10_000 => Ok((first..=last).collect()),
+        _ => bail!("--seeds {range}: must be A..B with A <= B, both included, at most 10000 of them"),
+    }
+}
+
+/// A control level by name.
+///
+/// # Errors
+/// Names the levels that there are.
+pub fn level(name: &str) -> anyhow::Result<Level> {
+    Ok(match name {
+        "off" => Level::Off,
+        "encoder" => Level::Encoder,
+        "mpc" => Level::Mpc,
+        _ => bail!("--control {name}: must be off, encoder or mpc"),
+    })
+}
+
+fn name_of(level: Level) -> &'static str {
+    match level {
+        Level::Off => "off",
+        Level::Encoder => "encoder",
+        Level::Mpc => "mpc",
+    }
+}

@@ -1,0 +1,71 @@
+//! The figures of `fdm sim` for people.
+
+use super::report::{Group, Run};
+use std::fmt::Write;
+
+/// One row a control level, mean and spread over the seeds.
+#[must_use]
+pub fn table(groups: &[Group]) -> String {
+    let mut text = String::new();
+    let Some(run) = groups.first().and_then(|group| group.runs.first()) else { return text };
+    // Writing to a string cannot fail.
+    _ = writeln!(
+        text,
+        "Simulated: {} in {}, scenario {}, host {}, {} seed(s); mean +- standard deviation",
+        run.gcode,
+        run.material,
+        run.scenario,
+        run.host,
+        groups.first().map_or(0, |group| group.seeds),
+    );
+    _ = writeln!(
+        text,
+        "{:<9} {:>15} {:>15} {:>15} {:>15} {:>13} {:>7} {:>9}",
+        "control", "Q", "width RMS %", "feed error %", "after 2 s %", "recovery s", "NEES", "x real"
+    );
+    for group in groups {
+        let cell = |name: &str, scale: f64| match (group.mean.get(name), group.spread.get(name)) {
+            (Some(mean), Some(spread)) => format!("{:.3} +- {:.3}", mean * scale, spread * scale),
+            _ => "-".to_owned(),
+        };
+        let plain = |name: &str| group.mean.get(name).map_or("-".to_owned(), |mean| format!("{mean:.1}"));
+        _ = writeln!(
+            text,
+            "{:<9} {:>15} {:>15} {:>15} {:>15} {:>13} {:>7} {:>9}",
+            group.control,
+            cell("quality_mean", 1.0),
+            cell("width_rms_rel", 100.0),
+            cell("feed_error_rel", 100.0),
+            cell("feed_error_after_2s_rel", 100.0),
+            cell("recovery_time_s", 1.0),
+            plain("nees_median"),
+            plain("realtime_factor"),
+        );
+    }
+    for group in groups {
+        _ = writeln!(text, "{:<9} NIS {}", group.control, nis(&group.runs));
+        for run in group.runs.iter().filter(|run| !run.detections.is_empty() || run.false_alarms > 0) {
+            let found: Vec<String> = run
+                .detections
+                .iter()
+                .map(|found| format!("{} at {:.1} s -> {}", found.fault, found.detected_s, found.action))
+                .collect();
+            let list = found.join(", ");
+            _ = writeln!(text, "  seed {}: {list}; false alarms {}; ended {}", run.seed, run.false_alarms, run.ended);
+        }
+    }
+    text
+}
+
+/// Mean NIS by channel over the runs.
+fn nis(runs: &[Run]) -> String {
+    let Some(first) = runs.first() else { return String::new() };
+    let channel = |name: &str| {
+        let values: Vec<f64> = runs.iter().filter_map(|run| run.nis_mean.get(name).copied().flatten()).collect();
+        #[allow(clippy::cast_precision_loss, reason = "seeds are few")]
+        let count = values.len() as f64;
+        if values.is_empty() { "-".to_owned() } else { format!("{:.2}", values.iter().sum::<f64>() / count) }
+    };
+    let parts: Vec<String> = first.nis_mean.keys().map(|name| format!("{name} {}", channel(name))).collect();
+    parts.join(", ")
+}
