@@ -56,6 +56,7 @@ mod logging;
 mod names;
 mod node;
 pub mod params;
+mod participants;
 mod publisher;
 pub mod qos;
 mod raw;

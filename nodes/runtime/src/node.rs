@@ -11,6 +11,7 @@ use crate::error::RuntimeError;
 use crate::heartbeat::{self, Heart, Work};
 use crate::names::Names;
 use crate::params::{NodePath, Parameters};
+use crate::participants::Participants;
 use crate::publisher::Publisher;
 use crate::qos;
 use crate::raw::{Bytes, PassThrough, RawNames, RawSubscription};
@@ -84,10 +85,10 @@ impl Node {
         let parameters = Parameters::read(&args.params_files, &args.parameters, &path)?;
         let clock = if parameters.use_sim_time() { Clock::simulated() } else { Clock::monotonic() };
 
-        let participant =
-            environment.participant().map_err(|error| RuntimeError::create("participant", &error))?;
+        let participants = Participants::join(&environment)?;
+        let participant = participants.own.clone();
         let session = random_session();
-        let self_loop = SelfLoop::start(&participant, &environment, session, || {
+        let self_loop = SelfLoop::start(participants, session, || {
             tracing::error!(
                 "own messages do not come back through DDS: ending the process to be started again"
             );

@@ -11,8 +11,8 @@
 //! watchdog itself ran: a process that was stopped or starved of the processor is not ended for that alone.
 
 use crate::clock::monotonic;
-use crate::environment::Environment;
 use crate::error::RuntimeError;
+use crate::participants::Participants;
 use models::units::Seconds;
 use rustdds::no_key::{DataWriterCdr, SimpleDataReaderCdr};
 use rustdds::policy::{History, Reliability};
@@ -59,16 +59,13 @@ pub(crate) struct SelfLoop {
 }
 
 impl SelfLoop {
-    /// Starts the watchdog over `participant`; `on_silence` is called once, from its thread.
+    /// Starts the watchdog over the process's own participant; `on_silence` is called once, from its thread.
     pub(crate) fn start(
-        participant: &DomainParticipant,
-        environment: &Environment,
+        participants: Participants,
         session: u64,
         on_silence: impl FnOnce() + Send + 'static,
     ) -> Result<Self, RuntimeError> {
-        let echo =
-            environment.participant().map_err(|error| RuntimeError::create("echo participant", &error))?;
-        let ring = Ring::new(participant, echo, session)
+        let ring = Ring::new(&participants.own, participants.echo, session)
             .map_err(|error| RuntimeError::create("self loop", &error))?;
         let age = SelfLoopAge::default();
         let (stop, stopped) = channel();
