@@ -1,32 +1,12 @@
 //! Finds and loads the files of `config/`: the same ones, through the same checks, as the nodes get.
 
 use anyhow::bail;
-use models::bed::Bed;
-use models::command::{DeadManParams, Limits};
-use models::extruder::Extruder;
-use models::hotend::Hotend;
-use models::latent::Cooling;
 use models::material::Material;
 use models::motion::MotionParams;
+use models::printer::Printer;
 use mpc_controller::params::Level;
-use printer_sim::params::{PlantParams, SimulatorParams};
 use runtime::params::{NodePath, Parameters};
-use serde::Deserialize;
 use std::path::{Path, PathBuf};
-
-/// The `printer` block: what estimator and controller believe.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Printer {
-    /// Hot end.
-    pub hotend: Hotend,
-    /// Bed.
-    pub bed: Bed,
-    /// Extruder.
-    pub extruder: Extruder,
-    /// Cooling of a road.
-    pub cooling: Cooling,
-}
 
 /// Everything that a loop needs to know.
 #[derive(Debug, Clone)]
@@ -170,7 +150,7 @@ impl ConfigDir {
         let simulator = read("printer_sim", &[("simulator.host".into(), choice.host.clone())])?;
         let printer: Printer = estimator.block("printer")?;
         let material: Material = estimator.block("material")?;
-        let simulated = simulated(&simulator, &printer, &material)?;
+        let simulated = printer_sim::load::simulator_params(&simulator, &printer, &material)?;
         Ok(Setup {
             motion: simulator.block("printer_motion")?,
             estimator: estimator.without(&nominal).parse()?,
@@ -184,25 +164,4 @@ impl ConfigDir {
             material,
         })
     }
-}
-
-/// The simulated printer from its parameters.
-fn simulated(
-    parameters: &Parameters,
-    printer: &Printer,
-    material: &Material,
-) -> anyhow::Result<printer_sim::Params> {
-    let plant: PlantParams = parameters.block("plant")?;
-    let simulator: SimulatorParams = parameters.block("simulator")?;
-    let dead_man: DeadManParams = parameters.block("dead_man")?;
-    let limits: Limits = parameters.block("limits")?;
-    Ok(printer_sim::Params {
-        plant,
-        material: material.clone(),
-        simulator,
-        dead_man,
-        limits,
-        quality: parameters.block("quality")?,
-        nozzle_drop_k: printer_sim::Params::nominal_drop_k(&printer.hotend, material, &simulator, plant.ambient()),
-    })
 }

@@ -3,11 +3,9 @@
 use crate::config::Setup;
 use anyhow::{Context, bail};
 use models::gcode::Header;
-use models::hotend::Inputs;
 use models::motion::MotionParams;
-use models::units::Kelvin;
 use printer_sim::JobSource;
-use printer_sim::job::{SetPoints, Wishes};
+use printer_sim::job::Wishes;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -58,19 +56,8 @@ impl GcodeFile {
     /// The same file with the set-points of the material in use.
     #[must_use]
     pub fn with_set_points(mut self, setup: &Setup) -> Self {
-        let (hotend, material) = (&setup.printer.hotend, &setup.material);
-        let air = setup.simulated.plant.ambient();
-        let inputs = Inputs {
-            heater_w: 0.0,
-            fan: material.fan,
-            ambient_k: air.0,
-            filament_k: air.0,
-            melt_w_k: material.heat_flow_w_k(setup.simulated.simulator.firmware.reference_flow_m3_s),
-        };
-        // A slicer's set-point is the block's: the one that gives the material's nozzle temperature.
-        let block = Kelvin(hotend.steady(material.nozzle_temp_k, &inputs).block_k);
-        let bed = Kelvin(material.bed_temp_k);
-        self.wishes.set_points = Some(SetPoints { hotend: block.into(), bed: bed.into(), fan: material.fan });
+        let nominal = &setup.printer.hotend;
+        self.wishes.set_points = Some(setup.simulated.set_points(nominal, &setup.material));
         self
     }
 

@@ -14,14 +14,22 @@
 
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "ros")]
+mod convert;
 pub mod drive;
 pub mod executor;
 pub mod faults;
 mod heaters;
 pub mod job;
+#[cfg(feature = "ros")]
+pub mod load;
+#[cfg(feature = "ros")]
+pub mod node;
 pub mod output;
 pub mod params;
 pub mod plant;
+mod setup;
+pub mod run_params;
 pub mod scenario;
 pub mod score;
 pub mod sensors;

@@ -117,7 +117,8 @@ fn range(component: Component, kind: Kind) -> Result<(&'static str, f64, f64), F
     })
 }
 
-fn allowed_kinds(component: Component) -> &'static str {
+/// Names of the kinds of a component.
+pub(crate) fn allowed_kinds(component: Component) -> &'static str {
     match component {
         Component::Extruder => "slip, clog",
         Component::Filament => "diameter, run_out",

@@ -51,6 +51,19 @@ pub enum Refusal {
     OtherSession,
 }
 
+impl Refusal {
+    /// Name in counters and diagnostics.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NotFinite => "not_finite",
+            Self::Validity => "validity",
+            Self::Sequence => "sequence",
+            Self::OtherSession => "other_session",
+        }
+    }
+}
+
 /// Refused messages by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Refusals {

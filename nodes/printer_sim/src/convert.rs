@@ -1,0 +1,87 @@
+//! Between the simulator and the wire.
+
+use crate::faults::{Component, Kind};
+use crate::output::Truth;
+use crate::scenario::{Entry, FaultError};
+use fdm_loop_msgs::{
+    BeadWidth, FilamentReport, Header, InjectFaultRequest, PrintEvent, SimTruth, TemperatureReport,
+};
+use models::units::{Celsius, Kelvin, Seconds};
+
+/// Source that a width measurement states until it is made from camera frames.
+const STAND_IN: &str = "stand-in";
+
+pub(crate) fn temperatures(stamp: Seconds, hotend: Celsius, bed: Celsius) -> TemperatureReport {
+    TemperatureReport { header: Header::at(stamp.0), hotend_degc: hotend.0, bed_degc: bed.0 }
+}
+
+pub(crate) fn filament(stamp: Seconds, counts: i64, quantum_m: f64) -> FilamentReport {
+    FilamentReport { header: Header::at(stamp.0), counts, quantum_m }
+}
+
+pub(crate) fn width(exposed: Seconds, width_m: f64, sigma_m: f64) -> BeadWidth {
+    BeadWidth { header: Header::at(exposed.0), width_m, sigma_m, source: STAND_IN.into() }
+}
+
+pub(crate) fn note(who: &str, stamp: Seconds, text: String) -> PrintEvent {
+    PrintEvent {
+        header: Header::at(stamp.0),
+        severity: PrintEvent::SEVERITY_INFO,
+        who: who.to_owned(),
+        what: "printer".into(),
+        why: text,
+        before: String::new(),
+        after: String::new(),
+    }
+}
+
+pub(crate) fn truth(truth: &Truth, motor_position_m: f64, first_onset: Option<Seconds>) -> SimTruth {
+    let degc = |kelvin: f64| Celsius::from(Kelvin(kelvin)).0;
+    SimTruth {
+        header: Header::at(truth.stamp_s),
+        path_time_s: truth.path_time_s,
+        block_degc: degc(truth.block_k),
+        nozzle_degc: degc(truth.nozzle_k),
+        reference_degc: degc(truth.reference_k),
+        bed_degc: degc(truth.bed_k),
+        heater_power_w: truth.heater_w,
+        wanted_position_m: truth.wanted_m,
+        motor_position_m,
+        delivered_position_m: truth.delivered_m,
+        outlet_position_m: truth.outlet_m,
+        outlet_speed_m_s: truth.outlet_m_s,
+        slip: truth.slip,
+        gain: truth.gain,
+        depositing: truth.depositing,
+        width_m: truth.width_m,
+        target_width_m: truth.target_width_m,
+        melt_force_n: truth.force_n,
+        adhesion: truth.adhesion,
+        porosity: truth.porosity,
+        layer_shift_m: [0.0; 2],
+        fault_set_in: first_onset.is_some(),
+        first_onset_s: first_onset.map_or(0.0, |onset| onset.0),
+        deposit_s: truth.integrals.deposit_s,
+        deposit_wanted_m: truth.integrals.wanted_m,
+        deposit_delivered_m: truth.integrals.delivered_m,
+        width_error_sq_s: truth.integrals.width_error_sq_s,
+        quality_s: truth.integrals.quality_s,
+    }
+}
+
+/// A fault as the service asks for it, from `now` on.
+pub(crate) fn fault(now: Seconds, asked: &InjectFaultRequest) -> Result<Entry, FaultError> {
+    let unknown = |kind: &str, allowed| FaultError::Unknown {
+        component: asked.component.clone(),
+        kind: kind.to_owned(),
+        allowed,
+    };
+    let component = Component::from_name(&asked.component).ok_or_else(|| {
+        unknown(&asked.kind, "component extruder, filament, hotend_heater, hotend_thermistor, fan or ambient")
+    })?;
+    let kind = Kind::from_name(&asked.kind)
+        .ok_or_else(|| unknown(&asked.kind, crate::scenario::allowed_kinds(component)))?;
+    // A stop time of zero means for good; NaN is no time and is refused by the range check.
+    let duration_s = (asked.duration_s != 0.0).then_some(asked.duration_s);
+    Entry::new((component, kind), asked.size, now.0 + asked.start_s, duration_s)
+}

@@ -1,0 +1,130 @@
+//! From the node's parameters to a simulator with its job; reads the files that they name.
+
+use crate::params::Params;
+use crate::run_params::RunParams;
+use crate::scenario::Scenario;
+use crate::simulator::{JobSource, Simulator};
+use fdm_loop_msgs::{Header as StampHeader, PrintInfo};
+use models::gcode::Header;
+use models::material::Material;
+use models::motion::MotionParams;
+use models::params::ParamError;
+use models::printer::Printer;
+use runtime::params::{ParamFileError, Parameters, from_yaml, sha256_hex};
+use runtime::{Level, RuntimeError};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Why the simulated printer cannot start.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// Parameters or scenario.
+    #[error(transparent)]
+    Parameters(#[from] ParamFileError),
+    /// The graph.
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    /// The plant's material.
+    #[error("material_deviation: {0}")]
+    Material(#[from] ParamError),
+    /// A file that the parameters name.
+    #[error("run.{field} = {}: {source}", path.display())]
+    File {
+        /// Parameter that names it.
+        field: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// Why it cannot be read.
+        source: std::io::Error,
+    },
+}
+
+/// A simulator ready to run.
+pub struct Loaded {
+    /// The printer.
+    pub simulator: Simulator,
+    /// What is printed.
+    pub info: PrintInfo,
+    /// Simulated over wall time `[-]`.
+    pub speed: f64,
+    /// Filament per count of the encoder `[m]`.
+    pub quantum_m: f64,
+    /// Faults may be injected by service.
+    pub allow_fault_injection: bool,
+}
+
+/// Reads everything that the parameters name.
+///
+/// # Errors
+/// [`LoadError`], one line.
+pub fn load(parameters: &Parameters) -> Result<Loaded, LoadError> {
+    let run: RunParams = parameters.block("run")?;
+    let printer: Printer = parameters.block("printer")?;
+    let material: Material = parameters.block("material")?;
+    let motion: MotionParams = parameters.block("printer_motion")?;
+    let params = simulator_params(parameters, &printer, &material)?;
+    let bytes: Arc<[u8]> = read("gcode", &run.gcode)?.into();
+    let scenario = match run.scenario.as_os_str().is_empty() {
+        true => Scenario::default(),
+        false => from_yaml(&run.scenario)?,
+    };
+    let ends = motion.read.header_bytes.min(bytes.len());
+    let header = Header::scan(&bytes[..ends], &bytes[bytes.len() - ends..]);
+    let override_by = run.material_set_points.then_some((&printer.hotend, &material));
+    let job = JobSource::from_gcode(&bytes, &header, &motion, params.wishes(run.layers, override_by));
+    let quantum_m = params.simulator.sensors.encoder_quantum_m;
+    Ok(Loaded {
+        simulator: Simulator::new(params, job, &scenario, run.seed)?,
+        info: info(&run, parameters, &bytes)?,
+        speed: run.speed,
+        quantum_m,
+        allow_fault_injection: run.allow_fault_injection,
+    })
+}
+
+/// The simulator's parameters from their blocks.
+///
+/// # Errors
+/// File, line, field, value and range of what is refused.
+pub fn simulator_params(
+    parameters: &Parameters,
+    printer: &Printer,
+    material: &Material,
+) -> Result<Params, ParamFileError> {
+    let plant: crate::params::PlantParams = parameters.block("plant")?;
+    let simulator = parameters.block("simulator")?;
+    Ok(Params {
+        nozzle_drop_k: Params::nominal_drop_k(&printer.hotend, material, &simulator, plant.ambient()),
+        plant,
+        material: material.clone(),
+        simulator,
+        dead_man: parameters.block("dead_man")?,
+        limits: parameters.block("limits")?,
+        quality: parameters.block("quality")?,
+    })
+}
+
+fn read(field: &'static str, path: &Path) -> Result<Vec<u8>, LoadError> {
+    std::fs::read(path).map_err(|source| LoadError::File { field, path: path.to_path_buf(), source })
+}
+
+fn info(run: &RunParams, parameters: &Parameters, gcode: &[u8]) -> Result<PrintInfo, LoadError> {
+    let name = |path: &Path| path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let config = match run.config_file.as_os_str().is_empty() {
+        true => parameters.text(),
+        false => String::from_utf8_lossy(&read("config_file", &run.config_file)?).into_owned(),
+    };
+    let gcode_sha256 = sha256_hex(gcode);
+    let started = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    Ok(PrintInfo {
+        header: StampHeader::at(0.0),
+        print_id: format!("{}-{}-{}", name(&run.gcode), started.as_secs(), run.seed),
+        gcode_file: run.gcode.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        gcode_sha256,
+        config_sha256: sha256_hex(config.as_bytes()),
+        config,
+        build: runtime::build().to_owned(),
+        scenario: name(&run.scenario),
+    })
+}

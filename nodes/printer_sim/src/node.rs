@@ -1,0 +1,179 @@
+//! Shell of the simulated printer: paces the simulation by wall time, owns `/clock`, passes outputs on.
+
+use crate::convert;
+use crate::load::{self, LoadError, Loaded};
+use crate::output::Output;
+use crate::simulator::Simulator;
+use fdm_loop_msgs::{
+    BeadWidth, Clock, ControlCommand, FilamentReport, InjectFault, InjectFaultResponse, MotionSegment, PrintEvent,
+    PrintInfo, PrinterState, SimTruth, TemperatureReport, Time,
+};
+use models::units::Seconds;
+use runtime::{Asked, Diagnostics, Node, Publisher, Received, Server, Subscription, topics, wire};
+use std::time::Duration;
+use tokio::time::{Interval, MissedTickBehavior, interval};
+
+/// Step of the plant `[s]`.
+const STEP_S: f64 = 1e-3;
+/// Simulated time between two readings of `/clock`, and between two looks at the permits `[s]`.
+const CLOCK_PERIOD_S: f64 = 0.01;
+/// Steps between two readings of `/clock`.
+const STEPS_PER_CLOCK: u32 = 10;
+/// Readings of `/clock` between two messages of truth: 50 Hz.
+const CLOCKS_PER_TRUTH: u32 = 2;
+
+/// Everything that the printer says.
+struct Outlets {
+    clock: Publisher<Clock>,
+    temperatures: Publisher<TemperatureReport>,
+    filament: Publisher<FilamentReport>,
+    width: Publisher<BeadWidth>,
+    state: Publisher<PrinterState>,
+    motion: Publisher<MotionSegment>,
+    truth: Publisher<SimTruth>,
+    events: Publisher<PrintEvent>,
+    // Latched: kept alive for late joiners.
+    info: Publisher<PrintInfo>,
+}
+
+/// The printer and its connections.
+struct Shell {
+    simulator: Simulator,
+    outlets: Outlets,
+    diagnostics: Diagnostics,
+    name: String,
+    quantum_m: f64,
+    segments: u64,
+    clocks: u32,
+}
+
+/// Runs until a signal ends it; the printer stays on the graph after its job has ended.
+///
+/// # Errors
+/// What is refused of parameters and files, or an endpoint that cannot be made.
+pub async fn run(mut node: Node) -> Result<(), LoadError> {
+    let Loaded { simulator, info, speed, quantum_m, allow_fault_injection } = load::load(node.raw_parameters())?;
+    let mut permits = node.subscribe(&topics::SAFETY_COMMAND)?;
+    let mut faults =
+        if allow_fault_injection { Some(node.serve(&topics::INJECT_FAULT)?) } else { None };
+    let outlets = Outlets::new(&mut node)?;
+    outlets.info.send(info);
+    let (diagnostics, work, name) = (node.diagnostics(), node.work(), node.name());
+    let mut shell = Shell { simulator, outlets, diagnostics, name, quantum_m, segments: 0, clocks: 0 };
+    let mut pace = pace(speed);
+    loop {
+        tokio::select! {
+            _ = pace.tick() => {
+                shell.take_permits(&mut permits);
+                shell.advance();
+                work.done();
+            }
+            asked = next_fault(&mut faults) => shell.inject(&faults, &asked),
+            () = node.shutdown() => return Ok(()),
+        }
+    }
+}
+
+/// Wall time of one reading of the clock. What was missed is not made up for in a burst: the other nodes would see
+/// simulated seconds pass in which they had no chance to act.
+fn pace(speed: f64) -> Interval {
+    let mut pace = interval(Duration::from_secs_f64(CLOCK_PERIOD_S / speed));
+    pace.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    pace
+}
+
+async fn next_fault(faults: &mut Option<Server<InjectFault>>) -> Asked<InjectFault> {
+    match faults {
+        Some(server) => server.next().await,
+        None => std::future::pending().await,
+    }
+}
+
+impl Outlets {
+    fn new(node: &mut Node) -> Result<Self, runtime::RuntimeError> {
+        Ok(Self {
+            clock: node.publish_on(&topics::CLOCK)?,
+            temperatures: node.publish_on(&topics::TEMPERATURE_REPORT)?,
+            filament: node.publish_on(&topics::FILAMENT_REPORT)?,
+            width: node.publish_on(&topics::BEAD_WIDTH)?,
+            state: node.publish_on(&topics::PRINTER_STATE)?,
+            motion: node.publish_on(&topics::PRINTER_MOTION)?,
+            truth: node.publish_on(&topics::SIM_TRUTH)?,
+            events: node.publish_on(&topics::EVENTS)?,
+            info: node.publish_on(&topics::PRINT_INFO)?,
+        })
+    }
+}
+
+impl Shell {
+    fn take_permits(&mut self, permits: &mut Subscription<ControlCommand>) {
+        while let Some(Received { message, .. }) = permits.try_recv() {
+            match wire::permit_from_wire(&message) {
+                Ok(permit) => {
+                    if let Err(refusal) = self.simulator.on_permit(permit) {
+                        self.diagnostics.count(&format!("refused_safety_command_{}", refusal.name()));
+                    }
+                }
+                Err(error) => {
+                    self.diagnostics.count("refused_safety_command");
+                    tracing::warn!("safety/command refused: {error}");
+                }
+            }
+        }
+    }
+
+    fn advance(&mut self) {
+        for _ in 0..STEPS_PER_CLOCK {
+            self.simulator.step(Seconds(STEP_S));
+        }
+        let now = self.simulator.now();
+        self.outlets.clock.send(Clock { clock: Time::from_seconds(now.0) });
+        while let Some(output) = self.simulator.poll() {
+            self.pass_on(output);
+        }
+        self.clocks += 1;
+        if self.clocks.is_multiple_of(CLOCKS_PER_TRUTH) {
+            let motor_m = self.simulator.status().motor_position_m;
+            let truth = convert::truth(self.simulator.truth(), motor_m, self.simulator.first_onset());
+            self.outlets.truth.send(truth);
+        }
+    }
+
+    fn pass_on(&mut self, output: Output) {
+        let outlets = &self.outlets;
+        match output {
+            Output::Temperatures { stamp, hotend, bed } => {
+                outlets.temperatures.send(convert::temperatures(stamp, hotend, bed))
+            }
+            Output::Encoder { stamp, counts } => {
+                outlets.filament.send(convert::filament(stamp, counts, self.quantum_m))
+            }
+            Output::Width { exposed, width_m, sigma_m } => {
+                outlets.width.send(convert::width(exposed, width_m, sigma_m))
+            }
+            Output::Status(status) => outlets.state.send(wire::status_to_wire(&status)),
+            Output::Motion { start, segment } => {
+                self.segments += 1;
+                let path_time_s = self.simulator.truth().path_time_s;
+                outlets.motion.send(wire::motion_to_wire(start, path_time_s, self.segments, &segment))
+            }
+            Output::Note { stamp, text } => {
+                tracing::info!("{text}");
+                outlets.events.send(convert::note(&self.name, stamp, text))
+            }
+        };
+    }
+
+    fn inject(&mut self, faults: &Option<Server<InjectFault>>, asked: &Asked<InjectFault>) {
+        let Some(server) = faults else { return };
+        let answer = match convert::fault(self.simulator.now(), &asked.request) {
+            Ok(entry) => {
+                self.simulator.inject(entry);
+                let message = format!("{} {} is scheduled", asked.request.component, asked.request.kind);
+                InjectFaultResponse { accepted: true, message }
+            }
+            Err(error) => InjectFaultResponse { accepted: false, message: error.to_string() },
+        };
+        server.answer(asked, answer);
+    }
+}
