@@ -110,15 +110,34 @@ impl ConfigDir {
     /// # Errors
     /// Names the scenarios that there are, or file, line and field.
     pub fn scenario(&self, name: &str) -> anyhow::Result<printer_sim::Scenario> {
+        let path = self.scenario_path(name);
+        if !path.is_file() {
+            bail!("scenario '{name}' is unknown; there are {}", self.names_in("scenarios").join(", "));
+        }
+        Ok(runtime::params::from_yaml(&path)?)
+    }
+
+    /// Where a scenario by name or path stands.
+    #[must_use]
+    pub fn scenario_path(&self, name: &str) -> PathBuf {
         let path = if name.ends_with(".yaml") {
             PathBuf::from(name)
         } else {
             self.file(&format!("scenarios/{name}.yaml"))
         };
-        if !path.is_file() {
-            bail!("scenario '{name}' is unknown; there are {}", self.names_in("scenarios").join(", "));
+        std::path::absolute(&path).unwrap_or(path)
+    }
+
+    /// Refuses a material without a file.
+    ///
+    /// # Errors
+    /// Names the materials that there are.
+    pub fn check_material(&self, material: &str) -> anyhow::Result<()> {
+        if self.names_in("materials").contains(&material.to_lowercase()) {
+            return Ok(());
         }
-        Ok(runtime::params::from_yaml(&path)?)
+        let known = self.names_in("materials").join(", ").to_uppercase();
+        bail!("material '{material}' is unknown; there are {known}")
     }
 
     /// Motion limits of the printer.
@@ -136,10 +155,7 @@ impl ConfigDir {
     /// # Errors
     /// File, line, field, value and range of what is refused.
     pub fn load(&self, choice: &Choice) -> anyhow::Result<Setup> {
-        if !self.names_in("materials").contains(&choice.material.to_lowercase()) {
-            let known = self.names_in("materials").join(", ").to_uppercase();
-            bail!("material '{}' is unknown; there are {known}", choice.material);
-        }
+        self.check_material(&choice.material)?;
         let read = |node: &str, overrides: &[(String, String)]| {
             let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
             Parameters::read(&self.files_of(node, &choice.material), overrides, &path)

@@ -65,3 +65,8 @@ pub fn complain(error: &anyhow::Error) {
     // A closed standard error leaves nobody to tell.
     _ = writeln!(std::io::stderr().lock(), "fdm: {error:#}");
 }
+
+/// One line on standard error: what happens meanwhile.
+pub fn note(text: &str) {
+    _ = writeln!(std::io::stderr().lock(), "{text}");
+}

@@ -11,7 +11,7 @@ use models::motion::MotionParams;
 use models::params::ParamError;
 use models::printer::Printer;
 use runtime::params::{ParamFileError, Parameters, from_yaml, sha256_hex};
-use runtime::{Level, RuntimeError};
+use runtime::RuntimeError;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -11,7 +11,6 @@ const STATES: usize = state_estimator::state::COUNT;
 #[derive(Debug, Clone, Default)]
 pub struct Consistency {
     nees: Vec<f64>,
-    indefinite: u64,
 }
 
 impl Consistency {
@@ -30,10 +29,8 @@ impl Consistency {
             truth.gain,
         ]);
         let error = actual - estimate.x;
-        match estimate.p.cholesky() {
-            Some(root) => self.nees.push(error.dot(&root.solve(&error))),
-            None => self.indefinite += 1,
-        }
+        // A covariance that is not positive definite vouches for nothing: no finite error is consistent with it.
+        self.nees.push(estimate.p.cholesky().map_or(f64::INFINITY, |root| error.dot(&root.solve(&error))));
     }
 
     /// Median of the error; `None` before the first.
@@ -42,11 +39,5 @@ impl Consistency {
         let mut sorted = self.nees.clone();
         sorted.sort_by(f64::total_cmp);
         sorted.get(sorted.len() / 2).copied()
-    }
-
-    /// Covariances that were not positive definite.
-    #[must_use]
-    pub fn indefinite(&self) -> u64 {
-        self.indefinite
     }
 }

@@ -1,10 +1,10 @@
 //! `fdm sim`: the whole loop in one process and virtual time.
 
-mod consistency;
-mod printing;
-mod report;
-mod text;
-mod width_trace;
+pub mod consistency;
+pub mod printing;
+pub mod report;
+pub mod text;
+pub mod width_trace;
 
 use crate::config::{Choice, ConfigDir, Setup};
 use crate::job::GcodeFile;

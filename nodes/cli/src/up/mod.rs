@@ -1,10 +1,131 @@
-//! x
+//! `fdm up`: every node its own process, a print from start to end, an orderly stop, figures at the end.
+
 pub mod fleet;
+pub mod recipes;
+pub mod summary;
+pub mod watch;
+
+use crate::config::ConfigDir;
+use crate::job::GcodeFile;
+use crate::output::{self, Json};
+use crate::sim::level;
+use anyhow::{Context, bail};
 use clap::Args;
-/// x
+use fleet::Fleet;
+use recipes::Plan;
+use std::path::{Path, PathBuf};
+use summary::Print;
+use watch::Ended;
+
+/// Starts the node processes and prints a file on the simulated printer, over DDS.
 #[derive(Debug, Args)]
-pub struct UpArgs {}
-/// x
+pub struct UpArgs {
+    /// File to print.
+    #[arg(long)]
+    pub gcode: PathBuf,
+    /// Folder with the parameter files.
+    #[arg(long)]
+    pub config: Option<PathBuf>,
+    /// Folder of the bag; a new one under bags/ by default. With several control levels, `-<level>` is added.
+    #[arg(long)]
+    pub bag: Option<PathBuf>,
+    /// Simulated over wall time.
+    #[arg(long, default_value_t = 1.0)]
+    pub speed: f64,
+    /// Control levels, one print each: off, encoder, mpc.
+    #[arg(long, default_value = "mpc", value_delimiter = ',')]
+    pub control: Vec<String>,
+    /// Mode of the supervisor: observe, advise or act.
+    #[arg(long, default_value = "act", value_parser = ["observe", "advise", "act"])]
+    pub mode: String,
+    /// Host profile: native or serial.
+    #[arg(long, default_value = "native", value_parser = ["native", "serial"])]
+    pub host: String,
+    /// Scenario of config/scenarios, or a path to one.
+    #[arg(long, default_value = "nominal")]
+    pub scenario: String,
+    /// PLA, PETG or ABS with its set-points, instead of the file's own.
+    #[arg(long)]
+    pub material: Option<String>,
+    /// Print only the first layers.
+    #[arg(long)]
+    pub layers: Option<u32>,
+    /// Seed of all noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Namespace of the printer.
+    #[arg(long, default_value = "/printer")]
+    pub namespace: String,
+    /// Serve printer_sim/inject_fault.
+    #[arg(long)]
+    pub allow_fault_injection: bool,
+    /// Keep the graph running after the print has ended, until Ctrl-C.
+    #[arg(long)]
+    pub stay: bool,
+    /// Write the figures to a file, or to standard output with `-`.
+    #[arg(long)]
+    pub json: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
 /// # Errors
-/// x
-pub fn run(_args: &UpArgs) -> anyhow::Result<()> { Ok(()) }
+/// One line that says what is wrong and where.
+pub fn run(args: &UpArgs) -> anyhow::Result<()> {
+    for name in &args.control {
+        level(name)?;
+    }
+    if !(0.1..=100.0).contains(&args.speed) {
+        bail!("--speed {}: must be in [0.1, 100]", args.speed);
+    }
+    let config = ConfigDir::find(args.config.as_deref())?;
+    let file = GcodeFile::read(&args.gcode, &config.motion()?, args.layers)?;
+    let material = args.material.clone().unwrap_or_else(|| file.material());
+    config.check_material(&material)?;
+    config.scenario(&args.scenario)?;
+    let json = Json::new(args.json.as_deref());
+    let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let mut prints = Vec::new();
+    for control in &args.control {
+        let plan = Plan::new(args, &config, &material, control)?;
+        let (print, ended) = executor.block_on(one(&plan, json.is_stdout()))?;
+        prints.push(print);
+        if ended == Ended::Interrupted {
+            break;
+        }
+    }
+    if !json.is_stdout() {
+        output::line(&summary::table(&prints))?;
+    }
+    match &prints[..] {
+        [only] => json.write(only),
+        several => json.write(&serde_json::json!({ "prints": several })),
+    }
+}
+
+/// One print from the start of the processes to their end.
+async fn one(plan: &Plan, quiet: bool) -> anyhow::Result<(Print, Ended)> {
+    let mut watch = watch::Watch::start(plan, quiet)?;
+    watch.refuse_second_graph().await?;
+    let mut fleet = Fleet::start(plan.recipes()?, &plan.logs()).context("a node could not be started")?;
+    let pids = fleet.pids();
+    if !quiet {
+        let list: Vec<String> = pids.iter().map(|(name, pid)| format!("{name} {pid}")).collect();
+        output::note(&format!("{} node processes: {}", pids.len(), list.join(", ")));
+    }
+    let ended = watch.follow(&mut fleet).await;
+    watch.stop(&mut fleet).await;
+    let print = Print::new(plan, &pids, &watch, ended);
+    Ok((print, ended))
+}
+
+/// A folder that is not there yet, so that no bag is ever overwritten.
+///
+/// # Errors
+/// A folder that is there and not empty.
+pub fn check_new_bag(bag: &Path) -> anyhow::Result<()> {
+    if bag.exists() && std::fs::read_dir(bag).is_ok_and(|mut entries| entries.next().is_some()) {
+        bail!("--bag {}: the folder is there and not empty", bag.display());
+    }
+    Ok(())
+}

@@ -5,7 +5,9 @@ use super::{WireError, finite, optional, stamp_from_wire, within};
 use fdm_loop_msgs::{Header, PrinterState};
 use models::command::Trims;
 use models::status::{HostProfile, JobPhase, PrinterStatus};
-use models::units::{Celsius, Seconds};
+use models::units::Celsius;
+#[cfg(test)]
+use models::units::Seconds;
 
 const SHARE: (f64, f64) = (0.0, 1.0);
 const SPEED_M_S: (f64, f64) = (0.0, 10.0);

@@ -1,0 +1,159 @@
+//! Which node is started with which files and parameters.
+
+use super::{UpArgs, check_new_bag, fleet::Recipe};
+use crate::config::ConfigDir;
+use anyhow::{Context, bail};
+use runtime::params::{NodePath, Parameters};
+use std::path::PathBuf;
+
+/// The nodes of the simulated printer in the order of their start: who records and who guards come first.
+pub const NODES: [&str; 7] = [
+    "bag_recorder",
+    "safety_supervisor",
+    "thermistor",
+    "filament_encoder",
+    "state_estimator",
+    "mpc_controller",
+    "printer_sim",
+];
+
+/// Everything that one print is started with.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Control level.
+    pub control: String,
+    /// Folder of the bag.
+    pub bag: PathBuf,
+    /// G-code file.
+    pub gcode: PathBuf,
+    /// Host profile.
+    pub host: String,
+    /// Scenario as named by the person.
+    pub scenario: String,
+    /// Material.
+    pub material: String,
+    /// Seed.
+    pub seed: u64,
+    /// Simulated over wall time.
+    pub speed: f64,
+    /// Namespace of the printer.
+    pub namespace: String,
+    /// The graph runs on after the print.
+    pub stay: bool,
+    config: ConfigDir,
+    overrides: Vec<(&'static str, String, String)>,
+}
+
+impl Plan {
+    /// The plan of one control level.
+    ///
+    /// # Errors
+    /// A bag folder that is in use.
+    pub fn new(args: &UpArgs, config: &ConfigDir, material: &str, control: &str) -> anyhow::Result<Self> {
+        let bag = match &args.bag {
+            Some(bag) if args.control.len() > 1 => PathBuf::from(format!("{}-{control}", bag.display())),
+            Some(bag) => bag.clone(),
+            None => default_bag(args, control),
+        };
+        check_new_bag(&bag)?;
+        let absolute = |path: &PathBuf| {
+            std::path::absolute(path).with_context(|| path.display().to_string())
+        };
+        let gcode = absolute(&args.gcode)?;
+        let mut plan = Self {
+            control: control.to_owned(),
+            bag: absolute(&bag)?,
+            gcode,
+            host: args.host.clone(),
+            scenario: args.scenario.clone(),
+            material: material.to_owned(),
+            seed: args.seed,
+            speed: args.speed,
+            namespace: args.namespace.clone(),
+            stay: args.stay,
+            config: config.clone(),
+            overrides: Vec::new(),
+        };
+        plan.overrides = plan.parameter_overrides(args);
+        Ok(plan)
+    }
+
+    fn parameter_overrides(&self, args: &UpArgs) -> Vec<(&'static str, String, String)> {
+        let quoted = |path: &std::path::Path| format!("\"{}\"", path.display());
+        let scenario = self.config.scenario_path(&self.scenario);
+        vec![
+            ("bag_recorder", "bag_dir".into(), quoted(&self.bag)),
+            ("safety_supervisor", "start_mode".into(), args.mode.clone()),
+            ("safety_supervisor", "latch_file".into(), quoted(&self.logs().join("latch.json"))),
+            ("mpc_controller", "control".into(), format!("\"{}\"", self.control)),
+            ("printer_sim", "run.gcode".into(), quoted(&self.gcode)),
+            ("printer_sim", "run.scenario".into(), quoted(&scenario)),
+            ("printer_sim", "run.seed".into(), self.seed.to_string()),
+            ("printer_sim", "run.speed".into(), format!("{:?}", self.speed)),
+            ("printer_sim", "run.layers".into(), args.layers.unwrap_or(0).to_string()),
+            ("printer_sim", "run.material_set_points".into(), args.material.is_some().to_string()),
+            ("printer_sim", "run.allow_fault_injection".into(), args.allow_fault_injection.to_string()),
+            ("printer_sim", "run.config_file".into(), quoted(&self.config_text_file())),
+            ("printer_sim", "simulator.host".into(), self.host.clone()),
+        ]
+    }
+
+    /// Folder of the nodes' messages, beside the bag.
+    #[must_use]
+    pub fn logs(&self) -> PathBuf {
+        let mut name = self.bag.file_name().unwrap_or_default().to_os_string();
+        name.push("_logs");
+        self.bag.with_file_name(name)
+    }
+
+    fn config_text_file(&self) -> PathBuf {
+        self.logs().join("config.txt")
+    }
+
+    /// The nodes to start; checks all parameters first, so that a mistake is told before anything runs, and writes
+    /// the configuration of the whole graph for the record.
+    ///
+    /// # Errors
+    /// File, line, field, value and range of what is refused; executables that are missing.
+    pub fn recipes(&self) -> anyhow::Result<Vec<Recipe>> {
+        let folder = std::env::current_exe()?.parent().map(PathBuf::from).unwrap_or_default();
+        let mut recipes = Vec::new();
+        let mut text = String::new();
+        for name in NODES {
+            let program = folder.join(name);
+            if !program.is_file() {
+                bail!("{} is missing: build all nodes with `cargo build --release`", program.display());
+            }
+            let files = self.config.files_of(name, &self.material);
+            let overrides: Vec<(String, String)> = self
+                .overrides
+                .iter()
+                .filter(|(node, ..)| *node == name)
+                .map(|(_, key, value)| (key.clone(), value.clone()))
+                .chain((name != "printer_sim").then(|| ("use_sim_time".to_owned(), "true".to_owned())))
+                .collect();
+            let path = NodePath { qualified: format!("{}/{name}", self.namespace), base: name.to_owned() };
+            let parameters = Parameters::read(&files, &overrides, &path)?;
+            text.push_str(&format!("# {name} {}\n{}\n", parameters.sha256(), parameters.text()));
+            let mut arguments: Vec<String> =
+                ["--ros-args", "-r", &format!("__ns:={}", self.namespace)].map(str::to_owned).to_vec();
+            for file in files {
+                arguments.extend(["--params-file".to_owned(), file.display().to_string()]);
+            }
+            for (key, value) in overrides {
+                arguments.extend(["-p".to_owned(), format!("{key}:={value}")]);
+            }
+            recipes.push(Recipe { name, program, arguments });
+        }
+        std::fs::create_dir_all(self.logs()).with_context(|| self.logs().display().to_string())?;
+        std::fs::write(self.config_text_file(), text)?;
+        Ok(recipes)
+    }
+}
+
+/// `bags/<file>-<seconds since 1970>-<control>`: sorts by time, never the same twice.
+fn default_bag(args: &UpArgs, control: &str) -> PathBuf {
+    let stem = args.gcode.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    PathBuf::from("bags").join(format!("{stem}-{}-{control}", now.as_secs()))
+}

@@ -1,0 +1,115 @@
+//! What a print over DDS came to.
+
+use super::recipes::Plan;
+use super::watch::{Ended, Watch, text};
+use printer_sim::score::Integrals;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Figures of one print; simulated ones, of the plant's own truth.
+#[derive(Debug, Clone, Serialize)]
+pub struct Print {
+    /// File name.
+    pub gcode: String,
+    /// Material.
+    pub material: String,
+    /// Scenario.
+    pub scenario: String,
+    /// Control level.
+    pub control: String,
+    /// Host profile.
+    pub host: String,
+    /// Seed.
+    pub seed: u64,
+    /// How it ended.
+    pub ended: Ended,
+    /// Simulated time `[s]`.
+    pub print_time_s: f64,
+    /// Wall time `[s]`.
+    pub wall_time_s: f64,
+    /// Mean of Q.
+    pub quality_mean: Option<f64>,
+    /// RMS of the relative width error.
+    pub width_rms_rel: Option<f64>,
+    /// |delivered / commanded - 1|.
+    pub feed_error_rel: Option<f64>,
+    /// The same from 2 s after the first onset on.
+    pub feed_error_after_2s_rel: Option<f64>,
+    /// Process ids by node at the start.
+    pub processes: BTreeMap<String, u32>,
+    /// Processes that ended before they were asked to.
+    pub happenings: Vec<String>,
+    /// Modes of the supervisor: simulated time and text.
+    pub modes: Vec<(f64, String)>,
+    /// Folder of the bag.
+    pub bag: String,
+    /// Folder of the nodes' messages.
+    pub logs: String,
+}
+
+impl Print {
+    /// Gathers the figures after the end.
+    #[must_use]
+    pub fn new(plan: &Plan, pids: &[(&'static str, u32)], watch: &Watch, ended: Ended) -> Self {
+        let whole = watch.marks.last.since(&Integrals::default());
+        let settled = watch.marks.settled.and_then(|at| watch.marks.last.since(&at));
+        let name = |path: &std::path::Path| {
+            path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+        };
+        Self {
+            gcode: name(&plan.gcode),
+            material: plan.material.clone(),
+            scenario: plan.scenario.clone(),
+            control: plan.control.clone(),
+            host: plan.host.clone(),
+            seed: plan.seed,
+            ended,
+            print_time_s: watch.marks.last_s,
+            wall_time_s: watch.elapsed_s(),
+            quality_mean: whole.map(|figures| figures.quality_mean),
+            width_rms_rel: whole.map(|figures| figures.width_rms_rel),
+            feed_error_rel: whole.map(|figures| figures.feed_error_rel),
+            feed_error_after_2s_rel: settled.map(|figures| figures.feed_error_rel),
+            processes: pids.iter().map(|(name, pid)| ((*name).to_owned(), *pid)).collect(),
+            happenings: watch.happenings.iter().map(text).collect(),
+            modes: watch.modes.clone(),
+            bag: plan.bag.display().to_string(),
+            logs: plan.logs().display().to_string(),
+        }
+    }
+}
+
+/// A short table, one row a print.
+#[must_use]
+pub fn table(prints: &[Print]) -> String {
+    let mut text = String::new();
+    let Some(first) = prints.first() else { return text };
+    // Writing to a string cannot fail.
+    _ = writeln!(
+        text,
+        "Simulated print over DDS: {} in {}, scenario {}, host {}, seed {}",
+        first.gcode, first.material, first.scenario, first.host, first.seed
+    );
+    _ = writeln!(
+        text,
+        "{:<9} {:>8} {:>14} {:>19} {:>13} {:>8} {:>8}  {}",
+        "control", "ended", "feed error", "2 s after the fault", "width RMS", "Q", "wall s", "bag"
+    );
+    let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.3} %", value * 100.0));
+    for print in prints {
+        _ = writeln!(
+            text,
+            "{:<9} {:>8} {:>14} {:>19} {:>13} {:>8} {:>8.0}  {}",
+            print.control,
+            format!("{:?}", print.ended).to_lowercase(),
+            percent(print.feed_error_rel),
+            percent(print.feed_error_after_2s_rel),
+            percent(print.width_rms_rel),
+            print.quality_mean.map_or("-".to_owned(), |quality| format!("{quality:.2}")),
+            print.wall_time_s,
+            print.bag
+        );
+    }
+    text
+}

@@ -1,0 +1,252 @@
+//! `fdm` as a participant of the graph: follows the print, shows progress, notes what happens.
+
+use super::fleet::{Fleet, Happening};
+use super::recipes::{NODES, Plan};
+use crate::output;
+use anyhow::bail;
+use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, SimTruth};
+use indicatif::ProgressBar;
+use models::status::JobPhase;
+use models::units::Seconds;
+use printer_sim::score::Integrals;
+use runtime::{Args, Node, Subscription, topics};
+
+/// How often processes and topics are looked at `[s]`.
+const LOOK_S: f64 = 0.05;
+/// Longest time that the nodes get to end `[s]`: every node promises 2 s.
+const END_S: f64 = 3.0;
+/// Time to hear a graph that already runs `[s]`.
+const LISTEN_S: f64 = 1.0;
+/// From here on after the onset the feed error counts as settled `[s]`.
+const SETTLE_S: f64 = 2.0;
+/// The printer's state stays away this long after it was heard: the simulation is over or dead `[s]`.
+const LOST_S: f64 = 20.0;
+
+/// How a print ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ended {
+    /// The file has ended.
+    Done,
+    /// The job was given up.
+    Failed,
+    /// A person ended it.
+    Interrupted,
+    /// The printer went silent.
+    Lost,
+}
+
+/// What the truth said at chosen moments.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Marks {
+    /// Two seconds after the first onset.
+    pub settled: Option<Integrals>,
+    /// Last.
+    pub last: Integrals,
+    /// Simulated time of the last `[s]`.
+    pub last_s: f64,
+}
+
+/// The graph as `fdm` sees it.
+pub struct Watch {
+    node: Node,
+    state: Subscription<PrinterState>,
+    safety: Subscription<SafetyState>,
+    truth: Subscription<SimTruth>,
+    heartbeats: Subscription<Heartbeat>,
+    bar: ProgressBar,
+    newest_state: Option<PrinterState>,
+    newest_safety: Option<SafetyState>,
+    started: Seconds,
+    stay: bool,
+    /// Integrals of the truth.
+    pub marks: Marks,
+    /// Processes that ended and what became of them.
+    pub happenings: Vec<Happening>,
+    /// Mode changes of the supervisor: simulated time and text.
+    pub modes: Vec<(f64, String)>,
+}
+
+impl Watch {
+    /// Joins the graph.
+    ///
+    /// # Errors
+    /// What keeps the participant from starting.
+    pub fn start(plan: &Plan, quiet: bool) -> anyhow::Result<Self> {
+        let namespace = Some(plan.namespace.clone());
+        let mut node = Node::start_with("fdm", Args { namespace, ..Args::default() })?;
+        let bar = if quiet { ProgressBar::hidden() } else { output::bar(1000, "permille") };
+        Ok(Self {
+            state: node.subscribe(&topics::PRINTER_STATE)?,
+            safety: node.subscribe(&topics::SAFETY_STATE)?,
+            truth: node.subscribe(&topics::SIM_TRUTH)?,
+            heartbeats: node.subscribe(&topics::HEARTBEAT)?,
+            started: node.clock().now(),
+            node,
+            bar,
+            newest_state: None,
+            newest_safety: None,
+            stay: plan.stay,
+            marks: Marks::default(),
+            happenings: Vec::new(),
+            modes: Vec::new(),
+        })
+    }
+
+    /// Two graphs in one domain and namespace would command one printer.
+    ///
+    /// # Errors
+    /// Names a node that is already there.
+    pub async fn refuse_second_graph(&mut self) -> anyhow::Result<()> {
+        let mut ticks = self.node.timer(Seconds(LOOK_S));
+        while self.elapsed_s() < LISTEN_S {
+            _ = ticks.next().await;
+            while let Some(beat) = self.heartbeats.try_recv() {
+                let name = beat.message.node.rsplit('/').next().unwrap_or_default().to_owned();
+                if NODES.contains(&name.as_str()) {
+                    let node = beat.message.node;
+                    bail!("{node} already runs in this domain: stop it, or set another ROS_DOMAIN_ID or --namespace");
+                }
+            }
+        }
+        self.started = self.node.clock().now();
+        Ok(())
+    }
+
+    /// Follows the print to its end.
+    pub async fn follow(&mut self, fleet: &mut Fleet) -> Ended {
+        let mut ticks = self.node.timer(Seconds(LOOK_S));
+        let mut heard = self.node.clock().now();
+        loop {
+            let now = tokio::select! {
+                now = ticks.next() => now,
+                () = self.node.shutdown() => return self.finish(Ended::Interrupted),
+            };
+            for happening in fleet.tend(now) {
+                self.bar.suspend(|| output::note(&text(&happening)));
+                self.happenings.push(happening);
+            }
+            if self.listen() {
+                heard = now;
+            }
+            self.show();
+            let phase = self.newest_state.as_ref().map(|state| state.phase);
+            let ended = match phase {
+                Some(phase) if phase == JobPhase::Done as u8 => Some(Ended::Done),
+                Some(phase) if phase == JobPhase::Failed as u8 => Some(Ended::Failed),
+                _ if (now - heard).0 > LOST_S => Some(Ended::Lost),
+                _ => None,
+            };
+            match ended {
+                Some(ended) if !self.stay || ended == Ended::Lost => return self.finish(ended),
+                _ => {}
+            }
+        }
+    }
+
+    /// Ends the nodes in order, the recorder last, by force what does not end by itself.
+    pub async fn stop(&mut self, fleet: &mut Fleet) {
+        const LAST: &str = "bag_recorder";
+        let mut ticks = self.node.timer(Seconds(LOOK_S));
+        for except in [Some(LAST), None] {
+            fleet.ask_to_end(except);
+            let asked = self.node.clock().now();
+            while !fleet.all_ended(except) && (self.node.clock().now() - asked).0 < END_S {
+                _ = ticks.next().await;
+            }
+        }
+        for name in fleet.kill_rest() {
+            output::note(&format!("{name} did not end in {END_S} s and was killed"));
+        }
+    }
+
+    /// Wall time since the processes were started `[s]`.
+    #[must_use]
+    pub fn elapsed_s(&self) -> f64 {
+        (self.node.clock().now() - self.started).0
+    }
+
+    fn finish(&mut self, ended: Ended) -> Ended {
+        self.bar.finish_and_clear();
+        ended
+    }
+
+    /// Takes everything that came in; whether the printer was heard.
+    fn listen(&mut self) -> bool {
+        while let Some(safety) = self.safety.try_recv() {
+            self.note_mode(&safety.message);
+            self.newest_safety = Some(safety.message);
+        }
+        while let Some(truth) = self.truth.try_recv() {
+            self.mark(&truth.message);
+        }
+        let newest = self.state.drain_newest();
+        let heard = newest.is_some();
+        if let Some(state) = newest {
+            self.newest_state = Some(state.message);
+        }
+        heard
+    }
+
+    fn note_mode(&mut self, safety: &SafetyState) {
+        if self.newest_safety.as_ref().is_some_and(|before| before.mode == safety.mode) {
+            return;
+        }
+        let why = if safety.cause.is_empty() { String::new() } else { format!(": {}", safety.cause) };
+        let line = format!("{}{why}", mode_name(safety.mode));
+        if safety.mode >= SafetyState::MODE_DEGRADED || !self.modes.is_empty() {
+            let shown = format!("supervisor at {:.1} s: {line}. {}", self.marks.last_s, safety.what_to_do);
+            self.bar.suspend(|| output::note(&shown));
+        }
+        self.modes.push((self.marks.last_s, line));
+    }
+
+    fn mark(&mut self, truth: &SimTruth) {
+        let Some(stamp_s) = truth.header.stamp.seconds() else { return };
+        let integrals = Integrals {
+            deposit_s: truth.deposit_s,
+            wanted_m: truth.deposit_wanted_m,
+            delivered_m: truth.deposit_delivered_m,
+            width_error_sq_s: truth.width_error_sq_s,
+            quality_s: truth.quality_s,
+        };
+        self.marks.last = integrals;
+        self.marks.last_s = stamp_s;
+        if truth.fault_set_in && stamp_s >= truth.first_onset_s + SETTLE_S {
+            self.marks.settled.get_or_insert(integrals);
+        }
+    }
+
+    fn show(&self) {
+        let Some(state) = &self.newest_state else { return };
+        // A share of the file in permille, never outside of the bar.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded here")]
+        let permille = (state.progress.clamp(0.0, 1.0) * 1000.0) as u64;
+        self.bar.set_position(permille);
+        let mode = self.newest_safety.as_ref().map_or("-", |safety| mode_name(safety.mode));
+        let layer = if state.layer_known { format!("layer {}", state.layer + 1) } else { "heating".into() };
+        let factor = self.marks.last_s / self.elapsed_s().max(1e-3);
+        self.bar.set_message(format!(
+            "{layer}, {mode}, t = {:.0} s, {factor:.1} x real time, flow {:.3}, slip {:.3}",
+            self.marks.last_s, state.flow_factor, state.slip_compensation
+        ));
+    }
+}
+
+/// Name of a mode for people.
+#[must_use]
+pub fn mode_name(mode: u8) -> &'static str {
+    const NAMES: [&str; 8] =
+        ["init", "observe", "advise", "act", "degraded", "paused", "safe_off", "estop"];
+    NAMES.get(usize::from(mode)).copied().unwrap_or("unknown")
+}
+
+/// A happening for people.
+#[must_use]
+pub fn text(happening: &Happening) -> String {
+    match happening {
+        Happening::Ended { name, how } => format!("{name} ended ({how}); it is started again"),
+        Happening::Restarted { name, pid } => format!("{name} runs again as process {pid}"),
+        Happening::GivenUp { name } => format!("{name} ended too often and stays down: see its log"),
+    }
+}
