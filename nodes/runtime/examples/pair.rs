@@ -2,6 +2,9 @@
 //!
 //! The talker publishes numbered widths at 100 Hz, a latched print and a service. The listener ends well when it has
 //! received the print, 200 widths in order (decoded and as bytes) and an answer, and ends badly otherwise.
+//!
+//! On simulated time (`-p use_sim_time:=true`): the pacer drives `/clock` at ten times real time, the sleeper ends well
+//! after 20 ticks of a second each, all a second apart on its clock.
 
 use fdm_loop_msgs::{BeadWidth, Header, PrintInfo, SetModeRequest, SetModeResponse};
 use models::units::Seconds;
@@ -18,6 +21,8 @@ struct Params {
 enum Role {
     Talker,
     Listener,
+    Pacer,
+    Sleeper,
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -84,10 +89,46 @@ async fn listen(mut node: Node) -> Result<(), PairError> {
     if answer.accepted { Ok(()) } else { Err(PairError::Unexpected(format!("{answer:?}"))) }
 }
 
+/// Simulated time between two readings of the clock `[s]`, and real time.
+const STEP_S: f64 = 0.1;
+const PACE: std::time::Duration = std::time::Duration::from_millis(10);
+
+async fn pace(mut node: Node) -> Result<(), PairError> {
+    let driver = node.drive_clock()?;
+    let mut pace = tokio::time::interval(PACE);
+    let mut now = Seconds(0.0);
+    loop {
+        tokio::select! {
+            _ = pace.tick() => {
+                now = now + Seconds(STEP_S);
+                driver.set(now);
+            }
+            () = node.shutdown() => return Ok(()),
+        }
+    }
+}
+
+async fn sleep(node: Node) -> Result<(), PairError> {
+    let mut seconds = node.timer(Seconds(1.0));
+    let mut last = seconds.next().await;
+    for _ in 0..20 {
+        let now = seconds.next().await;
+        // Readings may be lost under load, so a tick may come late, but none comes early or at another pace.
+        let apart = (now - last).0;
+        if !(0.4..2.0).contains(&apart) {
+            return Err(PairError::Unexpected(format!("{apart} s between two ticks of 1 s")));
+        }
+        last = now;
+    }
+    Ok(())
+}
+
 async fn pair(node: Node) -> Result<(), PairError> {
     match node.parameters::<Params>()?.role {
         Role::Talker => talk(node).await,
         Role::Listener => listen(node).await,
+        Role::Pacer => pace(node).await,
+        Role::Sleeper => sleep(node).await,
     }
 }
 

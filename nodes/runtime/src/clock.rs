@@ -2,6 +2,8 @@
 //!
 //! Monotonic time counts from the host's start, so all processes of a host share it and their stamps compare.
 
+use crate::publisher::Publisher;
+use fdm_loop_msgs::{Clock as ClockMessage, Time};
 use models::units::Seconds;
 use rustix::time::{ClockId, clock_gettime};
 use std::collections::VecDeque;
@@ -113,6 +115,25 @@ impl Clock {
     pub(crate) fn timer(&self, period: Seconds) -> Timer {
         let readings = self.simulated.as_ref().map(|simulated| simulated.now.subscribe());
         Timer { clock: self.clone(), readings, period, due: self.now() + period, jumps: self.jumps_back() }
+    }
+}
+
+/// The owner of `/clock`.
+#[derive(Debug)]
+pub struct ClockDriver {
+    clock: Clock,
+    publisher: Publisher<ClockMessage>,
+}
+
+impl ClockDriver {
+    pub(crate) fn new(clock: Clock, publisher: Publisher<ClockMessage>) -> Self {
+        Self { clock, publisher }
+    }
+
+    /// Tells everyone the simulated time, this node first; false where the message was dropped.
+    pub fn set(&self, now: Seconds) -> bool {
+        self.clock.set(now);
+        self.publisher.send(ClockMessage { clock: Time::from_seconds(now.0) })
     }
 }
 

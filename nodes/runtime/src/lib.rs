@@ -37,7 +37,7 @@
 //! | [`Publisher`] | synchronous, never waiting; drops counted |
 //! | [`Subscription`], [`RawSubscription`] | time of receipt on the node's clock, publisher, age watchdog |
 //! | [`Server`], [`Client`] | services; calls with a limit |
-//! | [`Clock`], [`Timer`] | monotonic, or `/clock` under `use_sim_time` |
+//! | [`Clock`], [`ClockDriver`], [`Timer`] | monotonic, or `/clock` under `use_sim_time` |
 //! | [`params`] | parameter files, merged, checked, hashed |
 //! | [`Diagnostics`], [`Work`] | `/diagnostics`, heartbeat |
 //!
@@ -69,7 +69,7 @@ mod subscription;
 pub mod topics;
 
 pub use args::{Args, ArgsError, LogLevel};
-pub use clock::{Clock, Timer};
+pub use clock::{Clock, ClockDriver, Timer};
 pub use diagnostics::{Diagnostics, Level};
 pub use environment::{Environment, Range};
 pub use error::RuntimeError;

@@ -3,6 +3,8 @@
 //! Lifecycle (five services, `transition_event`, gated publishers) and the six parameter services are not here yet;
 //! they will be started by [`Node::start`] beside the heartbeat.
 
+mod endpoints;
+
 use crate::args::Args;
 use crate::clock::{Clock, Timer};
 use crate::diagnostics::Diagnostics;
@@ -12,25 +14,17 @@ use crate::heartbeat::{self, Heart, Work};
 use crate::names::Names;
 use crate::params::{NodePath, Parameters};
 use crate::participants::Participants;
-use crate::publisher::Publisher;
-use crate::qos;
-use crate::raw::{Bytes, PassThrough, RawNames, RawSubscription};
 use crate::self_loop::SelfLoop;
-use crate::service::{Client, Server};
 use crate::shutdown::{self, Shutdown, ShutdownSender};
-use crate::stats::TopicStats;
-use crate::subscription::Subscription;
-use crate::topics::{self, Service, Topic, TopicInfo};
+use crate::topics;
 use crate::{background, logging};
-use fdm_loop_msgs::{RosService, RosType};
 use models::units::Seconds;
-use ros2_client::{Context, MessageTypeName, NodeOptions, ServiceTypeName};
-use rustdds::{QosPolicies, TopicKind};
+use ros2_client::{Context, NodeOptions};
 use serde::de::DeserializeOwned;
 use std::hash::{BuildHasher, Hasher};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use tokio::task::JoinSet;
+use tokio::task::{AbortHandle, JoinSet};
 
 /// A node of the graph; dropping it takes it from the graph.
 pub struct Node {
@@ -50,6 +44,7 @@ pub struct Node {
     shutdown: Shutdown,
     shutdown_sender: ShutdownSender,
     refused: Arc<AtomicBool>,
+    clock_task: Option<AbortHandle>,
 }
 
 impl std::fmt::Debug for Node {
@@ -118,6 +113,7 @@ impl Node {
             shutdown,
             shutdown_sender,
             refused: Arc::default(),
+            clock_task: None,
         };
         node.start_background()?;
         Ok(node)
@@ -127,11 +123,8 @@ impl Node {
     fn start_background(&mut self) -> Result<(), RuntimeError> {
         if self.clock.is_simulated() {
             let readings = self.subscribe(&topics::CLOCK)?;
-            self.tasks.spawn(background::follow_clock(
-                self.clock.clone(),
-                readings,
-                self.diagnostics.clone(),
-            ));
+            let task = background::follow_clock(self.clock.clone(), readings, self.diagnostics.clone());
+            self.clock_task = Some(self.tasks.spawn(task));
         }
         if let Some(lines) = logging::rosout_lines() {
             let publisher = self.publish_on(&topics::ROSOUT)?;
@@ -178,106 +171,6 @@ impl Node {
     #[must_use]
     pub fn raw_parameters(&self) -> &Parameters {
         &self.parameters
-    }
-
-    /// Listens to a topic.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
-    pub fn subscribe<T: RosType>(&mut self, topic: &Topic<T>) -> Result<Subscription<T>, RuntimeError> {
-        let name = self.names.resolve(topic.name());
-        let profile = topic.qos().requested.profile();
-        let failed =
-            |error: ros2_client::CreateError| RuntimeError::create(format!("subscription {name}"), &error);
-        let ros_topic = self.create_topic(&name, &topic.info(), &profile)?;
-        let reader = self.ros.create_subscription(&ros_topic, Some(profile)).map_err(failed)?;
-        let stats = Arc::new(TopicStats::subscriber(&name));
-        self.diagnostics.watch(Arc::clone(&stats));
-        Ok(Subscription::new(reader, self.clock.clone(), stats))
-    }
-
-    /// Publishes on a topic.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
-    pub fn publish_on<T: RosType>(&mut self, topic: &Topic<T>) -> Result<Publisher<T>, RuntimeError> {
-        let name = self.names.resolve(topic.name());
-        let profile = topic.qos().offered.profile();
-        let failed =
-            |error: ros2_client::CreateError| RuntimeError::create(format!("publisher {name}"), &error);
-        let ros_topic = self.create_topic(&name, &topic.info(), &profile)?;
-        let writer = self.ros.create_publisher(&ros_topic, Some(profile)).map_err(failed)?;
-        let stats = Arc::new(TopicStats::publisher(&name));
-        self.diagnostics.watch(Arc::clone(&stats));
-        Ok(Publisher::new(writer, stats))
-    }
-
-    /// Listens to a topic without decoding it. (It does not show in `ros2 node info`: the client cannot announce it.)
-    ///
-    /// # Errors
-    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
-    pub fn subscribe_raw(&mut self, topic: &TopicInfo) -> Result<RawSubscription, RuntimeError> {
-        let name = self.names.resolve(topic.name);
-        self.names.check(&name)?;
-        let failed =
-            |error: rustdds::dds::CreateError| RuntimeError::create(format!("subscription {name}"), &error);
-        let qos = QosPolicies::from(topic.qos.requested.profile());
-        let participant = self.context.domain_participant();
-        let type_name = MessageTypeName::new(topic.definition.package, topic.definition.name);
-        let dds_topic = participant
-            .create_topic(format!("rt{name}"), type_name.dds_msg_type(), &qos, TopicKind::NoKey)
-            .map_err(failed)?;
-        let subscriber = participant.create_subscriber(&qos).map_err(failed)?;
-        let reader = subscriber
-            .create_simple_datareader_no_key::<Bytes, PassThrough>(&dds_topic, Some(qos))
-            .map_err(failed)?;
-        let stats = Arc::new(TopicStats::subscriber(&name));
-        self.diagnostics.watch(Arc::clone(&stats));
-        let names = RawNames { topic: name, type_name: topic.definition.full_name() };
-        Ok(RawSubscription::new(reader, names, self.clock.clone(), stats))
-    }
-
-    /// Offers a service.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
-    pub fn serve<S>(&mut self, service: &Service<S>) -> Result<Server<S>, RuntimeError>
-    where
-        S: RosService<Request: Clone>,
-    {
-        let name = self.names.resolve(service.name());
-        let ros_name = self.names.check(&name)?;
-        let profile = qos::SERVICE.profile();
-        let server = self.ros.create_server(
-            self.services.mapping(),
-            &ros_name,
-            &ServiceTypeName::new(S::PACKAGE, S::NAME),
-            profile.clone(),
-            profile,
-        );
-        server.map(Server::new).map_err(|error| RuntimeError::create(format!("service {name}"), &error))
-    }
-
-    /// Prepares calls of a service.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
-    pub fn client<S>(&mut self, service: &Service<S>) -> Result<Client<S>, RuntimeError>
-    where
-        S: RosService<Request: Clone>,
-    {
-        let name = self.names.resolve(service.name());
-        let ros_name = self.names.check(&name)?;
-        let profile = qos::SERVICE.profile();
-        let client = self.ros.create_client(
-            self.services.mapping(),
-            &ros_name,
-            &ServiceTypeName::new(S::PACKAGE, S::NAME),
-            profile.clone(),
-            profile,
-        );
-        let client = client.map_err(|error| RuntimeError::create(format!("client of {name}"), &error))?;
-        Ok(Client::new(client, self.context.domain_participant(), name))
     }
 
     /// A timer on the node's clock, first due one period from now.
@@ -347,19 +240,5 @@ impl Node {
     /// Demands the end of this node.
     pub fn stop(&self) {
         self.shutdown_sender.demand();
-    }
-
-    /// The client's topic.
-    fn create_topic(
-        &self,
-        name: &str,
-        info: &TopicInfo,
-        profile: &ros2_client::QosProfile,
-    ) -> Result<rustdds::Topic, RuntimeError> {
-        let ros_name = self.names.check(name)?;
-        let type_name = MessageTypeName::new(info.definition.package, info.definition.name);
-        self.ros
-            .create_topic(&ros_name, type_name, profile)
-            .map_err(|error| RuntimeError::create(format!("topic {name}"), &error))
     }
 }

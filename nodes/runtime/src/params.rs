@@ -13,6 +13,7 @@
 //! `params/services.rs` and pass a changed tree through the same `Deserialize`.
 
 mod tree;
+mod yaml;
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -146,6 +147,14 @@ impl Parameters {
             at: self.fallback(name),
             message: format!("{name}: this block is missing; is a --params-file missing?"),
         })
+    }
+
+    /// As [`Parameters::block`] for what need not be there.
+    ///
+    /// # Errors
+    /// As [`Parameters::parse`].
+    pub fn optional<T: DeserializeOwned>(&self, name: &str) -> Result<Option<T>, ParamFileError> {
+        if self.tree.get(name).is_none() { Ok(None) } else { self.block(name).map(Some) }
     }
 
     /// The parameters without these blocks of the root.

@@ -14,8 +14,10 @@ impl Process {
     fn start(role: &str, domain: u32) -> Self {
         let tests = std::env::current_exe().unwrap();
         let pair: PathBuf = tests.parent().unwrap().parent().unwrap().join("examples/pair");
+        let simulated = matches!(role, "pacer" | "sleeper");
         let child = Command::new(pair)
             .args(["--ros-args", "-r", &format!("__node:={role}"), "-p", &format!("role:={role}")])
+            .args(["-p", &format!("use_sim_time:={simulated}")])
             .env("ROS_DOMAIN_ID", domain.to_string())
             .env_remove("RUST_LOG")
             .stderr(Stdio::null())
@@ -81,6 +83,15 @@ fn a_process_that_went_deaf_ends_itself() {
     talker.signal(Signal::CONT);
     let status = talker.ended_within(Duration::from_secs(5)).expect("a deaf process ends itself");
     assert_eq!(status.code(), None, "aborted by a signal, not ended in order");
+}
+
+/// `/clock` drives the timers of another process, faster than real time.
+#[test]
+fn simulated_time_drives_the_timers_of_another_process() {
+    let mut sleeper = Process::start("sleeper", domain(3));
+    let _pacer = Process::start("pacer", domain(3));
+    let status = sleeper.ended_within(Duration::from_secs(15)).expect("20 simulated seconds pass in 2");
+    assert_eq!(status.code(), Some(0));
 }
 
 /// Wrong arguments and parameters are the user's to mend: exit code 2.

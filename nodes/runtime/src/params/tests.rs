@@ -1,6 +1,7 @@
 use super::*;
 use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 #[derive(Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -42,6 +43,8 @@ fn node() -> NodePath {
     NodePath { qualified: "/printer/mpc".into(), base: "mpc".into() }
 }
 
+static FILES: AtomicU64 = AtomicU64::new(0);
+
 /// Writes the texts to files of their own and reads them.
 fn read(texts: &[&str], overrides: &[(&str, &str)]) -> Result<Parameters, ParamFileError> {
     let folder = std::env::temp_dir().join(format!("runtime_params_{}", std::process::id()));
@@ -49,7 +52,8 @@ fn read(texts: &[&str], overrides: &[(&str, &str)]) -> Result<Parameters, ParamF
     let files: Vec<PathBuf> = texts
         .iter()
         .map(|text| {
-            let file = folder.join(format!("{}.yaml", &sha256_hex(text.as_bytes())[..12]));
+            // Tests run side by side: each file is written once.
+            let file = folder.join(format!("{}.yaml", FILES.fetch_add(1, Ordering::Relaxed)));
             std::fs::write(&file, text).unwrap();
             file
         })

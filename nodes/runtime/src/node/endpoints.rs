@@ -1,0 +1,145 @@
+//! Endpoints of a node: topics and services.
+
+use super::Node;
+use crate::clock::ClockDriver;
+use crate::error::RuntimeError;
+use crate::publisher::Publisher;
+use crate::qos;
+use crate::raw::{Bytes, PassThrough, RawNames, RawSubscription};
+use crate::service::{Client, Server};
+use crate::stats::TopicStats;
+use crate::subscription::Subscription;
+use crate::topics::{self, Service, Topic, TopicInfo};
+use fdm_loop_msgs::{RosService, RosType};
+use ros2_client::{MessageTypeName, ServiceTypeName};
+use rustdds::{QosPolicies, TopicKind};
+use std::sync::Arc;
+
+impl Node {
+    /// Listens to a topic.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
+    pub fn subscribe<T: RosType>(&mut self, topic: &Topic<T>) -> Result<Subscription<T>, RuntimeError> {
+        let name = self.names.resolve(topic.name());
+        let profile = topic.qos().requested.profile();
+        let failed =
+            |error: ros2_client::CreateError| RuntimeError::create(format!("subscription {name}"), &error);
+        let ros_topic = self.create_topic(&name, &topic.info(), &profile)?;
+        let reader = self.ros.create_subscription(&ros_topic, Some(profile)).map_err(failed)?;
+        let stats = Arc::new(TopicStats::subscriber(&name));
+        self.diagnostics.watch(Arc::clone(&stats));
+        Ok(Subscription::new(reader, self.clock.clone(), stats))
+    }
+
+    /// Publishes on a topic.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
+    pub fn publish_on<T: RosType>(&mut self, topic: &Topic<T>) -> Result<Publisher<T>, RuntimeError> {
+        let name = self.names.resolve(topic.name());
+        let profile = topic.qos().offered.profile();
+        let failed =
+            |error: ros2_client::CreateError| RuntimeError::create(format!("publisher {name}"), &error);
+        let ros_topic = self.create_topic(&name, &topic.info(), &profile)?;
+        let writer = self.ros.create_publisher(&ros_topic, Some(profile)).map_err(failed)?;
+        let stats = Arc::new(TopicStats::publisher(&name));
+        self.diagnostics.watch(Arc::clone(&stats));
+        Ok(Publisher::new(writer, stats))
+    }
+
+    /// Listens to a topic without decoding it. (It does not show in `ros2 node info`: the client cannot announce it.)
+    ///
+    /// # Errors
+    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
+    pub fn subscribe_raw(&mut self, topic: &TopicInfo) -> Result<RawSubscription, RuntimeError> {
+        let name = self.names.resolve(topic.name);
+        self.names.check(&name)?;
+        let failed =
+            |error: rustdds::dds::CreateError| RuntimeError::create(format!("subscription {name}"), &error);
+        let qos = QosPolicies::from(topic.qos.requested.profile());
+        let participant = self.context.domain_participant();
+        let type_name = MessageTypeName::new(topic.definition.package, topic.definition.name);
+        let dds_topic = participant
+            .create_topic(format!("rt{name}"), type_name.dds_msg_type(), &qos, TopicKind::NoKey)
+            .map_err(failed)?;
+        let subscriber = participant.create_subscriber(&qos).map_err(failed)?;
+        let reader = subscriber
+            .create_simple_datareader_no_key::<Bytes, PassThrough>(&dds_topic, Some(qos))
+            .map_err(failed)?;
+        let stats = Arc::new(TopicStats::subscriber(&name));
+        self.diagnostics.watch(Arc::clone(&stats));
+        let names = RawNames { topic: name, type_name: topic.definition.full_name() };
+        Ok(RawSubscription::new(reader, names, self.clock.clone(), stats))
+    }
+
+    /// Offers a service.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
+    pub fn serve<S>(&mut self, service: &Service<S>) -> Result<Server<S>, RuntimeError>
+    where
+        S: RosService<Request: Clone>,
+    {
+        let name = self.names.resolve(service.name());
+        let ros_name = self.names.check(&name)?;
+        let profile = qos::SERVICE.profile();
+        let server = self.ros.create_server(
+            self.services.mapping(),
+            &ros_name,
+            &ServiceTypeName::new(S::PACKAGE, S::NAME),
+            profile.clone(),
+            profile,
+        );
+        server.map(Server::new).map_err(|error| RuntimeError::create(format!("service {name}"), &error))
+    }
+
+    /// Prepares calls of a service.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
+    pub fn client<S>(&mut self, service: &Service<S>) -> Result<Client<S>, RuntimeError>
+    where
+        S: RosService<Request: Clone>,
+    {
+        let name = self.names.resolve(service.name());
+        let ros_name = self.names.check(&name)?;
+        let profile = qos::SERVICE.profile();
+        let client = self.ros.create_client(
+            self.services.mapping(),
+            &ros_name,
+            &ServiceTypeName::new(S::PACKAGE, S::NAME),
+            profile.clone(),
+            profile,
+        );
+        let client = client.map_err(|error| RuntimeError::create(format!("client of {name}"), &error))?;
+        Ok(Client::new(client, self.context.domain_participant(), name))
+    }
+
+    /// Takes `/clock` over: the simulated printer owns it. Under `use_sim_time` the node's own clock follows the driver
+    /// from now on, not the topic (on a `lo` without multicast a process does not hear itself).
+    ///
+    /// # Errors
+    /// [`RuntimeError::Create`]
+    pub fn drive_clock(&mut self) -> Result<ClockDriver, RuntimeError> {
+        if let Some(following) = self.clock_task.take() {
+            following.abort();
+        }
+        let publisher = self.publish_on(&topics::CLOCK)?;
+        Ok(ClockDriver::new(self.clock.clone(), publisher))
+    }
+
+    /// The client's topic.
+    fn create_topic(
+        &self,
+        name: &str,
+        info: &TopicInfo,
+        profile: &ros2_client::QosProfile,
+    ) -> Result<rustdds::Topic, RuntimeError> {
+        let ros_name = self.names.check(name)?;
+        let type_name = MessageTypeName::new(info.definition.package, info.definition.name);
+        self.ros
+            .create_topic(&ros_name, type_name, profile)
+            .map_err(|error| RuntimeError::create(format!("topic {name}"), &error))
+    }
+}

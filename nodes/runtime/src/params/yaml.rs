@@ -1,0 +1,144 @@
+//! YAML with the line of each name.
+
+use super::tree::{Origin, Tree};
+use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Number, Value};
+use serde_saphyr::{NonFiniteFloatPolicy, Spanned};
+use std::fmt;
+use std::sync::Arc;
+
+/// Reads YAML; numbers that are not finite pass, to be refused with their name.
+pub(super) fn read_yaml(text: &str) -> Result<Parsed, serde_saphyr::Error> {
+    let mut options = serde_saphyr::Options::default();
+    options.non_finite_float_policy = NonFiniteFloatPolicy::PassThrough;
+    serde_saphyr::from_str_with_options(text, options)
+}
+
+/// What is wrong with the text, without the place, which stands in front already.
+pub(super) fn reason(error: &serde_saphyr::Error) -> String {
+    let text = error.to_string();
+    let line = text.lines().next().unwrap_or_default();
+    let line = line.strip_prefix("error: ").unwrap_or(line);
+    match line.split_once(": ") {
+        Some((place, reason)) if place.starts_with("line ") => reason.to_owned(),
+        _ => line.to_owned(),
+    }
+}
+
+/// YAML as read, each name with its line.
+pub(super) enum Parsed {
+    Block(Vec<(Spanned<String>, Self)>),
+    Leaf(Value),
+    NotFinite,
+}
+
+impl Parsed {
+    /// Gives every value its place in the file.
+    pub(super) fn placed(self, file: &Arc<str>) -> Tree {
+        self.convert(&|line| Origin::File(Arc::clone(file), line))
+    }
+
+    /// Gives every value the same place.
+    pub(super) fn overriding(self, origin: &Origin) -> Tree {
+        self.convert(&|_| origin.clone())
+    }
+
+    fn convert(self, place: &impl Fn(u64) -> Origin) -> Tree {
+        match self {
+            Self::Leaf(value) => Tree::Leaf(value),
+            Self::NotFinite => Tree::NotFinite,
+            Self::Block(entries) => Tree::Block(
+                entries
+                    .into_iter()
+                    .map(|(key, child)| {
+                        let origin = place(key.referenced.line());
+                        (key.value, child.convert(place), origin)
+                    })
+                    .collect(),
+            ),
+        }
+    }
+
+    /// The value without lines, for lists; `None` where a number is not finite.
+    fn into_json(self) -> Option<Value> {
+        match self {
+            Self::Leaf(value) => Some(value),
+            Self::NotFinite => None,
+            Self::Block(entries) => entries
+                .into_iter()
+                .map(|(key, child)| child.into_json().map(|value| (key.value, value)))
+                .collect::<Option<Map<_, _>>>()
+                .map(Value::Object),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Parsed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ParsedVisitor)
+    }
+}
+
+struct ParsedVisitor;
+
+impl<'de> Visitor<'de> for ParsedVisitor {
+    type Value = Parsed;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a value, a list or a block")
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Parsed, E> {
+        Ok(Parsed::Leaf(Value::Bool(value)))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Parsed, E> {
+        Ok(Parsed::Leaf(Value::from(value)))
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Parsed, E> {
+        Ok(Parsed::Leaf(Value::from(value)))
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Parsed, E> {
+        Ok(Number::from_f64(value).map_or(Parsed::NotFinite, |number| Parsed::Leaf(Value::Number(number))))
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Parsed, E> {
+        Ok(Parsed::Leaf(Value::String(value.to_owned())))
+    }
+
+    fn visit_unit<E>(self) -> Result<Parsed, E> {
+        Ok(Parsed::Leaf(Value::Null))
+    }
+
+    fn visit_none<E>(self) -> Result<Parsed, E> {
+        Ok(Parsed::Leaf(Value::Null))
+    }
+
+    fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Parsed, D::Error> {
+        Parsed::deserialize(deserializer)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Parsed, A::Error> {
+        let mut values = Vec::new();
+        while let Some(item) = list.next_element::<Parsed>()? {
+            match item.into_json() {
+                Some(value) => values.push(value),
+                None => return Ok(Parsed::NotFinite),
+            }
+        }
+        Ok(Parsed::Leaf(Value::Array(values)))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Parsed, A::Error> {
+        let mut entries: Vec<(Spanned<String>, Parsed)> = Vec::new();
+        while let Some(key) = map.next_key::<Spanned<String>>()? {
+            if entries.iter().any(|(known, _)| known.value == key.value) {
+                return Err(de::Error::custom(format!("'{}' stands twice in the same block", key.value)));
+            }
+            entries.push((key, map.next_value()?));
+        }
+        Ok(Parsed::Block(entries))
+    }
+}
