@@ -3,6 +3,7 @@
 pub mod config;
 pub mod gcode;
 pub mod job;
+pub mod operate;
 pub mod output;
 pub mod sim;
 pub mod up;
@@ -24,6 +25,10 @@ struct Cli {
 enum Command {
     /// Start the node processes and print a file on the simulated printer.
     Up(up::UpArgs),
+    /// See who is on the graph and what the printer does.
+    Status(operate::StatusArgs),
+    /// Emergency stop.
+    Estop(operate::EstopArgs),
     /// Simulate the whole loop in one process and virtual time.
     Sim(sim::SimArgs),
     /// Parse and plan a file: layers, moves, filament, time, oddities.
@@ -35,6 +40,8 @@ enum Command {
 pub fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Up(args) => up::run(&args),
+        Command::Status(args) => operate::status(&args),
+        Command::Estop(args) => operate::estop(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Gcode(args) => gcode::run(&args),
     };
