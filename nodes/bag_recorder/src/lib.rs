@@ -1,1 +1,28 @@
-//! Placeholder crate page.
+//! What a bag holds and how its folder looks: the pure part of the recorder.
+//!
+//! A bag is a folder that the ROS 2 tools read: `<bag>/<bag>_0.mcap`, `<bag>_1.mcap`, ... and `metadata.yaml`.
+//!
+//! | while | the folder holds |
+//! |---|---|
+//! | recording | `<bag>_<n>.mcap.active`, unchunked: each whole record in it survives a kill; `metadata.yaml` lists the files before it |
+//! | after an orderly end | `<bag>_<n>.mcap` with summary, listed |
+//! | after a kill | the `.active` file stays; the next recorder copies its whole records to `<bag>_<n>.mcap` and writes to `<bag>_<n+1>` |
+//!
+//! `counts.json` says how many messages each topic has in the bag; readers of bags pass over it.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`layout`] | names of files, what a folder needs before recording |
+//! | [`contents`] | files, channels and counts of a bag |
+//! | [`metadata`] | text of `metadata.yaml` and `counts.json` |
+//! | [`offered_qos`] | quality of service as bags write it |
+//! | [`order`] | log time of each message |
+//! | [`params`] | the parameters |
+#![forbid(unsafe_code)]
+
+pub mod contents;
+pub mod layout;
+pub mod metadata;
+pub mod offered_qos;
+pub mod order;
+pub mod params;
