@@ -7,6 +7,7 @@
 //! | [`material`] [`hotend`] [`heater`] [`bed`] [`melt`] [`extruder`] [`bead`] [`latent`] [`quality`] | System 1 of the model book |
 //! | [`gcode`] [`motion`] | dialects, interpreter, look-ahead planner |
 //! | [`command`] | trims, permits, validity, clamping and the dead-man |
+//! | [`printer`] | the nominal printer of a parameter file |
 //! | [`status`] | what a printer says of itself |
 //!
 //! SI units throughout; a field that has a unit carries it in its name. Millimetres exist in [`gcode`] alone.
@@ -28,6 +29,7 @@ pub mod material;
 pub mod melt;
 pub mod motion;
 pub mod params;
+pub mod printer;
 pub mod quality;
 pub mod status;
 pub mod units;

@@ -36,6 +36,7 @@
 //! | [`topics`], [`qos`] | every topic and service with type and quality of service at both ends |
 //! | [`Publisher`] | synchronous, never waiting; drops counted |
 //! | [`Subscription`], [`RawSubscription`] | time of receipt on the node's clock, publisher, age watchdog |
+//! | [`Inlet`], [`wire`] | subscriptions that refuse and count; readers of the shared messages |
 //! | [`Server`], [`Client`] | services; calls with a limit |
 //! | [`Clock`], [`ClockDriver`], [`Timer`] | monotonic, or `/clock` under `use_sim_time` |
 //! | [`params`] | parameter files, merged, checked, hashed |
@@ -47,11 +48,13 @@
 
 mod args;
 mod background;
+mod build;
 mod clock;
 mod diagnostics;
 mod environment;
 mod error;
 mod heartbeat;
+mod inlet;
 mod logging;
 mod names;
 mod node;
@@ -67,13 +70,16 @@ mod start;
 mod stats;
 mod subscription;
 pub mod topics;
+pub mod wire;
 
 pub use args::{Args, ArgsError, LogLevel};
+pub use build::build;
 pub use clock::{Clock, ClockDriver, Timer};
 pub use diagnostics::{Diagnostics, Level};
 pub use environment::{Environment, Range};
 pub use error::RuntimeError;
 pub use heartbeat::Work;
+pub use inlet::{Inlet, Reason, Refused};
 pub use node::Node;
 pub use params::{NodePath, ParamFileError, Parameters};
 pub use publisher::Publisher;

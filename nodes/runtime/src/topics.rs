@@ -8,6 +8,7 @@ use fdm_loop_msgs::{
     InjectFault, Log, MotionSegment, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode,
     SimTruth, StateEstimate, Temperature, TemperatureReport, Trigger,
 };
+use models::units::Seconds;
 use std::marker::PhantomData;
 
 /// Name, type and quality of service of a topic.
@@ -115,6 +116,11 @@ pub const CLOCK: Topic<Clock> = Topic::new("/clock", qos::CLOCK);
 pub const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::new("/diagnostics", qos::STANDARD);
 /// Log lines of all nodes.
 pub const ROSOUT: Topic<Log> = Topic::new("/rosout", qos::ROSOUT);
+
+/// Period of the supervisor's tick and permit on [`SAFETY_COMMAND`]: 50 Hz.
+pub const PERMIT_PERIOD: Seconds = Seconds(0.02);
+/// Longest time between two messages on [`SAFETY_STATE`]: 2 Hz.
+pub const SAFETY_STATE_PERIOD: Seconds = Seconds(0.5);
 
 /// Every topic above: what a recorder may record.
 pub const ALL: &[TopicInfo] = &[

@@ -125,7 +125,13 @@ mod tests {
             validity: Seconds(0.25),
             mode: Mode::Act,
             request: Request::Standby,
-            trims: Trims { flow: 1.1, speed: 0.9, setpoint_offset_k: -2.0, advance_s: Some(0.6), slip: Some(0.09) },
+            trims: Trims {
+                flow: 1.1,
+                speed: 0.9,
+                setpoint_offset_k: -2.0,
+                advance_s: Some(0.6),
+                slip: Some(0.09),
+            },
         }
     }
 

@@ -4,11 +4,13 @@
 //! range that the `.msg` file states. What a node demands beyond that (age, order, plausibility) its brain checks.
 
 mod command;
+mod estimate;
 mod motion;
 mod sensors;
 mod status;
 
 pub use command::{command_from_wire, command_to_wire, permit_from_wire, permit_to_wire};
+pub use estimate::{CHANNELS, STATES, StateReading, estimate_from_wire};
 pub use motion::motion_to_wire;
 pub use sensors::{
     FilamentPosition, WidthReading, bead_width_from_wire, filament_from_wire, temperature_from_wire,
@@ -46,6 +48,12 @@ pub enum WireError {
         /// Nanoseconds of the stamp.
         nanosec: u32,
     },
+    /// A named part is not there, or an array has not the length that belongs to its names.
+    #[error("{field} is missing or of a wrong length")]
+    Missing {
+        /// Field of the message, or name inside of it.
+        field: &'static str,
+    },
 }
 
 /// A finite value inside `[low, high]`.
@@ -65,7 +73,12 @@ fn finite(field: &'static str, value: f64) -> Result<f64, WireError> {
 }
 
 /// A value that counts only where its flag is set.
-fn optional(known: bool, field: &'static str, value: f64, range: (f64, f64)) -> Result<Option<f64>, WireError> {
+fn optional(
+    known: bool,
+    field: &'static str,
+    value: f64,
+    range: (f64, f64),
+) -> Result<Option<f64>, WireError> {
     known.then(|| within(field, value, range)).transpose()
 }
 
