@@ -6,6 +6,10 @@
 #![forbid(unsafe_code)]
 
 pub mod channel;
+#[cfg(feature = "ros")]
+mod convert;
+#[cfg(feature = "ros")]
+pub mod node;
 pub mod params;
 pub mod serial_line;
 #[cfg(feature = "serial")]
