@@ -2,7 +2,11 @@
 
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "ros")]
+mod convert;
 pub mod encoder;
+#[cfg(feature = "ros")]
+pub mod node;
 pub mod params;
 pub mod serial_line;
 #[cfg(feature = "serial")]

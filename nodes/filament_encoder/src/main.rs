@@ -1,2 +1,5 @@
 //! Entry point.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    runtime::run("filament_encoder", filament_encoder::node::run)
+}

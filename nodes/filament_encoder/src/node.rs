@@ -1,0 +1,126 @@
+//! The shell: counts of the printer or a serial line in, checked positions out.
+
+use fdm_loop_msgs::FilamentReport;
+use models::units::Seconds;
+use runtime::{Inlet, Node, Reason, Refused, RuntimeError, topics};
+use tokio::sync::mpsc;
+
+use crate::convert;
+use crate::encoder::Encoder;
+use crate::params::{Driver, Params, SerialParams};
+use crate::serial_line::LineError;
+use crate::serial_port::{PortEvent, SerialReader};
+
+/// Events of the serial line that may wait: a second of counts at 100 Hz.
+const WAITING: usize = 100;
+
+/// Runs the node to its end.
+///
+/// # Errors
+/// [`RuntimeError`] where it cannot start, or its reader has ended.
+pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
+    let params: Params = node.parameters()?;
+    let mut source = Source::open(&mut node, &params)?;
+    let mut encoder = Encoder::new(params.encoder);
+    let motions = node.publish_on(&topics::FILAMENT_MOTION)?;
+    let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
+    let mut refused = Refused::new(node.diagnostics(), source.name());
+    loop {
+        tokio::select! {
+            counts = source.next() => {
+                let Some((stamp, counts)) = counts? else { continue };
+                if let Ok(sample) = encoder.on_counts(clock.now(), stamp, counts) {
+                    match convert::motion(&sample) {
+                        Some(motion) => _ = motions.send(motion),
+                        None => diagnostics.count("samples_without_speed"),
+                    }
+                }
+                for (reason, total) in convert::reasons(&encoder.refusals()) {
+                    refused.follow(reason, total);
+                }
+                diagnostics.set("rebases", encoder.rebases());
+                work.done();
+            }
+            () = node.shutdown() => return Ok(()),
+        }
+    }
+}
+
+/// Where counts come from.
+enum Source {
+    Printer { reports: Box<Inlet<FilamentReport>>, quantum_m: f64 },
+    Serial { events: mpsc::Receiver<(Seconds, PortEvent)>, refused: Refused, _reader: SerialReader },
+}
+
+impl Source {
+    fn open(node: &mut Node, params: &Params) -> Result<Self, RuntimeError> {
+        let quantum_m = params.encoder.quantum_m;
+        match params.driver {
+            Driver::Printer => {
+                let oldest = Seconds(params.encoder.stamp_age_max_s);
+                let reports = Box::new(node.inlet(&topics::FILAMENT_REPORT, oldest)?);
+                Ok(Self::Printer { reports, quantum_m })
+            }
+            Driver::Serial => {
+                let (events, _reader) = serial(node, &params.serial)?;
+                Ok(Self::Serial { events, refused: Refused::new(node.diagnostics(), "serial"), _reader })
+            }
+        }
+    }
+
+    /// Name of the source in the counters.
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Printer { .. } => topics::FILAMENT_REPORT.name(),
+            Self::Serial { .. } => "serial",
+        }
+    }
+
+    /// The next counts; `None` for what was refused, or is none. Cancelling loses nothing.
+    async fn next(&mut self) -> Result<Option<(Seconds, i64)>, RuntimeError> {
+        match self {
+            Self::Printer { reports, quantum_m } => {
+                let quantum_m = *quantum_m;
+                Ok(reports.next(|wire| convert::report(wire, quantum_m)).await.ok())
+            }
+            Self::Serial { events, refused, .. } => {
+                let Some((stamp, event)) = events.recv().await else {
+                    let source = std::io::Error::other("its thread is gone");
+                    return Err(RuntimeError::System { what: "the serial reader has ended", source });
+                };
+                Ok(taken(event, refused).map(|counts| (stamp, counts)))
+            }
+        }
+    }
+}
+
+/// Starts the reader's thread; counts are dated when their line is complete.
+fn serial(
+    node: &Node,
+    params: &SerialParams,
+) -> Result<(mpsc::Receiver<(Seconds, PortEvent)>, SerialReader), RuntimeError> {
+    let (clock, diagnostics) = (node.clock(), node.diagnostics());
+    let (sender, events) = mpsc::channel(WAITING);
+    let sink = move |event| {
+        // Counts are a sum: one that finds no room is made up for by the next.
+        if sender.try_send((clock.now(), event)).is_err() {
+            diagnostics.count("serial_dropped");
+        }
+    };
+    SerialReader::spawn(params.clone(), sink)
+        .map(|reader| (events, reader))
+        .map_err(|source| RuntimeError::System { what: "cannot start the serial reader", source })
+}
+
+fn taken(event: PortEvent, refused: &mut Refused) -> Option<i64> {
+    match event {
+        PortEvent::Reading(counts) => return Some(counts),
+        PortEvent::Refused(LineError::Garbage) => refused.count(Reason::Malformed),
+        PortEvent::Refused(LineError::Other) => {}
+        PortEvent::Connected => tracing::info!("serial line connected"),
+        PortEvent::Lost { reason, retry_s } => {
+            tracing::warn!("serial line lost: {reason}; next try in {retry_s} s");
+        }
+    }
+    None
+}
