@@ -13,11 +13,15 @@
 #![forbid(unsafe_code)]
 
 mod channel;
+#[cfg(feature = "ros")]
+mod convert;
 mod estimator;
 mod filter;
 mod history;
 mod input;
 mod measurement;
+#[cfg(feature = "ros")]
+pub mod node;
 pub mod params;
 pub mod printer_model;
 pub mod ukf;

@@ -1,2 +1,5 @@
 //! Entry point.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    runtime::run("state_estimator", state_estimator::node::run)
+}
