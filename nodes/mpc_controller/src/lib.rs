@@ -14,8 +14,12 @@
 
 mod catch_up;
 mod controller;
+#[cfg(feature = "ros")]
+mod convert;
 mod deadband;
 mod input;
+#[cfg(feature = "ros")]
+pub mod node;
 mod nominal;
 pub mod params;
 pub mod qp;

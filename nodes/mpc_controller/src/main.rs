@@ -1,2 +1,5 @@
 //! Entry point.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    runtime::run("mpc_controller", mpc_controller::node::run)
+}

@@ -1,0 +1,127 @@
+//! The shell: estimates and measurements in, commands out.
+
+use models::command::{Command, Trims};
+use models::material::Material;
+use models::printer::Printer;
+use models::units::Seconds;
+use runtime::wire::command_to_wire;
+use runtime::{Diagnostics, Node, ParamFileError, Reason, Refused, RuntimeError, topics};
+
+use crate::controller::{Controller, Report};
+use crate::convert;
+use crate::input::{self, Event, Refusals};
+use crate::params::Params;
+
+/// Runs the node to its end; its last word are the slicer's own values.
+///
+/// # Errors
+/// [`RuntimeError`] where it cannot start.
+pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
+    let setup = Setup::read(&node)?;
+    let params = setup.params;
+    let telemetry = Seconds(params.status_age_limit_s);
+    let mut estimate = node.inlet(&topics::ESTIMATE, Seconds(params.estimate_age_limit_s))?;
+    let mut printer = node.inlet(&topics::PRINTER_STATE, telemetry)?;
+    let mut encoder = node.inlet(&topics::FILAMENT_MOTION, telemetry)?;
+    // A frame older than the time to its effect and the period of frames has a newer one on its way.
+    let frame = Seconds(params.trims.delay_s + params.trims.frame_period_s);
+    let mut width = node.inlet(&topics::BEAD_WIDTH, frame)?;
+    let commands = node.publish_on(&topics::CONTROL_COMMAND)?;
+    let mut ticks = node.timer(Seconds(params.period_s));
+    let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
+    let (mut controller, mut jumps) = (setup.controller()?, clock.jumps_back());
+    let mut newest = Command {
+        session: setup.session,
+        sequence: 0,
+        validity: Seconds(params.validity_s),
+        trims: Trims::NEUTRAL,
+    };
+    loop {
+        tokio::select! {
+            taken = estimate.next(convert::estimate) => {
+                if let Some(mut command) = pass(&mut controller, taken) {
+                    // A controller made anew counts from one; the session's sequence goes on.
+                    command.sequence = newest.sequence + 1;
+                    newest = command;
+                    commands.send(command_to_wire(clock.now(), &command));
+                }
+                follow(&mut estimate.refused, &controller, |all| &all.estimate);
+            }
+            taken = printer.next(convert::printer) => {
+                pass(&mut controller, taken);
+                follow(&mut printer.refused, &controller, |all| &all.printer);
+            }
+            taken = encoder.next(convert::encoder) => {
+                pass(&mut controller, taken);
+                follow(&mut encoder.refused, &controller, |all| &all.encoder);
+            }
+            taken = width.next(convert::width) => {
+                pass(&mut controller, taken);
+                follow(&mut width.refused, &controller, |all| &all.width);
+            }
+            now = ticks.next() => {
+                if std::mem::replace(&mut jumps, clock.jumps_back()) != clock.jumps_back() {
+                    controller = setup.controller()?;
+                }
+                pass(&mut controller, Ok(Event::Tick { now }));
+                show(&diagnostics, &controller.report());
+                work.done();
+            }
+            () = node.shutdown() => break,
+        }
+    }
+    let last = Command { sequence: newest.sequence + 1, trims: Trims::NEUTRAL, ..newest };
+    commands.send(command_to_wire(clock.now(), &last));
+    Ok(())
+}
+
+/// What a controller is made of.
+struct Setup {
+    params: Params,
+    printer: Printer,
+    material: Material,
+    session: u64,
+}
+
+impl Setup {
+    fn read(node: &Node) -> Result<Self, RuntimeError> {
+        let parameters = node.raw_parameters();
+        Ok(Self {
+            params: parameters.without(&["printer", "material"]).parse()?,
+            printer: parameters.block("printer")?,
+            material: parameters.block("material")?,
+            session: node.session(),
+        })
+    }
+
+    /// A controller that has seen nothing: at the start, and when time jumped back.
+    fn controller(&self) -> Result<Controller, RuntimeError> {
+        let printer = (&self.printer.hotend, &self.printer.extruder);
+        Controller::new(self.params, printer, &self.material, self.session).map_err(|error| {
+            let at = "parameters of mpc_controller".to_owned();
+            ParamFileError::Refused { at, message: error.to_string() }.into()
+        })
+    }
+}
+
+fn pass(controller: &mut Controller, taken: Result<Event, Reason>) -> Option<Command> {
+    taken.ok().and_then(|event| controller.on_event(event))
+}
+
+fn follow(refused: &mut Refused, controller: &Controller, of: fn(&Refusals) -> &input::Refused) {
+    for (reason, total) in convert::reasons(of(&controller.report().refusals)) {
+        refused.follow(reason, total);
+    }
+}
+
+fn show(diagnostics: &Diagnostics, report: &Report) {
+    diagnostics.set("solved", report.solved);
+    diagnostics.set("fallbacks", report.fallbacks);
+    diagnostics.set("starved", report.starved);
+    diagnostics.set("adopted", report.adopted);
+    diagnostics.set("refused_ticks", report.refusals.tick.invalid + report.refusals.tick.late);
+    diagnostics.set("flow_error", format_args!("{:.4}", report.flow_error));
+    diagnostics.set("gain_error", format_args!("{:.4}", report.gain_error));
+    diagnostics.set("temperature_error_k", format_args!("{:.2}", report.temperature_error_k));
+    diagnostics.set("shortfall_m", format_args!("{:.6}", report.shortfall_m));
+}
