@@ -1,0 +1,161 @@
+//! The rules of `nodes/README.md` that a compiler does not hold: who may depend on whom, and that no test is left out.
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Nodes with a brain.
+const NODES: [&str; 7] = [
+    "bag_recorder",
+    "filament_encoder",
+    "mpc_controller",
+    "printer_sim",
+    "safety_supervisor",
+    "state_estimator",
+    "thermistor",
+];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn metadata() -> Metadata {
+    MetadataCommand::new().manifest_path(root().join("Cargo.toml")).no_deps().exec().unwrap()
+}
+
+fn package<'a>(metadata: &'a Metadata, name: &str) -> &'a Package {
+    metadata.packages.iter().find(|package| package.name.as_str() == name).unwrap()
+}
+
+/// Dependencies of the built code; with `optional` those that a feature brings in as well.
+fn dependencies(package: &Package, optional: bool) -> BTreeSet<&str> {
+    package
+        .dependencies
+        .iter()
+        .filter(|dependency| dependency.kind == DependencyKind::Normal && (optional || !dependency.optional))
+        .map(|dependency| dependency.name.as_str())
+        .collect()
+}
+
+#[test]
+fn models_knows_arithmetic_alone() {
+    let metadata = metadata();
+    let allowed = BTreeSet::from(["nalgebra", "serde", "thiserror"]);
+    let found = dependencies(package(&metadata, "models"), true);
+    assert!(found.is_subset(&allowed), "{found:?}");
+}
+
+#[test]
+fn a_brain_uses_models_and_its_one_solver() {
+    let metadata = metadata();
+    for node in NODES {
+        let mut allowed = BTreeSet::from(["models", "serde", "thiserror"]);
+        allowed.extend(match node {
+            "mpc_controller" => &["clarabel", "nalgebra"][..],
+            "state_estimator" => &["nalgebra"],
+            "printer_sim" => &["nalgebra", "rand", "rand_distr"],
+            "bag_recorder" => &["serde_json"],
+            _ => &[],
+        });
+        let found = dependencies(package(&metadata, node), false);
+        assert!(found.is_subset(&allowed), "{node}: {found:?} beyond {allowed:?}");
+    }
+}
+
+#[test]
+fn no_node_uses_another_node() {
+    let metadata = metadata();
+    for node in NODES {
+        let found = dependencies(package(&metadata, node), true);
+        for other in NODES {
+            assert!(!found.contains(other), "{node} depends on {other}");
+        }
+    }
+}
+
+#[test]
+fn the_ros_client_and_the_solver_stand_in_one_crate_each() {
+    let metadata = metadata();
+    let users = |dependency: &str| -> Vec<&str> {
+        let uses = |package: &&Package| dependencies(package, true).contains(dependency);
+        metadata.packages.iter().filter(uses).map(|package| package.name.as_str()).collect()
+    };
+    assert_eq!(users("ros2-client"), ["runtime"]);
+    assert_eq!(users("rustdds"), ["runtime"]);
+    assert_eq!(users("clarabel"), ["mpc_controller"]);
+    assert_eq!(users("opencv"), Vec::<&str>::new());
+}
+
+/// Rust files under a folder.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(sources(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+    found
+}
+
+/// Files of a brain: everything in `src` but the shell.
+fn brain_files(node: &str) -> Vec<PathBuf> {
+    const SHELL: [&str; 6] = ["node.rs", "convert.rs", "main.rs", "load.rs", "serial_port.rs", "writer.rs"];
+    let shell = |path: &PathBuf| {
+        path.components().any(|part| {
+            let name = part.as_os_str().to_string_lossy();
+            SHELL.contains(&name.as_ref()) || SHELL.contains(&format!("{name}.rs").as_str())
+        })
+    };
+    sources(&root().join("nodes").join(node).join("src")).into_iter().filter(|path| !shell(path)).collect()
+}
+
+#[test]
+fn brains_and_models_have_no_clock_thread_file_or_log() {
+    const FORBIDDEN: [&str; 6] =
+        ["Instant::now", "SystemTime::now", "std::thread", "std::fs", "tracing::", "tokio::"];
+    for node in NODES.into_iter().chain(["models"]) {
+        for path in brain_files(node) {
+            if path.to_string_lossy().contains("tests") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            for word in FORBIDDEN {
+                assert!(!code.contains(word), "{} uses {word}", path.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_supervisor_sees_commands_params_units_and_job_phases_alone() {
+    for path in brain_files("safety_supervisor") {
+        let text = std::fs::read_to_string(&path).unwrap();
+        for (start, _) in text.match_indices("models::") {
+            let module: String =
+                text[start + 8..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let allowed = ["command", "params", "units", "status"];
+            assert!(allowed.contains(&module.as_str()), "{}: models::{module}", path.display());
+        }
+    }
+}
+
+/// A file without a target would look like a test and never run.
+#[test]
+fn every_file_in_tests_is_a_target() {
+    let metadata = metadata();
+    let targets: BTreeSet<PathBuf> = package(&metadata, "system_tests")
+        .targets
+        .iter()
+        .map(|target| std::fs::canonicalize(&target.src_path).unwrap())
+        .collect();
+    for entry in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests")).unwrap() {
+        let path = std::fs::canonicalize(entry.unwrap().path()).unwrap();
+        if path.extension().is_some_and(|extension| extension == "rs") {
+            assert!(targets.contains(&path), "{} is no [[test]] of tests/Cargo.toml", path.display());
+        }
+    }
+}
