@@ -82,6 +82,8 @@ causes! {
     OperatorPause, "P13", "paused by a person", "resume";
     OperatorStop, "P13", "stopped by a person", "acknowledge";
     OperatorEstop, "P13", "emergency stop by a person", "make the printer safe, then acknowledge";
+    LatchUnreadable, "T5", "the record of a latched mode cannot be read",
+        "find out why the last run ended, then acknowledge";
 }
 
 #[cfg(test)]

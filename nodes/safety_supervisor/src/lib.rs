@@ -26,9 +26,13 @@
 pub mod attention;
 pub mod cause;
 pub mod checks;
+#[cfg(feature = "ros")]
+mod convert;
 pub mod envelope;
 pub mod event;
 pub mod modes;
+#[cfg(feature = "ros")]
+pub mod node;
 pub mod params;
 pub mod supervisor;
 

@@ -1,2 +1,5 @@
 //! Entry point.
-fn main() {}
+
+fn main() -> std::process::ExitCode {
+    runtime::run("safety_supervisor", safety_supervisor::node::run)
+}

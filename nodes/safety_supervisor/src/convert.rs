@@ -1,0 +1,145 @@
+//! Between messages and the brain's types.
+
+use fdm_loop_msgs::{
+    ControlCommand, FilamentMotion, Header, PrintEvent, PrinterState, SafetyState as StateMessage,
+    StateEstimate, Temperature,
+};
+use models::command::Mode;
+use models::units::Seconds;
+use runtime::wire::{self, WireError};
+
+use crate::event::{Decision, Event, Operator, PrinterReport, SafetyState, What};
+
+pub(crate) fn hotend(message: &Temperature) -> Result<(Seconds, Event), WireError> {
+    let (stamp, temp) = wire::temperature_from_wire(message)?;
+    Ok((stamp, Event::Hotend { stamp, temp }))
+}
+
+pub(crate) fn bed(message: &Temperature) -> Result<(Seconds, Event), WireError> {
+    let (stamp, temp) = wire::temperature_from_wire(message)?;
+    Ok((stamp, Event::Bed { stamp, temp }))
+}
+
+pub(crate) fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), WireError> {
+    let read = wire::filament_from_wire(message)?;
+    Ok((read.stamp, Event::Encoder { stamp: read.stamp, position_m: read.position_m }))
+}
+
+pub(crate) fn printer(message: &PrinterState) -> Result<(Seconds, Event), WireError> {
+    let status = wire::status_from_wire(message)?;
+    let report = PrinterReport {
+        stamp: status.stamp,
+        phase: status.phase,
+        motor_position_m: status.motor_position_m,
+        wanted_position_m: status.wanted_position_m,
+        hotend_duty: status.hotend_duty,
+        bed_duty: status.bed_duty,
+        hotend_target: status.hotend_target,
+        hotend_sliced_target: status.hotend_sliced_target,
+        bed_target: status.bed_target,
+        fan: status.fan,
+        trims: status.trims,
+        path_speed_m_s: status.path_speed_m_s,
+        filament_present: status.filament_present,
+        homed: status.homed,
+        mains_on: status.mains_on,
+    };
+    Ok((status.stamp, Event::Printer(report)))
+}
+
+pub(crate) fn command(message: &ControlCommand) -> Result<(Seconds, Event), WireError> {
+    Ok((wire::stamp_from_wire(&message.header)?, Event::Command(wire::command_from_wire(message)?)))
+}
+
+/// Of an estimate the supervisor takes that there is one; a broken one is none.
+pub(crate) fn estimate(message: &StateEstimate) -> Result<(Seconds, Event), WireError> {
+    let stamp = wire::estimate_from_wire(message)?.stamp;
+    Ok((stamp, Event::EstimateHeartbeat { stamp }))
+}
+
+/// A mode that a person may set.
+pub(crate) fn set_mode(value: u8) -> Option<Mode> {
+    [Mode::Observe, Mode::Advise, Mode::Act].into_iter().find(|mode| *mode as u8 == value)
+}
+
+/// State as sent, without the counters of the shell.
+pub(crate) fn state(now: Seconds, state: &SafetyState) -> StateMessage {
+    StateMessage {
+        header: Header::at(now.0),
+        mode: state.mode as u8,
+        set_mode: state.set_mode as u8,
+        attention: state.attention as u8,
+        cause: state.cause.map_or_else(String::new, |cause| format!("{}: {}", cause.id(), cause.text())),
+        since_s: state.since.0,
+        what_to_do: state.what_to_do.to_owned(),
+        latched: state.mode >= Mode::SafeOff,
+        clamped: state.clamped_commands,
+        ..StateMessage::default()
+    }
+}
+
+/// A decision as sent.
+pub(crate) fn event(now: Seconds, who: &str, decision: &Decision) -> PrintEvent {
+    PrintEvent {
+        header: Header::at(now.0),
+        severity: severity(decision),
+        who: who.to_owned(),
+        what: what(decision.what),
+        why: decision.why.to_owned(),
+        before: mode_name(decision.before).to_owned(),
+        after: mode_name(decision.after).to_owned(),
+    }
+}
+
+fn severity(decision: &Decision) -> u8 {
+    match decision.what {
+        What::ModeChanged | What::CauseChanged if decision.after >= Mode::SafeOff => {
+            PrintEvent::SEVERITY_ERROR
+        }
+        What::ModeChanged | What::CauseChanged if decision.after >= Mode::Degraded => {
+            PrintEvent::SEVERITY_WARN
+        }
+        What::ModeChanged | What::CauseChanged | What::Granted(_) => PrintEvent::SEVERITY_INFO,
+        What::CommandClamped | What::CommandRefused(_) | What::Denied(_) | What::StoodStill => {
+            PrintEvent::SEVERITY_WARN
+        }
+    }
+}
+
+fn what(what: What) -> String {
+    match what {
+        What::ModeChanged => "mode_changed".to_owned(),
+        What::CauseChanged => "cause_changed".to_owned(),
+        What::CommandClamped => "command_clamped".to_owned(),
+        What::CommandRefused(refusal) => format!("command_refused_{}", refusal.name()),
+        What::Granted(request) => format!("{}_granted", operator_name(request)),
+        What::Denied(request) => format!("{}_denied", operator_name(request)),
+        What::StoodStill => "stood_still".to_owned(),
+    }
+}
+
+fn operator_name(request: Operator) -> &'static str {
+    match request {
+        Operator::Pause => "pause",
+        Operator::Resume => "resume",
+        Operator::Stop => "stop",
+        Operator::Estop => "estop",
+        Operator::Acknowledge => "acknowledge",
+        Operator::SetMode(_) => "set_mode",
+        Operator::Approve => "approve",
+    }
+}
+
+/// Name of a mode, snake_case.
+pub(crate) fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Init => "init",
+        Mode::Observe => "observe",
+        Mode::Advise => "advise",
+        Mode::Act => "act",
+        Mode::Degraded => "degraded",
+        Mode::Paused => "paused",
+        Mode::SafeOff => "safe_off",
+        Mode::Estop => "estop",
+    }
+}

@@ -1,0 +1,100 @@
+//! The shell: streams and requests in, a permit every 20 ms out.
+
+mod inlets;
+mod latch_file;
+mod operators;
+mod outlets;
+
+use std::path::PathBuf;
+
+use models::units::Seconds;
+use runtime::{Node, RuntimeError, topics};
+
+use crate::event::{Event, Output};
+use crate::params::Params;
+use crate::supervisor::Supervisor;
+use inlets::Inlets;
+use latch_file::LatchFile;
+use operators::Operators;
+use outlets::{Outlets, Totals};
+
+/// Runs the node to its end; its last word is a permit with the slicer's own values.
+///
+/// # Errors
+/// [`RuntimeError`] where it cannot start.
+pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
+    let parameters = node.raw_parameters();
+    let latch_file: Option<PathBuf> = parameters.optional(LATCH_FILE)?;
+    let params: Params = parameters.without(&[LATCH_FILE]).parse()?;
+    let latch = LatchFile::open(latch_file.filter(|path| !path.as_os_str().is_empty()));
+    let mut inlets = Inlets::open(&mut node, &params)?;
+    let mut operators = Operators::serve(&mut node)?;
+    let mut shell = Shell {
+        supervisor: Supervisor::new(params, node.session(), latch.stored()),
+        outlets: Outlets::open(&mut node)?,
+        latch,
+    };
+    let mut ticks = node.timer(topics::PERMIT_PERIOD);
+    let (clock, work) = (node.clock(), node.work());
+    loop {
+        tokio::select! {
+            // Time first: a flood of messages must not hold a permit up.
+            biased;
+            () = node.shutdown() => break,
+            now = ticks.next() => {
+                if let Some(output) = shell.take(now, Event::Tick { now }) {
+                    inlets.follow(&output.state);
+                    shell.publish(now, &output, inlets.totals()).await;
+                }
+                work.done();
+            }
+            ask = operators.next() => {
+                let now = clock.now();
+                let output = ask.request().and_then(|request| shell.take(now, Event::Operator(request)));
+                if let Some(output) = &output {
+                    shell.publish(now, output, inlets.totals()).await;
+                }
+                operators.answer(&ask, output.as_ref());
+            }
+            event = inlets.next() => {
+                // Only ticks and requests yield an output.
+                _ = shell.take(clock.now(), event);
+                // Where messages never end the timers of the executor would not get their turn.
+                tokio::task::yield_now().await;
+            }
+        }
+    }
+    let now = clock.now();
+    if let Some(output) = shell.take(now, Event::Tick { now }) {
+        shell.end(now, &output).await;
+    }
+    Ok(())
+}
+
+/// Name of the parameter with the file that keeps the latch; empty or not given: none is kept.
+const LATCH_FILE: &str = "latch_file";
+
+struct Shell {
+    supervisor: Supervisor,
+    outlets: Outlets,
+    latch: LatchFile,
+}
+
+impl Shell {
+    fn take(&mut self, now: Seconds, event: Event) -> Option<Output> {
+        self.supervisor.on_event(now, event)
+    }
+
+    async fn publish(&mut self, now: Seconds, output: &Output, totals: Totals) {
+        let kept = self.latch.keeps(self.supervisor.latch()).await;
+        self.outlets.publish(now, output, kept, totals);
+        self.outlets.tell_latch(&self.latch);
+    }
+
+    async fn end(&mut self, now: Seconds, output: &Output) {
+        let latch = self.supervisor.latch();
+        let kept = self.latch.keeps(latch).await;
+        self.outlets.last(now, output, kept);
+        self.latch.finish().await;
+    }
+}

@@ -1,0 +1,73 @@
+//! What the supervisor listens to. What is refused of a stream reaches the brain as that.
+
+use fdm_loop_msgs::{ControlCommand, FilamentMotion, PrinterState, StateEstimate, Temperature};
+use models::units::Seconds;
+use runtime::{Inlet, Node, Reason, Refused, RuntimeError, topics};
+
+use super::outlets::Totals;
+use crate::convert;
+use crate::event::{Event, SafetyState, Stream};
+use crate::params::{Params, StaleParams};
+
+/// Every stream.
+pub(super) struct Inlets {
+    hotend: Inlet<Temperature>,
+    bed: Inlet<Temperature>,
+    encoder: Inlet<FilamentMotion>,
+    printer: Inlet<PrinterState>,
+    command: Inlet<ControlCommand>,
+    estimate: Inlet<StateEstimate>,
+}
+
+impl Inlets {
+    /// A message that is older by its stamp than the age at which its stream degrades says nothing of now.
+    pub(super) fn open(node: &mut Node, params: &Params) -> Result<Self, RuntimeError> {
+        let oldest = |stale: &StaleParams| Seconds(stale.degraded_s);
+        let stale = &params.stale;
+        Ok(Self {
+            hotend: node.inlet(&topics::HOTEND_TEMPERATURE, oldest(&stale.hotend))?,
+            bed: node.inlet(&topics::BED_TEMPERATURE, oldest(&stale.bed))?,
+            encoder: node.inlet(&topics::FILAMENT_MOTION, oldest(&stale.encoder))?,
+            printer: node.inlet(&topics::PRINTER_STATE, oldest(&stale.printer))?,
+            command: node.inlet(&topics::CONTROL_COMMAND, oldest(&stale.command))?,
+            estimate: node.inlet(&topics::ESTIMATE, oldest(&stale.estimate))?,
+        })
+    }
+
+    /// The next message of any stream. Cancelling loses none.
+    pub(super) async fn next(&mut self) -> Event {
+        let (taken, stream) = tokio::select! {
+            taken = self.hotend.next(convert::hotend) => (taken, Stream::Hotend),
+            taken = self.bed.next(convert::bed) => (taken, Stream::Bed),
+            taken = self.encoder.next(convert::encoder) => (taken, Stream::Encoder),
+            taken = self.printer.next(convert::printer) => (taken, Stream::Printer),
+            taken = self.command.next(convert::command) => (taken, Stream::Command),
+            taken = self.estimate.next(convert::estimate) => (taken, Stream::Estimate),
+        };
+        taken.unwrap_or(Event::Refused { stream })
+    }
+
+    /// Takes over what the brain itself has refused.
+    pub(super) fn follow(&mut self, state: &SafetyState) {
+        self.command.refused.follow(Reason::Gate, state.refused_commands);
+    }
+
+    /// Refused messages of all streams.
+    pub(super) fn totals(&self) -> Totals {
+        let all: [&Refused; 6] = [
+            &self.hotend.refused,
+            &self.bed.refused,
+            &self.encoder.refused,
+            &self.printer.refused,
+            &self.command.refused,
+            &self.estimate.refused,
+        ];
+        let sum = |reason| all.iter().map(|refused| refused.total(reason)).sum::<u64>();
+        Totals {
+            not_finite: sum(Reason::NotFinite),
+            out_of_range: sum(Reason::OutOfRange) + sum(Reason::Malformed),
+            stale: sum(Reason::Stale),
+            sequence: sum(Reason::Order) + sum(Reason::Gate),
+        }
+    }
+}

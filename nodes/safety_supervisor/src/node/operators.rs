@@ -1,0 +1,96 @@
+//! The services through which a person asks.
+
+use fdm_loop_msgs::{SetMode, SetModeResponse, Trigger, TriggerResponse};
+use runtime::{Asked, Node, RuntimeError, Server, topics};
+
+use crate::convert;
+use crate::event::{Operator, Output, What};
+
+/// Every service of the supervisor.
+pub(super) struct Operators {
+    pause: Server<Trigger>,
+    resume: Server<Trigger>,
+    stop: Server<Trigger>,
+    estop: Server<Trigger>,
+    acknowledge: Server<Trigger>,
+    approve: Server<Trigger>,
+    set_mode: Server<SetMode>,
+}
+
+/// A request that waits for its answer.
+pub(super) enum Ask {
+    Trigger(Operator, Asked<Trigger>),
+    SetMode(Asked<SetMode>),
+}
+
+impl Ask {
+    /// What is asked; `None` where it is nothing that can be.
+    pub(super) fn request(&self) -> Option<Operator> {
+        match self {
+            Self::Trigger(request, _) => Some(*request),
+            Self::SetMode(asked) => convert::set_mode(asked.request.mode).map(Operator::SetMode),
+        }
+    }
+}
+
+impl Operators {
+    pub(super) fn serve(node: &mut Node) -> Result<Self, RuntimeError> {
+        Ok(Self {
+            pause: node.serve(&topics::SAFETY_PAUSE)?,
+            resume: node.serve(&topics::SAFETY_RESUME)?,
+            stop: node.serve(&topics::SAFETY_STOP)?,
+            estop: node.serve(&topics::SAFETY_ESTOP)?,
+            acknowledge: node.serve(&topics::SAFETY_ACKNOWLEDGE)?,
+            approve: node.serve(&topics::CONTROL_APPROVE)?,
+            set_mode: node.serve(&topics::SAFETY_SET_MODE)?,
+        })
+    }
+
+    /// The next request, the most urgent first. Cancelling loses none.
+    pub(super) async fn next(&mut self) -> Ask {
+        tokio::select! {
+            biased;
+            asked = self.estop.next() => Ask::Trigger(Operator::Estop, asked),
+            asked = self.stop.next() => Ask::Trigger(Operator::Stop, asked),
+            asked = self.pause.next() => Ask::Trigger(Operator::Pause, asked),
+            asked = self.resume.next() => Ask::Trigger(Operator::Resume, asked),
+            asked = self.acknowledge.next() => Ask::Trigger(Operator::Acknowledge, asked),
+            asked = self.approve.next() => Ask::Trigger(Operator::Approve, asked),
+            asked = self.set_mode.next() => Ask::SetMode(asked),
+        }
+    }
+
+    /// Tells what became of a request: `output` is the brain's answer to it.
+    pub(super) fn answer(&self, ask: &Ask, output: Option<&Output>) {
+        let (success, message) = output
+            .map_or_else(|| (false, "mode must be 1 (observe), 2 (advise) or 3 (act)".to_owned()), verdict);
+        match ask {
+            Ask::SetMode(asked) => {
+                self.set_mode.answer(asked, SetModeResponse { accepted: success, message })
+            }
+            Ask::Trigger(request, asked) => {
+                let server = match request {
+                    Operator::Pause => &self.pause,
+                    Operator::Resume => &self.resume,
+                    Operator::Stop => &self.stop,
+                    Operator::Estop => &self.estop,
+                    Operator::Acknowledge => &self.acknowledge,
+                    Operator::Approve | Operator::SetMode(_) => &self.approve,
+                };
+                server.answer(asked, TriggerResponse { success, message })
+            }
+        };
+    }
+}
+
+/// Whether the newest request was granted, and the mode in force or the reason.
+fn verdict(output: &Output) -> (bool, String) {
+    let newest =
+        output.events.iter().rev().find(|event| matches!(event.what, What::Granted(_) | What::Denied(_)));
+    let mode = convert::mode_name(output.state.mode);
+    match newest.map(|event| (event.what, event.why)) {
+        Some((What::Denied(_), why)) => (false, why.to_owned()),
+        Some(_) => (true, format!("mode {mode}")),
+        None => (false, format!("no decision, mode {mode}")),
+    }
+}

@@ -1,0 +1,144 @@
+//! What leaves the supervisor: permits, state, events, diagnostics.
+
+use fdm_loop_msgs::{ControlCommand, PrintEvent, SafetyState as StateMessage};
+use models::command::{Mode, Permit, Request, Trims};
+use models::units::Seconds;
+use runtime::wire::permit_to_wire;
+use runtime::{Diagnostics, Level, Node, Publisher, RuntimeError, topics};
+
+use super::latch_file::LatchFile;
+use crate::cause::Cause;
+use crate::convert;
+use crate::event::{Output, SafetyState};
+
+/// Refused messages of all topics, by what `safety/state` tells apart.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Totals {
+    pub(super) not_finite: u64,
+    pub(super) out_of_range: u64,
+    pub(super) stale: u64,
+    pub(super) sequence: u64,
+}
+
+/// Every publisher of the supervisor.
+pub(super) struct Outlets {
+    permits: Publisher<ControlCommand>,
+    states: Publisher<StateMessage>,
+    events: Publisher<PrintEvent>,
+    diagnostics: Diagnostics,
+    name: String,
+    session: u64,
+    sequence: u64,
+    /// What a new message on `safety/state` would tell.
+    told: Option<(Mode, Mode, Option<Cause>, u8)>,
+    told_at: Seconds,
+}
+
+impl Outlets {
+    pub(super) fn open(node: &mut Node) -> Result<Self, RuntimeError> {
+        Ok(Self {
+            permits: node.publish_on(&topics::SAFETY_COMMAND)?,
+            states: node.publish_on(&topics::SAFETY_STATE)?,
+            events: node.publish_on(&topics::EVENTS)?,
+            diagnostics: node.diagnostics(),
+            name: node.name(),
+            session: node.session(),
+            sequence: 0,
+            told: None,
+            told_at: Seconds(f64::NEG_INFINITY),
+        })
+    }
+
+    /// Publishes an output. `kept`: the latch, or its end, is on disk.
+    pub(super) fn publish(&mut self, now: Seconds, output: &Output, kept: bool, totals: Totals) {
+        let permit = if kept { output.permit } else { unannounced(output.permit) };
+        self.permits.send(permit_to_wire(now, &permit));
+        for decision in &output.events {
+            self.events.send(convert::event(now, &self.name, decision));
+        }
+        let state = SafetyState { mode: permit.mode, ..output.state };
+        let tells = (state.mode, state.set_mode, state.cause, state.attention as u8);
+        let due = (now - self.told_at).0 >= topics::SAFETY_STATE_PERIOD.0 || now < self.told_at;
+        if due || self.told != Some(tells) {
+            self.told = Some(tells);
+            self.told_at = now;
+            self.tell(now, &state, totals);
+        }
+    }
+
+    /// The last word: the permit with the slicer's own values.
+    pub(super) fn last(&self, now: Seconds, output: &Output, kept: bool) {
+        let permit = if kept { output.permit } else { unannounced(output.permit) };
+        self.permits.send(permit_to_wire(now, &Permit { trims: Trims::NEUTRAL, ..permit }));
+    }
+
+    /// What the disk has to say.
+    pub(super) fn tell_latch(&self, latch: &LatchFile) {
+        self.diagnostics.set("latch_file", latch.failed.as_deref().unwrap_or("ok"));
+    }
+
+    fn tell(&mut self, now: Seconds, state: &SafetyState, totals: Totals) {
+        self.sequence += 1;
+        self.states.send(StateMessage {
+            session_id: self.session,
+            sequence: self.sequence,
+            refused_not_finite: totals.not_finite,
+            refused_out_of_range: totals.out_of_range,
+            refused_stale: totals.stale,
+            refused_sequence: totals.sequence,
+            ..convert::state(now, state)
+        });
+        self.diagnostics.set("mode", convert::mode_name(state.mode));
+        self.diagnostics.set("refused_values", state.refused_values);
+        self.diagnostics.set("refused_commands", state.refused_commands);
+        self.diagnostics.set("clamped_commands", state.clamped_commands);
+        self.diagnostics.set("hotend_excess_w", format_args!("{:.2}", state.hotend_excess_w));
+        if let Some(slip) = state.slip {
+            self.diagnostics.set("slip", format_args!("{slip:.3}"));
+        }
+        let level = match state.mode {
+            Mode::SafeOff | Mode::Estop => Level::Error,
+            Mode::Degraded | Mode::Paused => Level::Warn,
+            Mode::Init | Mode::Observe | Mode::Advise | Mode::Act => Level::Ok,
+        };
+        let cause = state.cause.map_or("ok", Cause::text);
+        self.diagnostics.report(level, cause);
+    }
+}
+
+/// While the disk is not done the printer is as safe as latched, without being told so: the heaters are off, or the
+/// emergency stop is in force, and stay so where the latch has just been ended.
+fn unannounced(permit: Permit) -> Permit {
+    Permit {
+        mode: permit.mode.min(Mode::Paused),
+        request: permit.request.max(Request::HeatersOff),
+        trims: Trims::NEUTRAL,
+        ..permit
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_latch_that_is_not_on_disk_acts_but_is_not_announced() {
+        let permit = |mode, request| Permit {
+            session: 1,
+            sequence: 1,
+            validity: Seconds(0.25),
+            mode,
+            request,
+            trims: Trims { flow: 1.1, ..Trims::NEUTRAL },
+        };
+        for (mode, request, wanted) in [
+            (Mode::SafeOff, Request::HeatersOff, Request::HeatersOff),
+            (Mode::Estop, Request::EmergencyStop, Request::EmergencyStop),
+            (Mode::Act, Request::Run, Request::HeatersOff),
+        ] {
+            let sent = unannounced(permit(mode, request));
+            assert!(sent.mode < Mode::SafeOff);
+            assert_eq!((sent.request, sent.trims), (wanted, Trims::NEUTRAL));
+        }
+    }
+}
