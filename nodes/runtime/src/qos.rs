@@ -84,8 +84,9 @@ pub const SENSOR: Qos = Qos { offered: reliable(10), requested: best_effort(10) 
 /// Results of which none may be lost; the depth covers 1 s of short moves at 500 Hz and two times real time.
 pub const RELIABLE: Qos = Qos { offered: reliable(1000), requested: reliable(1000) };
 
-/// Commands: the newest counts, what is older than its validity is refused by the receiver.
-pub const COMMAND: Qos = Qos { offered: reliable(1), requested: reliable(1) };
+/// Commands: the newest counts, what is older than its validity is refused by the receiver. Requested best effort, so
+/// that a receiver that was killed never holds up the stream to the others.
+pub const COMMAND: Qos = Qos { offered: reliable(10), requested: best_effort(10) };
 
 /// States that a late joiner must know. The client replays old samples too, oldest first: keep the highest sequence.
 pub const LATCHED: Qos = Qos { offered: transient_local(1), requested: transient_local(1) };

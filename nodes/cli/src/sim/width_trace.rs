@@ -4,6 +4,8 @@
 const BIN_S: f64 = 0.05;
 /// Window of the averaged width error of `recovery_time_s` `[s]`.
 const WINDOW_S: f64 = 0.5;
+/// Least time of deposition in a window `[s]`: half of it.
+const LEAST_S: f64 = 0.25;
 /// Averaged width error that counts as recovered `[-]`.
 const RECOVERED_REL: f64 = 0.02;
 
@@ -24,8 +26,11 @@ impl WidthTrace {
         self.bins[bin].1 += dt_s;
     }
 
-    fn mean(&self, bin: usize) -> Option<f64> {
-        self.bins.get(bin).filter(|(_, dt_s)| *dt_s > 0.0).map(|(sum, dt_s)| sum / dt_s)
+    /// Time-weighted mean error over bins; `None` where too little was deposited to speak of a width.
+    fn mean(&self, bins: std::ops::RangeInclusive<usize>) -> Option<f64> {
+        let held = self.bins.get(bins)?;
+        let (sum, dt_s) = held.iter().fold((0.0, 0.0), |(sum, time), (error, dt)| (sum + error, time + dt));
+        (dt_s >= LEAST_S).then(|| sum / dt_s)
     }
 
     /// Slicer time from `onset_s` until the averaged error, less that of the fault-free run of the same seed, stays
@@ -34,15 +39,14 @@ impl WidthTrace {
     pub fn recovery_s(&self, fault_free: &Self, onset_s: f64) -> Option<f64> {
         let first = bin_of(onset_s);
         let window = bin_of(WINDOW_S).max(1);
-        let excess: Vec<Option<f64>> =
-            (first..self.bins.len()).map(|bin| Some(self.mean(bin)? - fault_free.mean(bin)?)).collect();
         let mut recovered = None;
-        for end in 0..excess.len() {
-            let Some(mean) = mean_of(&excess[end.saturating_sub(window - 1)..=end]) else { continue };
-            if mean.abs() >= RECOVERED_REL {
+        for end in first..self.bins.len() {
+            let bins = first.max((end + 1).saturating_sub(window))..=end;
+            let Some(excess) = self.mean(bins.clone()).zip(fault_free.mean(bins)) else { continue };
+            if (excess.0 - excess.1).abs() >= RECOVERED_REL {
                 recovered = None;
             } else if recovered.is_none() {
-                recovered = Some(end);
+                recovered = Some(end - first);
             }
         }
         #[allow(clippy::cast_precision_loss, reason = "bins of a print are far below 2^52")]
@@ -55,13 +59,6 @@ fn bin_of(time_s: f64) -> usize {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded above")]
     let bin = (time_s / BIN_S) as usize;
     bin
-}
-
-fn mean_of(values: &[Option<f64>]) -> Option<f64> {
-    let held: Vec<f64> = values.iter().flatten().copied().collect();
-    #[allow(clippy::cast_precision_loss, reason = "at most ten bins")]
-    let count = held.len() as f64;
-    (!held.is_empty()).then(|| held.iter().sum::<f64>() / count)
 }
 
 #[cfg(test)]
@@ -94,6 +91,7 @@ mod tests {
     #[test]
     fn an_error_that_both_runs_share_is_not_counted() {
         let ripple = |t: f64| 0.1 * (7.0 * t).sin();
-        assert_eq!(trace(ripple).recovery_s(&trace(ripple), 30.0), Some(0.0));
+        // As soon as half a window is known.
+        assert_eq!(trace(ripple).recovery_s(&trace(ripple), 30.0), Some(0.2));
     }
 }
