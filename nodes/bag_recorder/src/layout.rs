@@ -56,11 +56,9 @@ impl Layout {
     /// Sorts the names of a folder; foreign files are passed over.
     #[must_use]
     pub fn survey<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Survey {
-        let (mut finished, mut active, mut recovering) =
-            (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
+        let (mut finished, mut active, mut recovering) = (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
         for name in names {
-            let kinds =
-                [(FINISHED, &mut finished), (ACTIVE, &mut active), (RECOVERING, &mut recovering)];
+            let kinds = [(FINISHED, &mut finished), (ACTIVE, &mut active), (RECOVERING, &mut recovering)];
             for (ending, numbers) in kinds {
                 numbers.extend(self.number(name, ending));
             }

@@ -64,7 +64,8 @@ pub fn counts_json(contents: &Contents, active: Option<&str>, run: RunCounts) ->
 
 /// Members of a JSON object.
 fn members<'a>(pairs: impl Iterator<Item = (&'a str, u64)>) -> String {
-    let members: Vec<String> = pairs.map(|(name, count)| format!("\n    {}: {count}", quoted(name))).collect();
+    let members: Vec<String> =
+        pairs.map(|(name, count)| format!("\n    {}: {count}", quoted(name))).collect();
     if members.is_empty() { "{}".to_owned() } else { format!("{{{}\n  }}", members.join(",")) }
 }
 

@@ -20,6 +20,10 @@ pub struct Params {
     pub late_max: Seconds,
     /// Longest wait for the first reading of simulated time.
     pub clock_wait: Seconds,
+    /// Messages of a topic that wait in the middleware.
+    pub reader_depth: usize,
+    /// Publishers with a shorter send window are listened to best effort.
+    pub window_min: usize,
 }
 
 /// The parameters as they are written.
@@ -38,6 +42,10 @@ pub struct RawParams {
     pub late_max_s: f64,
     /// Longest wait for `/clock` `[s]`, in `[0, 60]`.
     pub clock_wait_s: f64,
+    /// Messages of a topic that wait in the middleware `[-]`, in `[1, 100000]`.
+    pub reader_depth: u32,
+    /// Shortest send window that is listened to reliably `[-]`, in `[1, 100000]`.
+    pub window_min: u32,
 }
 
 /// Why the parameters of the recorder were refused.
@@ -52,6 +60,11 @@ pub enum RecorderParamError {
     NoName(PathBuf),
 }
 
+/// A count as the machine's own size.
+fn size(count: u32) -> usize {
+    usize::try_from(count).unwrap_or(usize::MAX)
+}
+
 impl TryFrom<RawParams> for Params {
     type Error = RecorderParamError;
 
@@ -60,10 +73,14 @@ impl TryFrom<RawParams> for Params {
             return Err(RecorderParamError::NoName(raw.bag_dir));
         }
         in_range("queue_length", f64::from(raw.queue_length), "-", (1.0, 1e6))?;
+        in_range("reader_depth", f64::from(raw.reader_depth), "-", (1.0, 1e5))?;
+        in_range("window_min", f64::from(raw.window_min), "-", (1.0, 1e5))?;
         Ok(Self {
             bag_dir: raw.bag_dir,
             leave_out: raw.leave_out,
-            queue_length: usize::try_from(raw.queue_length).unwrap_or(usize::MAX),
+            queue_length: size(raw.queue_length),
+            reader_depth: size(raw.reader_depth),
+            window_min: size(raw.window_min),
             sync_period: Seconds(in_range("sync_period_s", raw.sync_period_s, "s", (0.01, 60.0))?),
             late_max: Seconds(in_range("late_max_s", raw.late_max_s, "s", (0.0, 60.0))?),
             clock_wait: Seconds(in_range("clock_wait_s", raw.clock_wait_s, "s", (0.0, 60.0))?),
@@ -91,6 +108,8 @@ mod tests {
             sync_period_s: 1.0,
             late_max_s: 1.0,
             clock_wait_s: 2.0,
+            reader_depth: 1000,
+            window_min: 100,
         }
     }
 

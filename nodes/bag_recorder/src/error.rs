@@ -1,0 +1,56 @@
+//! Why recording cannot begin or go on.
+
+use runtime::RuntimeError;
+use std::path::{Path, PathBuf};
+
+/// The recorder's errors.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub(crate) enum RecorderError {
+    /// The graph.
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    /// A file or folder.
+    #[error("cannot {what} {}", path.display())]
+    File {
+        /// What was tried.
+        what: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// Why it failed.
+        #[source]
+        source: std::io::Error,
+    },
+    /// An MCAP file.
+    #[error("cannot {what} {}", path.display())]
+    Mcap {
+        /// What was tried.
+        what: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// Why it failed.
+        #[source]
+        source: mcap::McapError,
+    },
+    /// The folder is another recorder's.
+    #[error("{}: another recorder is writing to this bag", .0.display())]
+    InUse(PathBuf),
+    /// A name in `leave_out` is no topic.
+    #[error("leave_out: '{0}' is no topic of this system")]
+    NoTopic(String),
+    /// A thread cannot be started, or ended before it should.
+    #[error("{0}")]
+    Thread(&'static str),
+}
+
+impl RecorderError {
+    /// For `map_err` of file operations.
+    pub(crate) fn file(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        move |source| Self::File { what, path: path.to_path_buf(), source }
+    }
+
+    /// For `map_err` of MCAP operations.
+    pub(crate) fn mcap(what: &'static str, path: &Path) -> impl FnOnce(mcap::McapError) -> Self {
+        move |source| Self::Mcap { what, path: path.to_path_buf(), source }
+    }
+}

@@ -1,0 +1,119 @@
+//! The folder of a bag: lock, listing, and the files `metadata.yaml` and `counts.json` that describe it.
+
+use crate::error::RecorderError;
+use crate::tally::Tally;
+use bag_recorder::contents::{Contents, FileContents};
+use bag_recorder::layout::{Layout, Survey};
+use bag_recorder::metadata::{counts_json, metadata_yaml};
+use std::fs::{File, TryLockError};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A bag's folder; clones share it.
+#[derive(Debug, Clone)]
+pub(crate) struct Folder {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    path: PathBuf,
+    layout: Layout,
+    tally: Arc<Tally>,
+    state: Mutex<State>,
+    /// Locked while this process lives, so that no second recorder mends a file that is being written.
+    lock: File,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    contents: Contents,
+    active: Option<String>,
+}
+
+impl Folder {
+    /// Opens a folder, or makes it, and locks it.
+    pub(crate) fn open(path: &Path, name: &str, tally: Arc<Tally>) -> Result<Self, RecorderError> {
+        std::fs::create_dir_all(path).map_err(RecorderError::file("make", path))?;
+        let lock = File::open(path).map_err(RecorderError::file("open", path))?;
+        lock.try_lock().map_err(|error| match error {
+            TryLockError::WouldBlock => RecorderError::InUse(path.to_path_buf()),
+            TryLockError::Error(error) => RecorderError::file("lock", path)(error),
+        })?;
+        let shared = Shared {
+            path: path.to_path_buf(),
+            layout: Layout::new(name),
+            tally,
+            state: Mutex::default(),
+            lock,
+        };
+        Ok(Self { shared: Arc::new(shared) })
+    }
+
+    /// Names of the files.
+    pub(crate) fn layout(&self) -> &Layout {
+        &self.shared.layout
+    }
+
+    /// Path of a file.
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.shared.path.join(name)
+    }
+
+    /// Looks through the folder and removes what a kill left half-made.
+    pub(crate) fn survey(&self) -> Result<Survey, RecorderError> {
+        let failed = || RecorderError::file("list", &self.shared.path);
+        let mut names = Vec::new();
+        for entry in std::fs::read_dir(&self.shared.path).map_err(failed())? {
+            names.extend(entry.map_err(failed())?.file_name().into_string());
+        }
+        let survey = self.shared.layout.survey(names.iter().map(String::as_str));
+        for name in &survey.stale {
+            self.remove(name)?;
+        }
+        Ok(survey)
+    }
+
+    /// Removes a file.
+    pub(crate) fn remove(&self, name: &str) -> Result<(), RecorderError> {
+        let path = self.path(name);
+        std::fs::remove_file(&path).map_err(RecorderError::file("remove", &path))
+    }
+
+    /// Takes a finished file in and describes the folder anew.
+    pub(crate) fn add(&self, file: FileContents) -> Result<(), RecorderError> {
+        let mut state = self.state();
+        state.contents.add(file);
+        self.describe(&state)
+    }
+
+    /// Names the file that is being written, or `None` at the end, and describes the folder anew.
+    pub(crate) fn set_active(&self, active: Option<String>) -> Result<(), RecorderError> {
+        let mut state = self.state();
+        state.active = active;
+        self.describe(&state)
+    }
+
+    /// Writes `metadata.yaml` and `counts.json`.
+    fn describe(&self, state: &State) -> Result<(), RecorderError> {
+        let active = state.active.as_deref();
+        self.replace("metadata.yaml", &metadata_yaml(&state.contents, active))?;
+        self.replace("counts.json", &counts_json(&state.contents, active, self.shared.tally.run()))?;
+        self.shared.lock.sync_all().map_err(RecorderError::file("sync", &self.shared.path))
+    }
+
+    /// Replaces a small file as a whole: a kill leaves the old one or the new one.
+    fn replace(&self, name: &str, text: &str) -> Result<(), RecorderError> {
+        let temporary = self.path(&format!("{name}.tmp"));
+        let failed = || RecorderError::file("write", &temporary);
+        let mut file = File::create(&temporary).map_err(failed())?;
+        file.write_all(text.as_bytes()).map_err(failed())?;
+        file.sync_all().map_err(failed())?;
+        std::fs::rename(&temporary, self.path(name)).map_err(failed())
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.shared.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,98 @@
+use super::*;
+use bag_recorder::layout::Layout;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A folder that goes with its test.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("bag_recorder_{test}_{}", std::process::id()));
+        _ = std::fs::remove_dir_all(&path);
+        Self(path)
+    }
+
+    fn folder(&self) -> Folder {
+        Folder::open(&self.0, "bag", Arc::new(Tally::new(0))).unwrap()
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn channel() -> Channel {
+    Channel { topic: "/a".into(), type_name: "std_msgs/msg/Empty".into(), offered_qos: "- depth: 1".into() }
+}
+
+fn stamp(log_ns: u64) -> Stamp {
+    Stamp { log_ns, publish_ns: log_ns, sequence: 0 }
+}
+
+/// An active file as a killed recorder leaves it: `whole` messages and, of one more, all but `missing` bytes.
+fn killed(folder: &Folder, whole: u64, missing: u64) {
+    let path = folder.path(&Layout::new("bag").active(0));
+    let mut file = BagFile::create(&path, Form::Plain, 0, "bag_0.mcap".into()).unwrap();
+    for number in 0..=whole {
+        file.write(&channel(), "", stamp(10 + number), &[0; 40]).unwrap();
+        file.flush().unwrap();
+    }
+    let length = std::fs::metadata(&path).unwrap().len();
+    std::mem::forget(file); // a killed process writes no footer
+    let file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
+    file.set_len(length - missing).unwrap();
+}
+
+/// Whatever the byte at which the last record was cut, the whole ones before it are kept: all 5 of 5, never 4.
+#[test]
+fn every_whole_record_survives_a_cut_anywhere() {
+    let record = 1 + 8 + 22 + 40; // operation, length, header of a message, payload
+    for missing in 1..=record {
+        let scratch = Scratch::new("cut");
+        let folder = scratch.folder();
+        killed(&folder, 5, missing);
+        assert_eq!(recover(&folder, 0, &AtomicBool::new(false)).unwrap(), Some(5), "{missing} bytes missing");
+        let contents = read_finished(&folder, 0).unwrap();
+        assert_eq!((contents.total(), contents.span_ns), (5, Some((10, 14))));
+        assert_eq!(contents.messages.keys().next(), Some(&channel()));
+        assert!(!folder.path("bag_0.mcap.active").exists());
+    }
+}
+
+/// A recovery that is stopped leaves the active file for the next start, and nothing half-made.
+#[test]
+fn a_stopped_recovery_changes_nothing() {
+    let scratch = Scratch::new("stopped");
+    let folder = scratch.folder();
+    killed(&folder, 5, 1);
+    assert_eq!(recover(&folder, 0, &AtomicBool::new(true)).unwrap(), None);
+    let survey = folder.survey().unwrap();
+    assert_eq!((survey.leftover, survey.finished, survey.stale), (vec![0], vec![], vec![]));
+}
+
+/// Killed before the first byte, or in the first ones: an empty file comes out, and recording goes on.
+#[test]
+fn a_file_of_a_few_bytes_becomes_an_empty_one() {
+    for length in [0, 4, 20] {
+        let scratch = Scratch::new("short");
+        let folder = scratch.folder();
+        killed(&folder, 0, 0);
+        let file = std::fs::OpenOptions::new().write(true).open(folder.path("bag_0.mcap.active")).unwrap();
+        file.set_len(length).unwrap();
+        assert_eq!(recover(&folder, 0, &AtomicBool::new(false)).unwrap(), Some(0), "{length} bytes");
+    }
+}
+
+/// Two recorders in one folder would mend each other's open files.
+#[test]
+fn a_folder_has_one_recorder() {
+    let scratch = Scratch::new("locked");
+    let first = scratch.folder();
+    let second = Folder::open(&scratch.0, "bag", Arc::new(Tally::new(0)));
+    assert!(matches!(second, Err(RecorderError::InUse(_))));
+    drop(first);
+    scratch.folder();
+}

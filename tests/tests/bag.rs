@@ -1,0 +1,94 @@
+//! The recorder as a process over DDS, its bags as two independent Python readers see them, and a kill in the middle.
+//! Real time passes here: DDS has no other.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests
+
+#[path = "bag/process.rs"]
+mod process;
+#[path = "bag/publisher.rs"]
+mod publisher;
+
+use process::{Bag, Domain, Publisher, Recorder};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// Messages by topic.
+type Counts = BTreeMap<String, u64>;
+
+/// A JSON object of counts.
+fn counts(value: &Value) -> Counts {
+    serde_json::from_value(value.clone()).unwrap()
+}
+
+/// The topics of `among` alone.
+fn only(counts: &Counts, among: &Counts) -> Counts {
+    counts.iter().filter(|(name, _)| among.contains_key(*name)).map(|(name, n)| (name.clone(), *n)).collect()
+}
+
+/// Both readers decode every message of the bag, and count what `metadata.yaml` and the recorder say.
+fn read_by_all(bag: &Bag) -> Value {
+    let read = bag.read();
+    let reported = bag.reported();
+    let expected = counts(&reported["topics"]);
+    assert!(!expected.is_empty(), "{reported}");
+    assert_eq!(counts(&read["rosbags"]["counts"]), expected, "rosbags against counts.json");
+    assert_eq!(counts(&read["rosbags"]["declared"]), expected, "metadata.yaml against counts.json");
+    assert_eq!(counts(&read["mcap"]["counts"]), expected, "mcap-ros2-support against counts.json");
+    assert_eq!(read["rosbags"]["total"], reported["messages"]);
+    assert_eq!(read["mcap"]["files"], reported["files"]);
+    assert_eq!(reported["state"], "closed");
+    assert_eq!(read["rosbags"]["differing"], serde_json::json!([]), "standard types that differ");
+    read
+}
+
+/// Every message sent is in the bag, once, readable by tools that share no code with us; the bag says what was printed.
+#[test]
+fn a_bag_holds_every_message_that_was_sent() {
+    let bag = Bag::new("whole");
+    let domain = Domain::new(0);
+    let mut recorder = Recorder::start(&bag, domain);
+    let sent = Publisher::start(domain, "known").sent();
+    recorder.stop();
+
+    let read = read_by_all(&bag);
+    assert_eq!(only(&counts(&bag.reported()["topics"]), &sent), sent, "recorded against sent");
+    assert_eq!(bag.reported()["run"]["dropped"], 0);
+    let note = &read["mcap"]["note"];
+    assert_eq!((&note["print_id"], &note["config"]), (&"cube".into(), &"a: 1\n".into()));
+    assert_eq!(note["config_sha256"], publisher::CONFIG_SHA256);
+    assert!(note["recorder_parameters"].as_str().unwrap().contains("bag_dir"));
+    assert!(note["recorder_build"].as_str().unwrap().starts_with(env!("CARGO_PKG_VERSION")));
+}
+
+/// A recorder killed in the middle loses nothing that it had acknowledged: the next one in the same folder recovers the
+/// file to exactly the whole records it held, and goes on in a second file. Both are one bag.
+#[test]
+fn a_killed_recorder_loses_nothing_it_acknowledged() {
+    let bag = Bag::new("killed");
+    let domain = Domain::new(1);
+    let mut first = Recorder::start(&bag, domain);
+    let mut publisher = Publisher::start(domain, "stream");
+    let acknowledged = publisher.acknowledged(1, 300);
+    first.kill();
+    let held = bag.held_by_active(0);
+    for (topic, count) in &acknowledged {
+        assert!(held.get(topic) >= Some(count), "{topic}: {held:?} against {acknowledged:?}");
+    }
+
+    let mut second = Recorder::start(&bag, domain);
+    publisher.acknowledged(2, 300);
+    second.stop();
+    let read = read_by_all(&bag);
+    let files = counts(&read["mcap"]["files"]);
+    assert_eq!(files.keys().collect::<Vec<_>>(), [&bag.file(0), &bag.file(1)]);
+    assert_eq!(files[&bag.file(0)], held.values().sum::<u64>(), "recovered against held");
+    assert!(files[&bag.file(1)] > 300, "{files:?}");
+}
+
+/// The publishing process of the tests above: they start this program again with a role.
+#[test]
+#[ignore = "a process of the other tests"]
+fn publisher_process() {
+    if let Ok(role) = std::env::var(process::ROLE) {
+        publisher::run(&role);
+    }
+}

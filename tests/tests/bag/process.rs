@@ -1,0 +1,201 @@
+//! Processes and folders that do not outlive their test.
+
+use crate::{Counts, counts};
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Lines};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Variable that makes this program a publisher.
+pub(crate) const ROLE: &str = "FDM_TEST_PUBLISHER";
+
+/// A DDS domain that no other test process uses at the same time (ports of domains up to 101 lie below the ephemeral
+/// ones).
+#[derive(Clone, Copy)]
+pub(crate) struct Domain(u32);
+
+impl Domain {
+    pub(crate) fn new(test: u32) -> Self {
+        Self(20 + (std::process::id() * 3 + test) % 80)
+    }
+
+    /// A command in this domain.
+    fn command(self, program: &Path) -> Command {
+        let mut command = Command::new(program);
+        command.env("ROS_DOMAIN_ID", self.0.to_string()).env_remove("RUST_LOG");
+        command
+    }
+}
+
+/// A process that is killed with its test.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        _ = self.0.kill();
+        _ = self.0.wait();
+    }
+}
+
+/// The folder of a bag.
+pub(crate) struct Bag {
+    name: String,
+    path: PathBuf,
+}
+
+/// Root of the repository.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_path_buf()
+}
+
+impl Bag {
+    pub(crate) fn new(test: &str) -> Self {
+        let name = format!("bag_test_{test}_{}", std::process::id());
+        let path = std::env::temp_dir().join(&name);
+        _ = std::fs::remove_dir_all(&path);
+        Self { name, path }
+    }
+
+    /// Name of a finished file.
+    pub(crate) fn file(&self, number: u32) -> String {
+        format!("{}_{number}.mcap", self.name)
+    }
+
+    /// What the recorder reported of the bag.
+    pub(crate) fn reported(&self) -> Value {
+        let text = std::fs::read_to_string(self.path.join("counts.json")).unwrap();
+        serde_json::from_str(&text).unwrap()
+    }
+
+    /// What the Python readers find.
+    pub(crate) fn read(&self) -> Value {
+        count(&[self.path.as_os_str()])
+    }
+
+    /// Whole records in the file that a killed recorder left.
+    pub(crate) fn held_by_active(&self, number: u32) -> Counts {
+        let file = self.path.join(format!("{}.active", self.file(number)));
+        counts(&count(&["--active".as_ref(), file.as_os_str()]))
+    }
+}
+
+impl Drop for Bag {
+    fn drop(&mut self) {
+        _ = std::fs::remove_dir_all(&self.path);
+    }
+}
+
+/// Runs the Python readers.
+fn count(arguments: &[&std::ffi::OsStr]) -> Value {
+    let python = root().join("target/venv/bin/python");
+    assert!(
+        python.exists(),
+        "{} is missing: launch_scripts/test.sh makes it, or: python3 -m venv target/venv && \
+         target/venv/bin/pip install -r tests/requirements.txt",
+        python.display()
+    );
+    let output =
+        Command::new(python).arg(root().join("tests/readers/count.py")).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The recorder under test.
+pub(crate) struct Recorder(Process);
+
+impl Recorder {
+    /// Starts the recorder; its first file is there when this returns.
+    pub(crate) fn start(bag: &Bag, domain: Domain) -> Self {
+        let test = std::env::current_exe().unwrap();
+        let program = test.parent().unwrap().parent().unwrap().join("bag_recorder");
+        assert!(
+            program.exists(),
+            "{} is missing: build it first with cargo build -p bag_recorder",
+            program.display()
+        );
+        let child = domain
+            .command(&program)
+            .args(["--ros-args", "--params-file"])
+            .arg(root().join("config/bag_recorder.param.yaml"))
+            .args(["-p", &format!("bag_dir:={}", bag.path.display()), "-p", "sync_period_s:=0.1"])
+            .spawn()
+            .unwrap();
+        Self(Process(child))
+    }
+
+    /// SIGTERM: an orderly end within 2 s.
+    pub(crate) fn stop(&mut self) {
+        let child = &mut self.0.0;
+        kill_process(Pid::from_child(child), Signal::TERM).unwrap();
+        let begin = Instant::now();
+        loop {
+            if let Some(status) = child.try_wait().unwrap() {
+                assert_eq!(status.code(), Some(0));
+                return;
+            }
+            assert!(begin.elapsed() < Duration::from_secs(2), "the recorder does not end within 2 s");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// SIGKILL.
+    pub(crate) fn kill(&mut self) {
+        self.0.0.kill().unwrap();
+        self.0.0.wait().unwrap();
+    }
+}
+
+/// The process that publishes; it writes a line of counts as JSON per report.
+pub(crate) struct Publisher {
+    process: Process,
+    lines: Lines<BufReader<ChildStdout>>,
+}
+
+/// What a line of counts begins with.
+pub(crate) const COUNTS: &str = "counts: ";
+/// Key among the counts: how often the recorder began anew, from 1.
+pub(crate) const LIFE_KEY: &str = "life";
+
+impl Publisher {
+    /// Starts this program again in a role.
+    pub(crate) fn start(domain: Domain, role: &str) -> Self {
+        let mut child = domain
+            .command(&std::env::current_exe().unwrap())
+            .args(["--ignored", "--exact", "publisher_process", "--nocapture", "--test-threads=1"])
+            .env(ROLE, role)
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        Self { process: Process(child), lines }
+    }
+
+    /// The next counts.
+    fn next(&mut self) -> Counts {
+        for line in self.lines.by_ref() {
+            let line = line.unwrap();
+            if let Some((_, text)) = line.split_once(COUNTS) {
+                return serde_json::from_str(text).unwrap();
+            }
+        }
+        panic!("the publisher ended: {:?}", self.process.0.wait())
+    }
+
+    /// Role `known`: what was sent, once the recorder has all of it.
+    pub(crate) fn sent(mut self) -> Counts {
+        self.next()
+    }
+
+    /// Role `stream`: what the recorder says it has written, once that is at least `least` messages of each topic in
+    /// its life number `life`.
+    pub(crate) fn acknowledged(&mut self, life: u64, least: u64) -> Counts {
+        loop {
+            let mut counts = self.next();
+            if counts.remove(LIFE_KEY) == Some(life) && counts.values().all(|count| *count >= least) {
+                return counts;
+            }
+        }
+    }
+}
