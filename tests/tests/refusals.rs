@@ -1,0 +1,181 @@
+//! A NaN, an out-of-range and a stale message on every subscribed topic of every node is refused, counted and shown.
+//!
+//! The nodes are processes and speak over DDS; the pairs of node and topic come from their own `/diagnostics`, so that
+//! a new subscription without an entry in the table fails. Real time passes here: DDS has no other.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "helpers of tests: a failure is the test's failure"
+)]
+
+#[path = "refusals/fleet.rs"]
+mod fleet;
+#[path = "refusals/shown.rs"]
+mod shown;
+#[path = "refusals/table.rs"]
+mod table;
+
+use fleet::Fleet;
+use models::units::Seconds;
+use runtime::{Args, Node, Subscription, Timer, topics};
+use shown::Shown;
+use std::process::Command;
+use std::time::Duration;
+use table::{Entry, Kind};
+
+/// Set in the process that is the peer: the domain is read from the environment, which a test cannot change in itself.
+const PEER: &str = "FDM_REFUSALS_PEER";
+/// Longest wait for a counter: reports come once a second.
+const PATIENCE: Duration = Duration::from_secs(15);
+
+#[test]
+fn every_bad_message_is_refused_counted_and_shown() {
+    if std::env::var_os(PEER).is_none() {
+        let status = Command::new(std::env::current_exe().unwrap())
+            .args(["every_bad_message_is_refused_counted_and_shown", "--exact", "--nocapture"])
+            .env(PEER, "1")
+            // Ports of domains up to 101 lie below the ephemeral ones.
+            .env("ROS_DOMAIN_ID", (20 + std::process::id() % 80).to_string())
+            .status()
+            .unwrap();
+        assert!(status.success(), "the peer failed, see above");
+        return;
+    }
+    let executor = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    executor.block_on(async {
+        let mut fleet = Fleet::start();
+        let mut peer = Peer::join();
+        peer.find_all_nodes().await;
+        let pairs = peer.pairs();
+        println!("{} pairs of node and topic", pairs.len());
+        peer.sound_messages_are_taken(&pairs).await;
+        for kind in Kind::BAD {
+            peer.bad_messages_are_counted(kind, &pairs).await;
+        }
+        peer.the_controllers_last_word_is_neutral(&mut fleet).await;
+        fleet.end();
+    });
+}
+
+/// A node that publishes on every topic and reads what the others show.
+struct Peer {
+    _node: Node,
+    clock: runtime::Clock,
+    entries: Vec<Entry>,
+    reports: Subscription<fdm_loop_msgs::DiagnosticArray>,
+    commands: Subscription<fdm_loop_msgs::ControlCommand>,
+    ticks: Timer,
+    shown: Shown,
+}
+
+impl Peer {
+    fn join() -> Self {
+        let mut node = Node::start_with("peer", Args::default()).unwrap();
+        Self {
+            clock: node.clock(),
+            entries: table::all(&mut node),
+            reports: node.subscribe(&topics::DIAGNOSTICS).unwrap(),
+            commands: node.subscribe(&topics::CONTROL_COMMAND).unwrap(),
+            ticks: node.timer(Seconds(0.05)),
+            shown: Shown::default(),
+            _node: node,
+        }
+    }
+
+    /// Takes reports in, sends `kind` on every topic every 50 ms, until `done`; false when that takes too long.
+    async fn until(&mut self, kind: Option<Kind>, done: impl Fn(&Shown) -> bool) -> bool {
+        let limit = tokio::time::sleep(PATIENCE);
+        tokio::pin!(limit);
+        while !done(&self.shown) {
+            tokio::select! {
+                report = self.reports.recv() => self.shown.take(&report.message),
+                now = self.ticks.next() => {
+                    for entry in kind.iter().flat_map(|kind| self.entries.iter().map(move |entry| (*kind, entry))) {
+                        (entry.1.send)(entry.0, now.0);
+                    }
+                }
+                () = &mut limit => return false,
+            }
+        }
+        true
+    }
+
+    async fn find_all_nodes(&mut self) {
+        let found = self.until(None, |shown| fleet::NODES.iter().all(|node| shown.knows(node))).await;
+        assert!(found, "not all nodes report: {:?}", self.shown.nodes());
+    }
+
+    /// Every pair of node and subscribed topic, each with an entry, each entry with a pair.
+    fn pairs(&self) -> Vec<(String, String)> {
+        let pairs = self.shown.subscriptions();
+        for (node, topic) in &pairs {
+            let known = self.entries.iter().any(|entry| entry.topic == topic);
+            assert!(known, "{node} subscribes {topic}: add it to the table of this test");
+        }
+        for entry in &self.entries {
+            let used = pairs.iter().any(|(_, topic)| entry.topic == topic);
+            assert!(used, "nobody subscribes {}: take it from the table", entry.topic);
+        }
+        pairs
+    }
+
+    /// What is refused below is refused for what is wrong with it. (One in ten may be late on a loaded machine.)
+    async fn sound_messages_are_taken(&mut self, pairs: &[(String, String)]) {
+        let taken = |shown: &Shown| pairs.iter().all(|(node, topic)| shown.received(node, topic) >= 20);
+        assert!(
+            self.until(Some(Kind::Sound), taken).await,
+            "not every topic arrives: {}",
+            self.shown.all(pairs)
+        );
+        for (node, topic) in pairs {
+            let received = self.shown.received(node, topic);
+            for kind in Kind::BAD {
+                let refused = self.shown.refused(node, topic, kind.reason());
+                assert!(
+                    refused * 10 <= received,
+                    "{node} {topic}: {refused} of {received} {}",
+                    kind.reason()
+                );
+            }
+        }
+    }
+
+    async fn bad_messages_are_counted(&mut self, kind: Kind, pairs: &[(String, String)]) {
+        let reason = kind.reason();
+        let before: Vec<_> = pairs
+            .iter()
+            .map(|(node, topic)| {
+                (self.shown.refused(node, topic, reason), self.shown.refused_in_all(node, topic))
+            })
+            .collect();
+        let risen = |shown: &Shown, index: usize| {
+            let (node, topic) = &pairs[index];
+            shown.refused(node, topic, reason) >= before[index].0 + 3
+                && shown.refused_in_all(node, topic) >= before[index].1 + 3
+        };
+        self.until(Some(kind), |shown| (0..pairs.len()).all(|index| risen(shown, index))).await;
+        let missed: Vec<_> = (0..pairs.len()).filter(|index| !risen(&self.shown, *index)).collect();
+        let missed: Vec<_> = missed.into_iter().map(|index| &pairs[index]).collect();
+        assert!(missed.is_empty(), "{reason}: not counted by {missed:?}; {}", self.shown.all(pairs));
+    }
+
+    /// Silent until it is asked to end, the controller then takes its corrections back.
+    async fn the_controllers_last_word_is_neutral(&mut self, fleet: &mut Fleet) {
+        let before = self.commands.drain_newest().map(|received| received.message);
+        let quiet_from = self.clock.now();
+        fleet.ask_to_end("mpc_controller");
+        let own = |session| before.as_ref().is_some_and(|command| command.session_id == session);
+        let last = tokio::time::timeout(Duration::from_secs(2), async {
+            loop {
+                let message = self.commands.recv().await.message;
+                if own(message.session_id) && message.header.stamp.seconds().unwrap() > quiet_from.0 {
+                    return message;
+                }
+            }
+        });
+        let last = last.await.expect("the controller says a last word");
+        let trims = (last.flow_factor, last.speed_factor, last.nozzle_setpoint_offset_k);
+        assert_eq!(trims, (1.0, 1.0, 0.0));
+        assert!(!last.set_advance && !last.close_extruder_loop);
+    }
+}

@@ -1,0 +1,73 @@
+//! The node processes, started from the folder of the test's own executable.
+
+use rustix::process::{Pid, Signal, kill_process};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Nodes that are looked at.
+pub(crate) const NODES: [&str; 5] =
+    ["thermistor", "filament_encoder", "state_estimator", "mpc_controller", "safety_supervisor"];
+
+/// Running nodes; none outlives the test.
+pub(crate) struct Fleet(Vec<(&'static str, Child)>);
+
+impl Fleet {
+    /// Starts all nodes on the host's clock.
+    pub(crate) fn start() -> Self {
+        Self(NODES.map(|node| (node, start(node))).into_iter().collect())
+    }
+
+    /// SIGTERM to one node.
+    pub(crate) fn ask_to_end(&self, name: &str) {
+        for (_, child) in self.0.iter().filter(|(node, _)| *node == name) {
+            kill_process(Pid::from_child(child), Signal::TERM).unwrap();
+        }
+    }
+
+    /// SIGTERM to all: each ends in order within 2 s.
+    pub(crate) fn end(&mut self) {
+        for (_, child) in &self.0 {
+            _ = kill_process(Pid::from_child(child), Signal::TERM);
+        }
+        let begin = Instant::now();
+        for (name, child) in &mut self.0 {
+            let status = loop {
+                if let Some(status) = child.try_wait().unwrap() {
+                    break status;
+                }
+                assert!(begin.elapsed() < Duration::from_secs(3), "{name} does not end");
+                std::thread::sleep(Duration::from_millis(5));
+            };
+            assert_eq!(status.code(), Some(0), "{name}");
+        }
+    }
+}
+
+impl Drop for Fleet {
+    fn drop(&mut self) {
+        for (_, child) in &mut self.0 {
+            _ = child.kill();
+            _ = child.wait();
+        }
+    }
+}
+
+fn start(node: &str) -> Child {
+    let deps = std::env::current_exe().unwrap();
+    let program = deps.parent().and_then(Path::parent).unwrap().join(node);
+    assert!(program.is_file(), "{} is missing: build it first (cargo build -p {node})", program.display());
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");
+    let mut files = vec![format!("{node}.param.yaml")];
+    if matches!(node, "state_estimator" | "mpc_controller") {
+        files.extend(["printers/ender3.yaml".into(), "materials/pla.yaml".into()]);
+    }
+    let arguments = files.iter().flat_map(|file| ["--params-file".into(), config.join(file)] as [PathBuf; 2]);
+    Command::new(program)
+        .arg("--ros-args")
+        .args(arguments)
+        .env_remove("RUST_LOG")
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap()
+}

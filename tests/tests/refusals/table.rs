@@ -1,0 +1,165 @@
+//! One entry per topic: a sound message, and what makes it a bad one.
+
+use fdm_loop_msgs::{
+    BeadWidth, ControlCommand, FilamentMotion, FilamentReport, Header, PrinterState, RosType, StateEstimate,
+    Temperature, TemperatureReport,
+};
+use runtime::topics::{self, Topic};
+use runtime::{Node, wire};
+
+/// What is sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Sound,
+    NotFinite,
+    OutOfRange,
+    Stale,
+}
+
+impl Kind {
+    pub(crate) const BAD: [Self; 3] = [Self::NotFinite, Self::OutOfRange, Self::Stale];
+
+    /// Ending of the counter that must rise.
+    pub(crate) fn reason(self) -> &'static str {
+        match self {
+            Self::Sound => "",
+            Self::NotFinite => "not_finite",
+            Self::OutOfRange => "out_of_range",
+            Self::Stale => "stale",
+        }
+    }
+}
+
+/// Age of a stale message `[s]`: beyond every limit of `config/`.
+const OLD_S: f64 = 30.0;
+
+/// A topic and its messages.
+pub(crate) struct Entry {
+    pub(crate) topic: &'static str,
+    /// Sends a message of a kind at a time.
+    pub(crate) send: Box<dyn Fn(Kind, f64)>,
+}
+
+/// A message of a topic.
+struct Sample<T> {
+    sound: T,
+    header: fn(&mut T) -> &mut Header,
+    /// Sets one field.
+    set: fn(&mut T, f64),
+    out_of_range: f64,
+}
+
+fn entry<T: RosType + Clone>(node: &mut Node, topic: &Topic<T>, sample: Sample<T>) -> Entry {
+    let publisher = node.publish_on(topic).unwrap();
+    let send = move |kind, now_s: f64| {
+        let mut message = sample.sound.clone();
+        match kind {
+            Kind::NotFinite => (sample.set)(&mut message, f64::NAN),
+            Kind::OutOfRange => (sample.set)(&mut message, sample.out_of_range),
+            Kind::Sound | Kind::Stale => {}
+        }
+        let stamp_s = if kind == Kind::Stale { now_s - OLD_S } else { now_s };
+        *(sample.header)(&mut message) = Header::at(stamp_s);
+        publisher.send(message);
+    };
+    Entry { topic: topic.name(), send: Box::new(send) }
+}
+
+fn temperature() -> Sample<Temperature> {
+    Sample {
+        sound: Temperature { temperature: 210.0, ..Temperature::default() },
+        header: |message| &mut message.header,
+        set: |message, value| message.temperature = value,
+        out_of_range: 5000.0,
+    }
+}
+
+fn estimate() -> StateEstimate {
+    let mut covariance = vec![0.0; 36];
+    (0..6).for_each(|index| covariance[index * 7] = 1e-6);
+    StateEstimate {
+        names: wire::STATES.map(str::to_owned).to_vec(),
+        x: vec![483.0, 475.0, 483.0, 2e-3, 0.01, 1.0],
+        covariance,
+        reference_feed_m_s: 2e-3,
+        channels: wire::CHANNELS.map(str::to_owned).to_vec(),
+        alive: vec![true; 3],
+        measured: vec![true; 3],
+        nis: vec![1.0; 3],
+        nis_mean: vec![1.0; 3],
+        gated: vec![0; 3],
+        chi_square: vec![20.0; 3],
+        ..StateEstimate::default()
+    }
+}
+
+fn printer() -> Sample<PrinterState> {
+    Sample {
+        sound: PrinterState {
+            flow_factor: 1.0,
+            speed_factor: 1.0,
+            homed: true,
+            mains_on: true,
+            ..PrinterState::default()
+        },
+        header: |message| &mut message.header,
+        set: |message, value| message.hotend_duty = value,
+        out_of_range: 1.5,
+    }
+}
+
+/// Every topic that a node of the control path subscribes.
+pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
+    let report = Sample {
+        sound: TemperatureReport { hotend_degc: 210.0, bed_degc: 60.0, ..TemperatureReport::default() },
+        header: |message: &mut TemperatureReport| &mut message.header,
+        set: |message: &mut TemperatureReport, value| message.hotend_degc = value,
+        out_of_range: 5000.0,
+    };
+    let counts = Sample {
+        sound: FilamentReport { counts: 0, quantum_m: 1e-5, ..FilamentReport::default() },
+        header: |message: &mut FilamentReport| &mut message.header,
+        set: |message: &mut FilamentReport, value| message.quantum_m = value,
+        out_of_range: 1.0,
+    };
+    let motion = Sample {
+        sound: FilamentMotion::default(),
+        header: |message: &mut FilamentMotion| &mut message.header,
+        set: |message: &mut FilamentMotion, value| message.position_m = value,
+        out_of_range: 1e9,
+    };
+    let width = Sample {
+        sound: BeadWidth { width_m: 4.5e-4, sigma_m: 1e-5, ..BeadWidth::default() },
+        header: |message: &mut BeadWidth| &mut message.header,
+        set: |message: &mut BeadWidth, value| message.width_m = value,
+        out_of_range: 1.0,
+    };
+    let command = Sample {
+        sound: ControlCommand {
+            validity_s: 1.0,
+            flow_factor: 1.0,
+            speed_factor: 1.0,
+            ..ControlCommand::default()
+        },
+        header: |message: &mut ControlCommand| &mut message.header,
+        set: |message: &mut ControlCommand, value| message.flow_factor = value,
+        out_of_range: 11.0,
+    };
+    let state = Sample {
+        sound: estimate(),
+        header: |message: &mut StateEstimate| &mut message.header,
+        set: |message: &mut StateEstimate, value| message.x[1] = value,
+        out_of_range: -1.0,
+    };
+    vec![
+        entry(node, &topics::TEMPERATURE_REPORT, report),
+        entry(node, &topics::FILAMENT_REPORT, counts),
+        entry(node, &topics::HOTEND_TEMPERATURE, temperature()),
+        entry(node, &topics::BED_TEMPERATURE, temperature()),
+        entry(node, &topics::FILAMENT_MOTION, motion),
+        entry(node, &topics::PRINTER_STATE, printer()),
+        entry(node, &topics::BEAD_WIDTH, width),
+        entry(node, &topics::CONTROL_COMMAND, command),
+        entry(node, &topics::ESTIMATE, state),
+    ]
+}
