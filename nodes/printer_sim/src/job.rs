@@ -27,15 +27,43 @@ pub struct SetPoints {
     pub fan: f64,
 }
 
+/// First set-points of a job: what a warm printer already has.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Preheat {
+    /// Hot end block.
+    pub hotend: Option<Celsius>,
+    /// Bed.
+    pub bed: Option<Celsius>,
+}
+
+impl Preheat {
+    fn note(&mut self, step: &Step) {
+        match step {
+            Step::Action(Action::HotendTarget { target, .. }, _) if target.0 > 0.0 => {
+                self.hotend.get_or_insert(*target);
+            }
+            Step::Action(Action::BedTarget { target, .. }, _) if target.0 > 0.0 => {
+                self.bed.get_or_insert(*target);
+            }
+            _ => {}
+        }
+    }
+}
+
 impl JobSource {
     /// A job over a file in memory.
     #[must_use]
     pub fn from_gcode(bytes: &Arc<[u8]>, header: &Header, motion: &MotionParams, wishes: Wishes) -> Self {
         let steps = || Job::new(Cursor::new(Arc::clone(bytes)), header, motion);
-        let filament_m = first_layers(steps(), wishes.layers).map(|step| pushed_m(&step)).sum();
         let wished =
-            first_layers(steps(), wishes.layers).map(move |step| with_set_points(step, wishes.set_points));
-        Self { steps: Box::new(wished), filament_m }
+            || first_layers(steps(), wishes.layers).map(move |step| with_set_points(step, wishes.set_points));
+        let mut preheat = Preheat::default();
+        let mut filament_m = 0.0;
+        for step in wished() {
+            filament_m += pushed_m(&step);
+            preheat.note(&step);
+        }
+        Self { steps: Box::new(wished()), filament_m, preheat }
     }
 }
 

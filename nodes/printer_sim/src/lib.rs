@@ -28,11 +28,11 @@ pub mod node;
 pub mod output;
 pub mod params;
 pub mod plant;
-mod setup;
 pub mod run_params;
 pub mod scenario;
 pub mod score;
 pub mod sensors;
+mod setup;
 pub mod simulator;
 
 pub use output::{Output, Truth};

@@ -10,8 +10,8 @@ use models::material::Material;
 use models::motion::MotionParams;
 use models::params::ParamError;
 use models::printer::Printer;
-use runtime::params::{ParamFileError, Parameters, from_yaml, sha256_hex};
 use runtime::RuntimeError;
+use runtime::params::{ParamFileError, Parameters, from_yaml, sha256_hex};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -74,8 +74,13 @@ pub fn load(parameters: &Parameters) -> Result<Loaded, LoadError> {
     let override_by = run.material_set_points.then_some((&printer.hotend, &material));
     let job = JobSource::from_gcode(&bytes, &header, &motion, params.wishes(run.layers, override_by));
     let quantum_m = params.simulator.sensors.encoder_quantum_m;
+    let preheat = job.preheat;
+    let mut simulator = Simulator::new(params, job, &scenario, run.seed)?;
+    if run.warm {
+        simulator.warm_up(&preheat);
+    }
     Ok(Loaded {
-        simulator: Simulator::new(params, job, &scenario, run.seed)?,
+        simulator,
         info: info(&run, parameters, &bytes)?,
         speed: run.speed,
         quantum_m,
@@ -110,7 +115,8 @@ fn read(field: &'static str, path: &Path) -> Result<Vec<u8>, LoadError> {
 }
 
 fn info(run: &RunParams, parameters: &Parameters, gcode: &[u8]) -> Result<PrintInfo, LoadError> {
-    let name = |path: &Path| path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let name =
+        |path: &Path| path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let config = match run.config_file.as_os_str().is_empty() {
         true => parameters.text(),
         false => String::from_utf8_lossy(&read("config_file", &run.config_file)?).into_owned(),
@@ -120,7 +126,10 @@ fn info(run: &RunParams, parameters: &Parameters, gcode: &[u8]) -> Result<PrintI
     Ok(PrintInfo {
         header: StampHeader::at(0.0),
         print_id: format!("{}-{}-{}", name(&run.gcode), started.as_secs(), run.seed),
-        gcode_file: run.gcode.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        gcode_file: run
+            .gcode
+            .file_name()
+            .map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         gcode_sha256,
         config_sha256: sha256_hex(config.as_bytes()),
         config,

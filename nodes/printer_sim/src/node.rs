@@ -5,8 +5,8 @@ use crate::load::{self, LoadError, Loaded};
 use crate::output::Output;
 use crate::simulator::Simulator;
 use fdm_loop_msgs::{
-    BeadWidth, Clock, ControlCommand, FilamentReport, InjectFault, InjectFaultResponse, MotionSegment, PrintEvent,
-    PrintInfo, PrinterState, SimTruth, TemperatureReport, Time,
+    BeadWidth, Clock, ControlCommand, FilamentReport, InjectFault, InjectFaultResponse, MotionSegment,
+    PrintEvent, PrintInfo, PrinterState, SimTruth, TemperatureReport, Time,
 };
 use models::units::Seconds;
 use runtime::{Asked, Diagnostics, Node, Publisher, Received, Server, Subscription, topics, wire};
@@ -52,10 +52,10 @@ struct Shell {
 /// # Errors
 /// What is refused of parameters and files, or an endpoint that cannot be made.
 pub async fn run(mut node: Node) -> Result<(), LoadError> {
-    let Loaded { simulator, info, speed, quantum_m, allow_fault_injection } = load::load(node.raw_parameters())?;
+    let Loaded { simulator, info, speed, quantum_m, allow_fault_injection } =
+        load::load(node.raw_parameters())?;
     let mut permits = node.subscribe(&topics::SAFETY_COMMAND)?;
-    let mut faults =
-        if allow_fault_injection { Some(node.serve(&topics::INJECT_FAULT)?) } else { None };
+    let mut faults = if allow_fault_injection { Some(node.serve(&topics::INJECT_FAULT)?) } else { None };
     let outlets = Outlets::new(&mut node)?;
     outlets.info.send(info);
     let (diagnostics, work, name) = (node.diagnostics(), node.work(), node.name());

@@ -106,6 +106,15 @@ impl Plant {
         plant
     }
 
+    /// Hot end and bed at these temperatures at once.
+    pub fn warm_up(&mut self, hotend: Option<Kelvin>, bed: Option<Kelvin>) {
+        if let Some(hotend) = hotend {
+            self.thermal = Thermal::uniform(hotend.0);
+            self.law = StaticLaw::new(&self.melt, &self.params.extruder, hotend, 1.0);
+        }
+        self.bed = bed.unwrap_or(self.bed);
+    }
+
     /// Filament and road over one step of `dt`.
     pub fn push(&mut self, motion: Push, faults: &InForce, dt: Seconds) {
         let Push { motor_m_s, path_speed_m_s, road } = motion;

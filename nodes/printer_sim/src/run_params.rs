@@ -24,6 +24,8 @@ pub struct RawRun {
     pub gcode: PathBuf,
     /// Print the first layers only `[-]`; 0 for all.
     pub layers: u32,
+    /// Start with hot end and bed at the file's set-points.
+    pub warm: bool,
     /// Scenario file; empty for none.
     pub scenario: PathBuf,
     /// Seed of all noise.

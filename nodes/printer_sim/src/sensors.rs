@@ -101,6 +101,11 @@ impl Thermometer {
         shown
     }
 
+    /// The bead is at another temperature at once.
+    pub fn set(&mut self, bead: Kelvin) {
+        self.last = bead.into();
+    }
+
     /// The last reading: what the firmware regulates on.
     #[must_use]
     pub fn last(&self) -> Celsius {

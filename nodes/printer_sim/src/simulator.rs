@@ -4,6 +4,7 @@ use crate::drive::Drive;
 use crate::executor::{Executor, Motion, Sliced, Surroundings};
 use crate::faults::{Fault, InForce as FaultsInForce};
 use crate::heaters::Heaters;
+use crate::job::Preheat;
 use crate::output::{Output, Truth};
 use crate::params::Params;
 use crate::plant::{Inputs, Plant, Push, Road};
@@ -28,6 +29,8 @@ pub struct JobSource {
     pub steps: Box<dyn Iterator<Item = Step> + Send>,
     /// Filament that the steps push, retractions not subtracted `[m]`: the base of `filament_share`.
     pub filament_m: f64,
+    /// First set-points of the file.
+    pub preheat: Preheat,
 }
 
 /// Beats of everything that happens slower than a step.
@@ -115,6 +118,14 @@ impl Simulator {
             outputs: VecDeque::new(),
             params,
         })
+    }
+
+    /// Brings hot end and bed to these temperatures at once: the printer was in use before.
+    pub fn warm_up(&mut self, preheat: &Preheat) {
+        let (hotend, bed) = (preheat.hotend.map(Kelvin::from), preheat.bed.map(Kelvin::from));
+        self.plant.warm_up(hotend, bed);
+        self.hotend_sensor.set(self.plant.sensor());
+        self.bed_sensor.set(self.plant.bed());
     }
 
     /// Takes a permit of the supervisor, or refuses and counts it.

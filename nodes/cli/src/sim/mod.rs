@@ -114,7 +114,12 @@ fn publish(args: &SimArgs, groups: Vec<Group>) -> anyhow::Result<()> {
 
 impl Task {
     /// One run; a run with a fault is compared with the same seed's run without.
-    fn one(&self, level: Level, seed: u64, fault_free: &mut BTreeMap<u64, WidthTrace>) -> anyhow::Result<Run> {
+    fn one(
+        &self,
+        level: Level,
+        seed: u64,
+        fault_free: &mut BTreeMap<u64, WidthTrace>,
+    ) -> anyhow::Result<Run> {
         let started = Instant::now();
         let (printing, notes) = self.print(&self.scenario, seed)?;
         let wall_time_s = started.elapsed().as_secs_f64();

@@ -166,7 +166,9 @@ impl Printing {
     }
 
     fn permit(&mut self, now: Seconds) {
-        let Some(output) = self.supervisor.on_event(now, safety_supervisor::Event::Tick { now }) else { return };
+        let Some(output) = self.supervisor.on_event(now, safety_supervisor::Event::Tick { now }) else {
+            return;
+        };
         // A refused permit is counted by the dead-man itself.
         let _taken = self.simulator.on_permit(output.permit);
         for event in output.events.iter().filter(|event| event.before != event.after) {

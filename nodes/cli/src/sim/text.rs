@@ -51,7 +51,11 @@ pub fn table(groups: &[Group]) -> String {
                 .map(|found| format!("{} at {:.1} s -> {}", found.fault, found.detected_s, found.action))
                 .collect();
             let list = found.join(", ");
-            _ = writeln!(text, "  seed {}: {list}; false alarms {}; ended {}", run.seed, run.false_alarms, run.ended);
+            _ = writeln!(
+                text,
+                "  seed {}: {list}; false alarms {}; ended {}",
+                run.seed, run.false_alarms, run.ended
+            );
         }
     }
     text
@@ -61,7 +65,8 @@ pub fn table(groups: &[Group]) -> String {
 fn nis(runs: &[Run]) -> String {
     let Some(first) = runs.first() else { return String::new() };
     let channel = |name: &str| {
-        let values: Vec<f64> = runs.iter().filter_map(|run| run.nis_mean.get(name).copied().flatten()).collect();
+        let values: Vec<f64> =
+            runs.iter().filter_map(|run| run.nis_mean.get(name).copied().flatten()).collect();
         #[allow(clippy::cast_precision_loss, reason = "seeds are few")]
         let count = values.len() as f64;
         if values.is_empty() { "-".to_owned() } else { format!("{:.2}", values.iter().sum::<f64>() / count) }

@@ -183,7 +183,8 @@ impl Member {
     }
 
     fn signal(&self, signal: Signal) {
-        let pid = self.child.as_ref().and_then(|child| i32::try_from(child.id()).ok()).and_then(Pid::from_raw);
+        let pid =
+            self.child.as_ref().and_then(|child| i32::try_from(child.id()).ok()).and_then(Pid::from_raw);
         if let Some(pid) = pid {
             // It may have ended meanwhile; then there is nobody left to tell.
             let _told = kill_process(pid, signal);
@@ -259,7 +260,8 @@ mod tests {
 
     #[test]
     fn all_end_when_asked() {
-        let mut fleet = Fleet::start(vec![recipe("a", "sleep 60"), recipe("b", "sleep 60")], &logs("asked")).unwrap();
+        let mut fleet =
+            Fleet::start(vec![recipe("a", "sleep 60"), recipe("b", "sleep 60")], &logs("asked")).unwrap();
         assert_eq!(fleet.pids().len(), 2);
         fleet.ask_to_end(None);
         while !fleet.all_ended(None) {

@@ -50,6 +50,9 @@ pub struct UpArgs {
     /// Print only the first layers.
     #[arg(long)]
     pub layers: Option<u32>,
+    /// Start with hot end and bed at the file's set-points.
+    #[arg(long)]
+    pub warm: bool,
     /// Seed of all noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,

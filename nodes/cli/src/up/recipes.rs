@@ -56,9 +56,7 @@ impl Plan {
             None => default_bag(args, control),
         };
         check_new_bag(&bag)?;
-        let absolute = |path: &PathBuf| {
-            std::path::absolute(path).with_context(|| path.display().to_string())
-        };
+        let absolute = |path: &PathBuf| std::path::absolute(path).with_context(|| path.display().to_string());
         let gcode = absolute(&args.gcode)?;
         let mut plan = Self {
             control: control.to_owned(),
@@ -91,6 +89,7 @@ impl Plan {
             ("printer_sim", "run.seed".into(), self.seed.to_string()),
             ("printer_sim", "run.speed".into(), format!("{:?}", self.speed)),
             ("printer_sim", "run.layers".into(), args.layers.unwrap_or(0).to_string()),
+            ("printer_sim", "run.warm".into(), args.warm.to_string()),
             ("printer_sim", "run.material_set_points".into(), args.material.is_some().to_string()),
             ("printer_sim", "run.allow_fault_injection".into(), args.allow_fault_injection.to_string()),
             ("printer_sim", "run.config_file".into(), quoted(&self.config_text_file())),

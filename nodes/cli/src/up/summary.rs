@@ -96,7 +96,8 @@ pub fn table(prints: &[Print]) -> String {
         "{:<9} {:>8} {:>14} {:>19} {:>13} {:>8} {:>8}  {}",
         "control", "ended", "feed error", "2 s after the fault", "width RMS", "Q", "wall s", "bag"
     );
-    let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.3} %", value * 100.0));
+    let percent =
+        |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.3} %", value * 100.0));
     for print in prints {
         _ = writeln!(
             text,

@@ -105,7 +105,9 @@ impl Watch {
                 let name = beat.message.node.rsplit('/').next().unwrap_or_default().to_owned();
                 if NODES.contains(&name.as_str()) {
                     let node = beat.message.node;
-                    bail!("{node} already runs in this domain: stop it, or set another ROS_DOMAIN_ID or --namespace");
+                    bail!(
+                        "{node} already runs in this domain: stop it, or set another ROS_DOMAIN_ID or --namespace"
+                    );
                 }
             }
         }
@@ -236,8 +238,7 @@ impl Watch {
 /// Name of a mode for people.
 #[must_use]
 pub fn mode_name(mode: u8) -> &'static str {
-    const NAMES: [&str; 8] =
-        ["init", "observe", "advise", "act", "degraded", "paused", "safe_off", "estop"];
+    const NAMES: [&str; 8] = ["init", "observe", "advise", "act", "degraded", "paused", "safe_off", "estop"];
     NAMES.get(usize::from(mode)).copied().unwrap_or("unknown")
 }
 

@@ -104,7 +104,11 @@ fn straight_job(time_s: u32) -> JobSource {
     let bed = Action::BedTarget { target: Celsius(60.0), wait: true };
     let start = [Step::Action(bed, 1), Step::Action(heat, 2), Step::Action(Action::Fan(1.0), 3)];
     let lines = std::iter::repeat_n(Step::Move(line), time_s as usize);
-    JobSource { steps: Box::new(start.into_iter().chain(lines)), filament_m: filament_m * f64::from(time_s) }
+    JobSource {
+        steps: Box::new(start.into_iter().chain(lines)),
+        filament_m: filament_m * f64::from(time_s),
+        preheat: Preheat::default(),
+    }
 }
 
 fn run_to_end(simulator: &mut Simulator) {
@@ -168,6 +172,16 @@ fn the_same_seed_repeats_bit_by_bit_and_another_does_not() {
     };
     assert_eq!(last(7), last(7));
     assert_ne!(last(7), last(8));
+}
+
+#[test]
+fn a_warm_printer_begins_to_print_at_once() {
+    let mut simulator = Simulator::new(params(), straight_job(5), &Scenario::default(), 1).unwrap();
+    simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: Some(Celsius(60.0)) });
+    for _ in 0..2000 {
+        simulator.step(Seconds(1e-3));
+    }
+    assert_eq!(simulator.phase(), JobPhase::Printing);
 }
 
 #[test]
