@@ -3,6 +3,7 @@
 use crate::args::{Args, LogLevel};
 use fdm_loop_msgs::Log;
 use std::fmt::Write;
+use std::io::IsTerminal;
 use std::sync::OnceLock;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tracing::field::{Field, Visit};
@@ -15,9 +16,10 @@ use tracing_subscriber::util::SubscriberInitExt;
 const DEFAULT_LEVEL: &str = "warn";
 /// The middleware's own levels, whatever level is asked for all loggers. RustDDS reports every port that nobody listens
 /// on (`udp_sender`), and on a `lo` without multicast every message to its own readers (`writer`) and every multicast
-/// group that it cannot join or leave (`udp_listener`). `RUST_LOG` replaces all of it.
+/// group that it cannot join or leave (`udp_listener`); at the end of a process, every endpoint that goes after the
+/// event loop (`pubsub`). `RUST_LOG` replaces all of it.
 const MIDDLEWARE: &str = "rustdds=warn,ros2_client=warn,rustdds::network::udp_sender=error,\
-                          rustdds::network::udp_listener=off,rustdds::rtps::writer=error,\
+                          rustdds::network::udp_listener=off,rustdds::rtps::writer=error,rustdds::dds::pubsub=off,\
                           ros2_client::distributions=error,ros2_client::service::wrappers=error";
 /// Lines that wait for `/rosout`; more are dropped (they are on standard error all the same).
 const WAITING_LINES: usize = 256;
@@ -49,7 +51,9 @@ fn directives(levels: &[(Option<String>, LogLevel)]) -> String {
 
 /// Starts logging; a second call in the same process changes nothing.
 pub(crate) fn start(args: &Args) {
-    let console = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    let console = tracing_subscriber::fmt::layer()
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal());
     _ = tracing_subscriber::registry().with(filter(args)).with(console).with(Rosout).try_init();
 }
 

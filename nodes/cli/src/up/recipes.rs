@@ -135,7 +135,9 @@ impl Plan {
             let parameters = Parameters::read(&files, &overrides, &path)?;
             text.push_str(&format!("# {name} {}\n{}\n", parameters.sha256(), parameters.text()));
             let mut arguments: Vec<String> =
-                ["--ros-args", "-r", &format!("__ns:={}", self.namespace)].map(str::to_owned).to_vec();
+                ["--ros-args", "--log-level", "info", "-r", &format!("__ns:={}", self.namespace)]
+                    .map(str::to_owned)
+                    .to_vec();
             for file in files {
                 arguments.extend(["--params-file".to_owned(), file.display().to_string()]);
             }

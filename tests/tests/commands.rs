@@ -1,0 +1,196 @@
+//! The command `fdm` as a program that others script against: field names, figures, exit codes.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root() -> PathBuf {
+    std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()
+}
+
+/// Executables stand beside the folder of the test's own.
+fn fdm() -> PathBuf {
+    let path = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    assert!(path.is_file(), "{} is missing: cargo build --workspace --bins", path.display());
+    path
+}
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(fdm()).current_dir(root()).args(arguments).output().unwrap()
+}
+
+/// Runs with `--json -`: standard output must hold one object and nothing else.
+fn json(arguments: &[&str]) -> Value {
+    let output = run(&[arguments, &["--json", "-"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn gcode(name: &str) -> String {
+    format!("tests/data/gcode/{name}")
+}
+
+fn number(value: &Value, name: &str) -> f64 {
+    value[name].as_f64().unwrap_or_else(|| panic!("{name} is no number in {value}"))
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+/// Contract of `architecture.md`: fields keep their names once published.
+#[test]
+fn fields_of_one_simulated_run() {
+    let run = json(&["sim", &gcode("prusa_cube_pla_marlin_relE.gcode"), "--layers", "1", "--control", "off"]);
+    for field in [
+        "gcode",
+        "material",
+        "scenario",
+        "control",
+        "host",
+        "seed",
+        "print_time_s",
+        "wall_time_s",
+        "realtime_factor",
+        "quality_mean",
+        "width_rms_rel",
+        "feed_error_rel",
+        "feed_error_after_2s_rel",
+        "recovery_time_s",
+        "nis_mean",
+        "nees_median",
+        "detections",
+        "false_alarms",
+        "max_command",
+    ] {
+        assert!(keys(&run).contains(&field), "{field} is missing in {:?}", keys(&run));
+    }
+    assert_eq!(run["material"], "PLA");
+    assert_eq!(run["ended"], "done");
+}
+
+/// Seeds and layers that no parameter was chosen on.
+#[test]
+fn the_closed_loop_makes_up_for_a_slip_and_the_open_one_does_not() {
+    let file = gcode("prusa_cube_pla_marlin_relE.gcode");
+    let comparison = json(&[
+        "sim", &file, "--layers", "6", "--scenario", "slip09", "--control", "off,encoder,mpc", "--seeds", "101..102",
+    ]);
+    let results = comparison["results"].as_array().unwrap();
+    assert_eq!(results.len(), 3);
+    for group in results {
+        let runs = group["runs"].as_array().unwrap();
+        assert_eq!(runs.len(), 2);
+        for run in runs {
+            let settled = number(run, "feed_error_after_2s_rel");
+            if group["control"] == "off" {
+                // Slip 1 % and 0.2 % of creep are there before the 9 %.
+                assert!((0.09..0.12).contains(&settled), "{settled}");
+            } else {
+                assert!(settled < 0.0025, "{} seed {}: {settled}", group["control"], run["seed"]);
+                let width = number(run, "width_rms_rel");
+                assert!(width < 0.75 * number(&results[0]["mean"], "width_rms_rel"), "{width}");
+            }
+            assert!(number(run, "nees_median") < 12.6, "{run}");
+            for (channel, nis) in run["nis_mean"].as_object().unwrap() {
+                let nis = nis.as_f64().unwrap();
+                assert!((0.3..=1.5).contains(&nis), "{} {channel}: {nis}", group["control"]);
+            }
+            assert_eq!(run["false_alarms"], 0, "{run}");
+        }
+    }
+}
+
+#[test]
+fn a_heater_fault_ends_the_print_and_is_told() {
+    let file = gcode("prusa_cube_pla_marlin_relE.gcode");
+    for (scenario, cause, limit_s) in
+        [("thermistor_open", "S1", 0.5), ("heater_dead", "P2", 5.0), ("heater_stuck_on", "P1", 8.0)]
+    {
+        let run = json(&["sim", &file, "--layers", "3", "--scenario", scenario]);
+        assert_eq!(run["ended"], "failed", "{scenario}: {run}");
+        let found = &run["detections"][0];
+        assert_eq!(found["fault"], cause, "{scenario}: {run}");
+        let reaction_s = number(found, "detected_s") - number(found, "onset_s");
+        assert!(reaction_s <= limit_s, "{scenario}: {reaction_s} s, limit {limit_s} s");
+    }
+}
+
+#[test]
+fn a_file_is_surveyed_with_its_oddities() {
+    for name in [
+        "prusa_cube_pla_marlin_relE.gcode",
+        "prusa_bracket_petg_klipper_fwretract_absE.gcode",
+        "prusa_ring_pla_marlin_arcfit_G2G3.gcode",
+        "cura_cube_pla_marlin.gcode",
+        "quirks_handmade.gcode",
+    ] {
+        let survey = json(&["gcode", &gcode(name)]);
+        for field in ["layers", "moves", "arcs", "filament_mm", "print_time_s", "tools", "dialect", "warnings", "errors"] {
+            assert!(keys(&survey).contains(&field), "{name}: {field}");
+        }
+        if name.starts_with("prusa") {
+            let (planned_s, stated_s) = (number(&survey, "print_time_s"), number(&survey, "stated_time_s"));
+            assert!((planned_s / stated_s - 1.0).abs() < 0.1, "{name}: {planned_s} s, stated {stated_s} s");
+        }
+        for warning in survey["warnings"].as_array().unwrap() {
+            assert!(warning["line"].as_u64().is_some() && warning["reason"].is_string(), "{name}: {warning}");
+        }
+    }
+}
+
+/// Whatever a person gets wrong: exit code 2 and one line that says what and where.
+#[test]
+fn mistakes_end_with_code_2_and_one_line() {
+    let file = gcode("prusa_cube_pla_marlin_relE.gcode");
+    let cases: [(&[&str], &str); 8] = [
+        (&["sim", "nowhere.gcode"], "nowhere.gcode"),
+        (&["sim", &file, "--scenario", "nope"], "slip09"),
+        (&["sim", &file, "--control", "pid"], "off, encoder or mpc"),
+        (&["sim", &file, "--seeds", "5..1"], "A..B"),
+        (&["sim", &file, "--material", "NYLON"], "PETG"),
+        (&["gcode", "nowhere.gcode"], "nowhere.gcode"),
+        (&["up", "--gcode", &file, "--speed", "0"], "[0.1, 100]"),
+        (&["sim", &file, "--config", "/nowhere"], "/nowhere"),
+    ];
+    for (arguments, told) in cases {
+        let output = run(arguments);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
+        assert_eq!(text.trim_end().lines().count(), 1, "{arguments:?}: {text}");
+        assert!(text.contains(told), "{arguments:?}: {text}");
+        assert!(output.stdout.is_empty());
+    }
+}
+
+/// A parameter out of range names file, line, field, value and range.
+#[test]
+fn a_bad_parameter_file_is_told_by_line() {
+    let folder = std::env::temp_dir().join(format!("fdm_config_{}", std::process::id()));
+    copy(&root().join("config"), &folder);
+    let path = folder.join("printers/ender3.yaml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("coupling_w_k: 0.45", "coupling_w_k: -0.45")).unwrap();
+    let line = text.lines().position(|line| line.contains("coupling_w_k")).unwrap() + 1;
+
+    let file = gcode("prusa_cube_pla_marlin_relE.gcode");
+    let output = run(&["sim", &file, "--config", folder.to_str().unwrap()]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    let expected = format!("ender3.yaml:{line}: printer.hotend.coupling_w_k = -0.45 W/K: must be finite and > 0");
+    assert!(told.contains(&expected), "{told}");
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy(&path, &target);
+        } else {
+            std::fs::copy(&path, &target).unwrap();
+        }
+    }
+}
