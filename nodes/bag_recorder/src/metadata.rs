@@ -37,6 +37,8 @@ pub struct RunCounts {
     pub received: u64,
     /// Messages dropped because the writer did not keep up.
     pub dropped: u64,
+    /// Messages that did not arrive: gaps in the publishers' numbers.
+    pub missed: u64,
     /// Messages whose log time was raised to keep the order.
     pub raised: u64,
 }
@@ -54,10 +56,10 @@ pub fn counts_json(contents: &Contents, active: Option<&str>, run: RunCounts) ->
     let topics = members(topics.into_iter());
     let files = members(contents.files().map(|file| (file.name.as_str(), file.total())));
     let state = if active.is_some() { "recording" } else { "closed" };
-    let RunCounts { received, dropped, raised } = run;
+    let RunCounts { received, dropped, missed, raised } = run;
     format!(
         "{{\n  \"state\": \"{state}\",\n  \"messages\": {},\n  \"topics\": {topics},\n  \"files\": {files},\n  \
-         \"run\": {{\"received\": {received}, \"dropped\": {dropped}, \"log_time_raised\": {raised}}}\n}}\n",
+         \"run\": {{\"received\": {received}, \"dropped\": {dropped}, \"missed\": {missed}, \"log_time_raised\": {raised}}}\n}}\n",
         contents.total(),
     )
 }

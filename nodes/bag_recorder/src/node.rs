@@ -6,7 +6,8 @@ use crate::folder::Folder;
 use crate::tally::Tally;
 use crate::writer::{Item, Recorded, Recorder, Sample, Settings};
 use bag_recorder::params::Params;
-use runtime::{Diagnostics, Level, Node, RawMessage, RawSubscription, Shutdown, Work, topics};
+use runtime::{Diagnostics, Gid, Level, Node, RawMessage, RawSubscription, Shutdown, Work, topics};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, TrySendError};
 use std::time::Duration;
@@ -36,7 +37,8 @@ pub(crate) async fn run(mut node: Node) -> Result<(), RecorderError> {
 
     let mut readers = JoinSet::new();
     for (topic, subscription) in subscriptions.into_iter().enumerate() {
-        let intake = Intake { topic, queue: recorder.queue(), tally: Arc::clone(&tally), work: node.work() };
+        let (queue, tally, work) = (recorder.queue(), Arc::clone(&tally), node.work());
+        let intake = Intake { topic, queue, tally, work, newest: BTreeMap::new() };
         readers.spawn(read(subscription, intake, node.shutdown_handle()));
     }
     let report = Report { names, tally, diagnostics: node.diagnostics() };
@@ -98,13 +100,19 @@ struct Intake {
     queue: SyncSender<Item>,
     tally: Arc<Tally>,
     work: Work,
+    /// Newest number of each publisher.
+    newest: BTreeMap<Gid, i64>,
 }
 
 impl Intake {
     /// Hands a message to the writer, or drops it where the queue is full. Never waits.
-    fn take(&self, message: RawMessage) {
+    fn take(&mut self, message: RawMessage) {
         let counts = &self.tally.topics[self.topic];
         counts.received.add(1);
+        if let Some(before) = self.newest.insert(message.publisher, message.sequence) {
+            let gap = message.sequence.saturating_sub(before).saturating_sub(1);
+            counts.missed.add(u64::try_from(gap).unwrap_or(0));
+        }
         let sample = Sample {
             topic: self.topic,
             received: message.received,
@@ -120,7 +128,7 @@ impl Intake {
 }
 
 /// Reads one topic until the end is demanded, and then what is already here.
-async fn read(mut subscription: RawSubscription, intake: Intake, mut shutdown: Shutdown) {
+async fn read(mut subscription: RawSubscription, mut intake: Intake, mut shutdown: Shutdown) {
     loop {
         tokio::select! {
             message = subscription.recv() => intake.take(message),
@@ -182,6 +190,7 @@ impl Report {
         let tally = &self.tally;
         self.diagnostics.set("written", tally.written());
         self.diagnostics.set("dropped", tally.dropped());
+        self.diagnostics.set("missed", tally.missed());
         self.diagnostics.set("log_time_raised", tally.raised.get());
         self.diagnostics.set("files_recovered", tally.recovered.get());
         self.diagnostics.set("files_unreadable", tally.unreadable.get());
@@ -198,10 +207,12 @@ impl Report {
     /// To the log, at the end.
     fn log(&self) {
         for (name, counts) in self.names.iter().zip(&self.tally.topics) {
-            let (received, written, dropped) =
-                (counts.received.get(), counts.written.get(), counts.dropped.get());
+            let (received, written) = (counts.received.get(), counts.written.get());
+            let (dropped, missed) = (counts.dropped.get(), counts.missed.get());
             if received > 0 {
-                tracing::info!("{name}: {received} received, {written} written, {dropped} dropped");
+                tracing::info!(
+                    "{name}: {received} received, {written} written, {dropped} dropped, {missed} missed"
+                );
             }
         }
         if self.tally.dropped() > 0 {

@@ -12,6 +12,8 @@ pub(crate) struct TopicTally {
     pub(crate) written: Count,
     /// Messages dropped because the queue was full.
     pub(crate) dropped: Count,
+    /// Messages that did not arrive: gaps in the publishers' numbers.
+    pub(crate) missed: Count,
 }
 
 /// A counter.
@@ -56,6 +58,11 @@ impl Tally {
         self.topics.iter().map(|topic| topic.dropped.get()).sum()
     }
 
+    /// Messages that did not arrive.
+    pub(crate) fn missed(&self) -> u64 {
+        self.topics.iter().map(|topic| topic.missed.get()).sum()
+    }
+
     /// Messages written.
     pub(crate) fn written(&self) -> u64 {
         self.topics.iter().map(|topic| topic.written.get()).sum()
@@ -64,6 +71,6 @@ impl Tally {
     /// The numbers for `counts.json`.
     pub(crate) fn run(&self) -> RunCounts {
         let received = self.topics.iter().map(|topic| topic.received.get()).sum();
-        RunCounts { received, dropped: self.dropped(), raised: self.raised.get() }
+        RunCounts { received, dropped: self.dropped(), missed: self.missed(), raised: self.raised.get() }
     }
 }

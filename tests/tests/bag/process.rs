@@ -132,7 +132,7 @@ impl Recorder {
         let begin = Instant::now();
         loop {
             if let Some(status) = child.try_wait().unwrap() {
-                assert_eq!(status.code(), Some(0));
+                assert_eq!(status.code(), Some(0), "{status}");
                 return;
             }
             assert!(begin.elapsed() < Duration::from_secs(2), "the recorder does not end within 2 s");

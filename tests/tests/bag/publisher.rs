@@ -4,7 +4,7 @@
 use crate::Counts;
 use crate::process::{COUNTS, LIFE_KEY};
 use fdm_loop_msgs::{BeadWidth, DiagnosticArray, Header, MotionSegment, PrintEvent, PrintInfo, PrinterState};
-use runtime::{Args, Node, Publisher, RuntimeError, Subscription, topics};
+use runtime::{Args, Gid, Node, Publisher, RuntimeError, Subscription, topics};
 use std::time::Duration;
 use tokio::time::{interval, timeout};
 
@@ -68,11 +68,12 @@ fn written(report: &DiagnosticArray, names: &[String]) -> Option<Counts> {
     Some(names.iter().map(|name| (name.clone(), count(name))).collect())
 }
 
-/// The next report of the recorder.
-async fn next_report(reports: &mut Subscription<DiagnosticArray>, names: &[String]) -> Counts {
+/// The next report of the recorder, and whose it is: another life has another publisher.
+async fn next_report(reports: &mut Subscription<DiagnosticArray>, names: &[String]) -> (Counts, Gid) {
     loop {
-        if let Some(counts) = written(&reports.recv().await.message, names) {
-            return counts;
+        let report = reports.recv().await;
+        if let Some(counts) = written(&report.message, names) {
+            return (counts, report.publisher);
         }
     }
 }
@@ -100,48 +101,55 @@ pub(crate) fn run(role: &str) {
     });
 }
 
+/// The recorder's counts when two reports in a row agree; they come once a second.
+async fn at_rest(
+    reports: &mut Subscription<DiagnosticArray>,
+    names: &[String],
+    mut before: Counts,
+) -> Counts {
+    loop {
+        let (counts, _) = next_report(reports, names).await;
+        if counts == before {
+            return counts;
+        }
+        before = counts;
+    }
+}
+
 /// Sends until the recorder has heard every topic; then, from counts that stand still, [`KNOWN`] more of each; ends
 /// when the recorder has written them.
 async fn known(node: &mut Node) {
     let names = names(node);
     let sources = Sources::new(node).unwrap();
     let mut reports = node.subscribe(&topics::DIAGNOSTICS).unwrap();
-    let mut heard = next_report(&mut reports, &names).await;
+    let (mut heard, _) = next_report(&mut reports, &names).await;
     while heard.values().any(|count| *count == 0) {
         sources.round(node.clock().now().0);
-        heard = next_report(&mut reports, &names).await;
+        (heard, _) = next_report(&mut reports, &names).await;
     }
-    loop {
-        let again = next_report(&mut reports, &names).await;
-        if again == heard {
-            break;
-        }
-        heard = again;
-    }
+    let heard = at_rest(&mut reports, &names, heard).await;
     let mut pace = interval(PACE);
     for _ in 0..KNOWN {
         pace.tick().await;
         sources.round(node.clock().now().0);
     }
     let sent: Counts = heard.into_iter().map(|(name, count)| (name, count + KNOWN)).collect();
-    while next_report(&mut reports, &names).await != sent {}
+    at_rest(&mut reports, &names, Counts::new()).await;
     println!("{COUNTS}{}", serde_json::to_string(&sent).unwrap());
 }
 
-/// Sends on and on, and tells each report with the number of the recorder's life: counts that fall are a new one's.
+/// Sends on and on, and tells each report with the number of the recorder's life.
 async fn stream(node: &mut Node) {
     let names = names(node);
     let sources = Sources::new(node).unwrap();
     let mut reports = node.subscribe(&topics::DIAGNOSTICS).unwrap();
     let mut pace = interval(PACE);
-    let (mut life, mut before) = (1, 0);
+    let (mut life, mut newest) = (0, None);
     loop {
         tokio::select! {
             _ = pace.tick() => sources.round(node.clock().now().0),
-            mut counts = next_report(&mut reports, &names) => {
-                let total = counts.values().sum();
-                life += u64::from(total < before);
-                before = total;
+            (mut counts, recorder) = next_report(&mut reports, &names) => {
+                life += u64::from(newest.replace(recorder) != Some(recorder));
                 counts.insert(LIFE_KEY.to_owned(), life);
                 println!("{COUNTS}{}", serde_json::to_string(&counts).unwrap());
             }

@@ -53,11 +53,11 @@ fn an_active_file_is_named_not_listed() {
 
 #[test]
 fn counts_are_a_json_object() {
-    let run = RunCounts { received: 7, dropped: 1, raised: 2 };
+    let run = RunCounts { received: 7, dropped: 1, missed: 3, raised: 2 };
     let text = counts_json(&two_files(), None, run);
     let expected = "{\n  \"state\": \"closed\",\n  \"messages\": 6,\n  \"topics\": {\n    \"/a\": 5,\n    \
                     \"/b\": 1\n  },\n  \"files\": {\n    \"print_0.mcap\": 4,\n    \"print_1.mcap\": 2\n  },\n  \
-                    \"run\": {\"received\": 7, \"dropped\": 1, \"log_time_raised\": 2}\n}\n";
+                    \"run\": {\"received\": 7, \"dropped\": 1, \"missed\": 3, \"log_time_raised\": 2}\n}\n";
     assert_eq!(text, expected);
 }
 
