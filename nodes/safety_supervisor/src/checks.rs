@@ -2,9 +2,11 @@
 
 pub mod bad_values;
 pub mod detached;
+pub mod drive_history;
 pub mod filament;
 pub mod frozen;
 pub mod heater;
+pub mod heater_start;
 pub mod range;
 pub mod run_out;
 pub mod stale;

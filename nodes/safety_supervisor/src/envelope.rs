@@ -25,7 +25,10 @@ pub struct Envelope {
     gate: Gate<Command>,
     previous: Option<(Seconds, Trims)>,
     outside: Burst,
-    other_session: Option<Seconds>,
+    /// Newest command of a session that is not the bound one.
+    stranger: Option<Seconds>,
+    /// The same, once the bound session has spoken after it.
+    rival: Option<Seconds>,
 }
 
 impl Envelope {
@@ -38,7 +41,8 @@ impl Envelope {
             gate: Gate::new(limits.validity_max()),
             previous: None,
             outside: Burst::new(params.outside),
-            other_session: None,
+            stranger: None,
+            rival: None,
         }
     }
 
@@ -46,12 +50,18 @@ impl Envelope {
     pub fn on_command(&mut self, now: Seconds, command: Command) -> Verdict {
         let inside = self.limits.clamp(&command.trims);
         let trims = inside.map_or(command.trims, |clamped| clamped.trims);
+        let bound = self.gate.newest().map(|newest| newest.session);
         // The gate sees the broken trims too, and refuses them.
         if let Err(refusal) = self.gate.offer(now, Command { trims, ..command }) {
             if refusal == Refusal::OtherSession {
-                self.other_session = Some(now);
+                self.stranger = Some(now);
             }
             return Verdict::Refused(refusal);
+        }
+        // A controller that was started again finds its predecessor silent; a second one does not.
+        match self.stranger {
+            Some(_) if bound == Some(command.session) => self.rival = self.stranger,
+            _ => self.stranger = None,
         }
         let fast = self.previous.is_some_and(|(then, before)| {
             let dt = Seconds((now.0 - then.0).max(self.params.period_s));
@@ -77,10 +87,10 @@ impl Envelope {
         self.outside.tripped(now)
     }
 
-    /// Whether a second publisher was heard within the hold time.
+    /// Whether a second publisher was heard beside the bound one within the hold time.
     #[must_use]
     pub fn has_rival(&self, now: Seconds) -> bool {
-        self.other_session.is_some_and(|heard| now.0 - heard.0 <= self.params.rival_hold_s)
+        self.rival.is_some_and(|heard| now.0 - heard.0 <= self.params.rival_hold_s)
     }
 
     /// Refused commands so far.

@@ -229,7 +229,6 @@ impl Supervisor {
         for age in self.ages.all_mut() {
             age.forgive(gap);
         }
-        self.checks.heater.reset();
         self.checks.frozen.reset();
         self.checks.detached.reset();
         self.allowed = Trims::NEUTRAL;

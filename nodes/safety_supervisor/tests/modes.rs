@@ -136,15 +136,30 @@ fn k6_commands_out_of_the_envelope_are_clamped_and_degrade() {
     assert_eq!(print.output.state.clamped_commands, 3);
 }
 
-/// C8: a second publisher.
+/// C8: a second publisher, told from a successor by the first one's next command.
 #[test]
 fn c8_a_second_publisher_is_refused_and_degrades() {
     let mut print = Print::acting();
     let trims = Trims { flow: 0.8, ..Trims::NEUTRAL };
     print.event(Event::Command(Command { session: 4, sequence: 1, validity: Seconds(1.0), trims }));
-    print.step();
-    assert_eq!((print.mode(), print.output.state.cause), (Mode::Degraded, Some(Cause::SecondPublisher)));
+    let detected_s = print.until(Mode::Degraded);
+    assert!(detected_s <= 0.5, "{detected_s}");
+    assert_eq!(print.output.state.cause, Some(Cause::SecondPublisher));
     assert!(print.output.permit.trims.flow > 1.0);
+}
+
+/// C1: a controller that was started again is no second publisher: its predecessor is silent.
+#[test]
+fn c1_a_restarted_controller_is_no_second_publisher() {
+    let mut print = Print::acting();
+    print.controller = false;
+    for sequence in 1..=20 {
+        print.run(0.24);
+        let trims = print.wish;
+        print.event(Event::Command(Command { session: 4, sequence, validity: Seconds(1.0), trims }));
+        assert_ne!(print.output.state.cause, Some(Cause::SecondPublisher));
+    }
+    assert_eq!(print.mode(), Mode::Act);
 }
 
 /// P6: 7 mm and 1 s at 2 mm/s; 30 % slip is for the controller.

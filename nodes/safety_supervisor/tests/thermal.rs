@@ -8,7 +8,7 @@ mod common;
 use common::{Heater, params};
 use models::command::Mode;
 use models::units::Seconds;
-use safety_supervisor::{Cause, Supervisor};
+use safety_supervisor::{Cause, Event, Operator, Supervisor};
 
 /// Seeds of each case; `SEEDS=400` widens the search for false trips.
 fn seeds() -> u64 {
@@ -119,6 +119,24 @@ fn p2_a_dead_heater_shows_during_heat_up() {
     assert!(reaction("P2 dead, from cold", cold, from_cold, &causes) <= 5.0);
 }
 
+/// P2: no power is missing of a heater that is off, wherever in its cooling the check starts anew.
+#[test]
+fn an_acknowledge_while_the_hot_end_cools_holds() {
+    for seed in 0..seeds() {
+        for off_s in [1.0, 4.0, 20.0] {
+            let mut run = Loop::new(printing(seed));
+            assert_eq!(run.run(60.0), None, "{:?}", run.cause);
+            run.heater.target_c = 0.0;
+            run.heater.flow_mm3_s = 0.0;
+            assert_eq!(run.run(off_s), None, "{:?}", run.cause);
+            for request in [Operator::Stop, Operator::Acknowledge] {
+                run.supervisor.on_event(Seconds(run.heater.now_s), Event::Operator(request));
+            }
+            assert_eq!(run.run(60.0), None, "seed {seed}, {off_s} s: {:?}", run.cause);
+        }
+    }
+}
+
 /// P3: 4 s.
 #[test]
 fn p3_a_thermistor_that_fell_out_is_told_from_cooling() {
@@ -197,4 +215,55 @@ fn nominal_printing_never_trips() {
         (low_w, high_w) = (low_w.min(run.excess_w.0), high_w.max(run.excess_w.1));
     }
     println!("nominal: excess from {low_w:.1} W to {high_w:.1} W");
+}
+
+/// Streams come late and in bunches on a busy machine, each on its own: only stamps tell what belongs together.
+#[test]
+fn bunched_streams_do_not_trip() {
+    for seed in 0..seeds() {
+        let mut heater = Heater::new(seed);
+        heater.target_c = 215.0;
+        let mut supervisor = Supervisor::new(params(), 1, None);
+        let mut random = common::Random(seed + 1000);
+        // One of the streams stands for up to 0.6 s at a time.
+        let (mut held, mut holds_hotend, mut until_s) = (Vec::new(), true, 0.0);
+        while heater.now_s < 150.0 {
+            let (events, now) = (heater.step(), Seconds(heater.now_s));
+            let mut passed: Vec<_> = Vec::new();
+            if heater.now_s >= until_s {
+                passed.append(&mut held);
+                holds_hotend = random.uniform() < 0.5;
+                until_s = heater.now_s + 0.6 * random.uniform();
+            }
+            for event in events {
+                let hold = match event {
+                    safety_supervisor::Event::Hotend { .. } => holds_hotend,
+                    safety_supervisor::Event::Printer(_) => !holds_hotend,
+                    _ => false,
+                };
+                if hold { held.push(event) } else { passed.push(event) }
+            }
+            for event in passed {
+                if let Some(output) = supervisor.on_event(now, event) {
+                    let mode = output.permit.mode;
+                    assert!(mode < Mode::Paused, "seed {seed} at {now:?}: {:?}", output.state.cause);
+                }
+            }
+        }
+    }
+}
+
+/// A supervisor that is killed and started again at any moment of a heat-up sees nothing wrong.
+#[test]
+fn a_restart_in_the_middle_of_a_heat_up_does_not_trip() {
+    for seed in 0..seeds() {
+        let mut heater = Heater::new(seed);
+        heater.target_c = 215.0;
+        let mut run = Loop::new(heater);
+        for _ in 0..12 {
+            assert_eq!(run.run(5.0 + 0.37 * seed as f64), None, "seed {seed}: {:?}", run.cause);
+            run.supervisor = Supervisor::new(params(), 2, None);
+        }
+        assert_eq!(run.run(60.0), None, "seed {seed}: {:?}", run.cause);
+    }
 }

@@ -11,6 +11,8 @@
 
 use models::units::{Celsius, Seconds};
 
+use super::drive_history::{DriveHistory, Means};
+use super::heater_start::{Begun, Start};
 use crate::params::{HeaterParams, ObserverParams};
 
 /// Longest step of the balance: after a longer gap the observer starts anew `[s]`.
@@ -36,13 +38,8 @@ pub enum HeaterFault {
     Deficit,
 }
 
-/// Mean inputs since the last temperature.
-#[derive(Debug, Clone, Copy, Default)]
-struct Inputs {
-    duty: f64,
-    fan: f64,
-    feed_m_s: f64,
-}
+/// Samples that wait for the printer's state of their moment: 0.8 s at 10 Hz.
+const WAITING: usize = 8;
 
 /// Watches one heater.
 #[derive(Debug, Clone)]
@@ -50,11 +47,11 @@ pub struct HeaterCheck {
     params: HeaterParams,
     fast: Observer,
     slow: Observer,
-    drive: Option<Drive>,
-    drive_since: Seconds,
-    duty_s: f64,
-    feed_from_m: Option<f64>,
+    history: DriveHistory,
+    waiting: [Option<(Seconds, Celsius)>; WAITING],
     last_sample: Option<Seconds>,
+    /// Samples before the balance begins; `None` while it runs.
+    start: Option<Start>,
     skipped: u32,
     reading_c: f64,
     moved_k: f64,
@@ -68,46 +65,65 @@ impl HeaterCheck {
             params,
             fast: Observer::new(params.fast),
             slow: Observer::new(params.slow),
-            drive: None,
-            drive_since: Seconds(0.0),
-            duty_s: 0.0,
-            feed_from_m: None,
+            history: DriveHistory::default(),
+            waiting: [None; WAITING],
             last_sample: None,
+            start: Some(Start::default()),
             skipped: 0,
             reading_c: f64::NAN,
             moved_k: 0.0,
         }
     }
 
-    /// Takes what the printer says it does at `now`.
-    pub fn on_drive(&mut self, now: Seconds, drive: Drive) {
-        if let (Some(before), Some(sampled)) = (self.drive, self.last_sample) {
-            self.duty_s += before.duty * (now.0 - self.drive_since.0.max(sampled.0)).max(0.0);
+    /// Takes what the printer says it does since `stamp`, and judges the samples that it covers.
+    pub fn on_drive(&mut self, stamp: Seconds, drive: Drive) {
+        self.history.push(stamp, drive);
+        while let Some((sampled, temp)) = self.waiting[0].filter(|(sampled, _)| *sampled <= stamp) {
+            self.waiting.rotate_left(1);
+            self.waiting[WAITING - 1] = None;
+            self.judge(sampled, temp);
         }
-        self.drive = Some(drive);
-        self.drive_since = now;
     }
 
-    /// Takes a temperature of `now`, on the clock of the printer's reports; nothing is judged before the first of
-    /// those. A second sample of the same moment says nothing new.
-    pub fn on_sample(&mut self, now: Seconds, temp: Celsius) {
-        let Some(drive) = self.drive else { return };
+    /// Takes a temperature of `stamp`, on the clock of the printer's reports; nothing is judged before the first of
+    /// those. It waits for the state of its moment, unless too many wait already.
+    pub fn on_sample(&mut self, stamp: Seconds, temp: Celsius) {
+        let Some((known, _)) = self.history.newest() else { return };
+        if known >= stamp && self.waiting[0].is_none() {
+            return self.judge(stamp, temp);
+        }
+        if let Some((sampled, oldest)) = self.waiting[0].filter(|_| self.waiting[WAITING - 1].is_some()) {
+            self.waiting.rotate_left(1);
+            self.waiting[WAITING - 1] = None;
+            self.judge(sampled, oldest);
+        }
+        if let Some(free) = self.waiting.iter_mut().find(|place| place.is_none()) {
+            *free = Some((stamp, temp));
+        }
+    }
+
+    /// One step of the balance. A second sample of the same moment says nothing new.
+    fn judge(&mut self, now: Seconds, temp: Celsius) {
         if self.last_sample.is_some_and(|last| (-GAP_MAX_S..=0.0).contains(&(now.0 - last.0))) {
             return;
         }
-        let dt_s = self.last_sample.map(|last| now.0 - last.0);
-        let feed_from_m = self.feed_from_m.replace(drive.motor_position_m);
-        let held_s = self.last_sample.map_or(0.0, |last| (now.0 - self.drive_since.0.max(last.0)).max(0.0));
-        let duty_s = std::mem::take(&mut self.duty_s) + drive.duty * held_s;
-        self.last_sample = Some(now);
-        let (Some(dt_s), Some(feed_from_m)) = (dt_s, feed_from_m) else {
-            return self.start(temp);
+        let last = self.last_sample.replace(now);
+        let means = last.and_then(|last| self.history.means(last, now));
+        let (Some(last), Some(inputs)) = (last, means) else {
+            return self.begin_anew(now, temp);
         };
-        if !(dt_s > 0.0 && dt_s <= GAP_MAX_S) {
-            return self.start(temp);
+        let dt_s = (now - last).0;
+        if dt_s > GAP_MAX_S {
+            return self.begin_anew(now, temp);
         }
-        let feed_m_s = (drive.motor_position_m - feed_from_m).max(0.0) / dt_s;
-        let inputs = Inputs { duty: duty_s / dt_s, fan: drive.fan, feed_m_s };
+        if let Some(start) = &mut self.start {
+            if let Some(begun) = start.on_sample(now, temp, self.params.sensor_lag_s) {
+                self.start = None;
+                self.fast.start(begun);
+                self.slow.start(begun);
+            }
+            return;
+        }
         // A single spike is no heat; a jump that stays is taken for what it is.
         let spike = (temp.0 - self.fast.sensor_c).abs() > self.params.spike_k;
         self.skipped = if spike { self.skipped + 1 } else { 0 };
@@ -143,9 +159,12 @@ impl HeaterCheck {
         *self = Self::new(self.params);
     }
 
-    fn start(&mut self, temp: Celsius) {
-        self.fast.start(temp.0);
-        self.slow.start(temp.0);
+    fn begin_anew(&mut self, now: Seconds, temp: Celsius) {
+        let mut start = Start::default();
+        // The first of several samples never begins a balance.
+        _ = start.on_sample(now, temp, self.params.sensor_lag_s);
+        self.start = Some(start);
+        (self.fast, self.slow) = (Observer::new(self.params.fast), Observer::new(self.params.slow));
     }
 }
 
@@ -157,20 +176,35 @@ struct Observer {
     sensor_c: f64,
     disturbance_w: f64,
     usual_w: f64,
+    /// Time until what it says counts: an error of the beginning has died away `[s]`.
+    settling_s: f64,
     over: u32,
     under: u32,
 }
 
+/// Time constants of an observer until an error of its beginning counts for nothing: `e^-5 (1 + 5 + 25/2) = 12 %`.
+const SETTLED: f64 = 5.0;
+
 impl Observer {
     fn new(params: ObserverParams) -> Self {
-        Self { params, block_c: 0.0, sensor_c: 0.0, disturbance_w: 0.0, usual_w: 0.0, over: 0, under: 0 }
+        let settling_s = SETTLED / params.pole_1_s;
+        Self {
+            params,
+            block_c: 0.0,
+            sensor_c: 0.0,
+            disturbance_w: 0.0,
+            usual_w: 0.0,
+            settling_s,
+            over: 0,
+            under: 0,
+        }
     }
 
-    fn start(&mut self, temp_c: f64) {
-        *self = Self { block_c: temp_c, sensor_c: temp_c, ..Self::new(self.params) };
+    fn start(&mut self, begun: Begun) {
+        *self = Self { block_c: begun.block_c, sensor_c: begun.sensor_c, ..Self::new(self.params) };
     }
 
-    fn step(&mut self, heater: &HeaterParams, inputs: Inputs, measured_c: Option<f64>, dt_s: f64) {
+    fn step(&mut self, heater: &HeaterParams, inputs: Means, measured_c: Option<f64>, dt_s: f64) {
         let balance_w = heater.balance_w(inputs, self.block_c);
         let capacity = heater.capacity_j_k;
         self.sensor_c += (self.block_c - self.sensor_c) * (1.0 - (-dt_s / heater.sensor_lag_s).exp());
@@ -186,12 +220,19 @@ impl Observer {
         self.usual_w = (self.usual_w + (self.disturbance_w - self.usual_w) * adapt)
             .clamp(-heater.usual_max_w, heater.usual_max_w);
 
+        self.settling_s -= dt_s;
+        if self.settling_s > 0.0 {
+            return;
+        }
         let excess_w = self.disturbance_w - self.usual_w;
         let warming_w = agreement(balance_w, balance_w + self.disturbance_w);
         let slack_w = heater.capacity_error * warming_w;
         self.over = if excess_w > self.params.stuck_on_w + slack_w { self.over.saturating_add(1) } else { 0 };
+        // No more can be missing than was ordered: an observer that starts while the block cools, its reading ahead of
+        // it by the lag, sees a deficit of a heater that is off.
+        let missing_w = (-excess_w).min(heater.power_w * inputs.duty);
         self.under =
-            if excess_w < -self.params.deficit_w - slack_w { self.under.saturating_add(1) } else { 0 };
+            if missing_w > self.params.deficit_w + slack_w { self.under.saturating_add(1) } else { 0 };
     }
 
     fn fault(&self) -> Option<HeaterFault> {
@@ -207,7 +248,7 @@ impl Observer {
 
 impl HeaterParams {
     /// Ordered power less losses at this temperature `[W]`.
-    fn balance_w(&self, inputs: Inputs, temp_c: f64) -> f64 {
+    fn balance_w(&self, inputs: Means, temp_c: f64) -> f64 {
         let loss_w_k =
             self.loss_w_k + self.fan_loss_w_k * inputs.fan + self.feed_heat_j_k_m * inputs.feed_m_s;
         self.power_w * inputs.duty - loss_w_k * (temp_c - self.ambient_c)

@@ -1,0 +1,138 @@
+//! What the printer said it does, by its own stamps: temperatures and states come over separate streams, late and in
+//! bunches on a busy machine, and only their stamps tell what belongs together.
+
+use models::units::Seconds;
+
+use super::heater::Drive;
+
+/// States kept: 2.5 s at 50 Hz.
+const KEPT: usize = 128;
+
+/// Means over a span.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Means {
+    /// Heater duty `[0, 1]`.
+    pub duty: f64,
+    /// Part fan `[0, 1]`.
+    pub fan: f64,
+    /// Filament speed `[m/s]`.
+    pub feed_m_s: f64,
+}
+
+/// Ring of states, oldest first; each holds from its stamp until the next one's.
+#[derive(Debug, Clone)]
+pub struct DriveHistory {
+    ring: [Option<(Seconds, Drive)>; KEPT],
+    next: usize,
+}
+
+impl Default for DriveHistory {
+    fn default() -> Self {
+        Self { ring: [None; KEPT], next: 0 }
+    }
+}
+
+impl DriveHistory {
+    /// Adds a state; one that is not newer than the last replaces nothing, time that jumped back starts anew.
+    pub fn push(&mut self, stamp: Seconds, drive: Drive) {
+        if let Some((newest, _)) = self.newest() {
+            if (newest - stamp).0 > 1.0 {
+                *self = Self::default();
+            } else if stamp <= newest {
+                return;
+            }
+        }
+        self.ring[self.next] = Some((stamp, drive));
+        self.next = (self.next + 1) % KEPT;
+    }
+
+    /// The newest state.
+    #[must_use]
+    pub fn newest(&self) -> Option<(Seconds, Drive)> {
+        self.ring[(self.next + KEPT - 1) % KEPT]
+    }
+
+    fn entries(&self) -> impl Iterator<Item = (Seconds, Drive)> + '_ {
+        (0..KEPT).filter_map(|offset| self.ring[(self.next + offset) % KEPT])
+    }
+
+    /// Means over `(from, to]`, the first and the last state held on beyond the ends; `None` without a state or a
+    /// span.
+    #[must_use]
+    pub fn means(&self, from: Seconds, to: Seconds) -> Option<Means> {
+        let span_s = (to - from).0;
+        let first = self.entries().next()?;
+        if span_s <= 0.0 {
+            return None;
+        }
+        let (mut duty_s, mut fan_s) = (0.0, 0.0);
+        let mut held = (Seconds(f64::NEG_INFINITY), first.1);
+        for (stamp, drive) in self.entries().chain([(Seconds(f64::INFINITY), first.1)]) {
+            let overlap_s = (stamp.0.min(to.0) - held.0.0.max(from.0)).max(0.0);
+            duty_s += held.1.duty * overlap_s;
+            fan_s += held.1.fan * overlap_s;
+            held = (stamp, drive);
+        }
+        let fed_m = self.motor_m(to)? - self.motor_m(from)?;
+        Some(Means { duty: duty_s / span_s, fan: fan_s / span_s, feed_m_s: (fed_m / span_s).max(0.0) })
+    }
+
+    /// Motor position at a moment, between states in proportion.
+    fn motor_m(&self, at: Seconds) -> Option<f64> {
+        let mut before: Option<(Seconds, Drive)> = None;
+        for (stamp, drive) in self.entries() {
+            if stamp >= at {
+                let Some((start, from)) = before else { return Some(drive.motor_position_m) };
+                let share = (at - start).0 / (stamp - start).0;
+                return Some(
+                    from.motor_position_m + share * (drive.motor_position_m - from.motor_position_m),
+                );
+            }
+            before = Some((stamp, drive));
+        }
+        before.map(|(_, drive)| drive.motor_position_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drive(duty: f64, motor_position_m: f64) -> Drive {
+        Drive { duty, fan: 0.0, motor_position_m }
+    }
+
+    #[test]
+    fn means_follow_the_stamps_whenever_the_states_came() {
+        let mut history = DriveHistory::default();
+        for (stamp_s, duty) in [(1.0, 1.0), (1.02, 0.0), (1.06, 1.0)] {
+            history.push(Seconds(stamp_s), drive(duty, stamp_s));
+        }
+        // On for 20 ms, off for 40 ms, on for the last 40 ms: 60 %.
+        let means = history.means(Seconds(1.0), Seconds(1.1)).unwrap();
+        assert!((means.duty - 0.6).abs() < 1e-12, "{means:?}");
+        // The motor went 60 mm in the 60 ms that the states cover.
+        assert!((means.feed_m_s - 0.06 / 0.1).abs() < 1e-9, "{means:?}");
+    }
+
+    #[test]
+    fn a_state_twice_or_late_changes_nothing_and_a_jump_back_starts_anew() {
+        let mut history = DriveHistory::default();
+        history.push(Seconds(5.0), drive(1.0, 0.0));
+        history.push(Seconds(5.0), drive(0.0, 0.0));
+        history.push(Seconds(4.9), drive(0.0, 0.0));
+        assert_eq!(history.newest(), Some((Seconds(5.0), drive(1.0, 0.0))));
+        history.push(Seconds(1.0), drive(0.5, 0.0));
+        assert_eq!(history.entries().count(), 1);
+    }
+
+    #[test]
+    fn the_ring_keeps_the_newest() {
+        let mut history = DriveHistory::default();
+        for number in 0..1000_u32 {
+            history.push(Seconds(f64::from(number)), drive(0.0, f64::from(number)));
+        }
+        assert_eq!(history.entries().count(), KEPT);
+        assert!((history.motor_m(Seconds(998.5)).unwrap() - 998.5).abs() < 1e-9);
+    }
+}
