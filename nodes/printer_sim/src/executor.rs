@@ -106,7 +106,9 @@ impl Executor {
         motion.feed.deposited_m_s /= dt.0;
         motion.feed.other_m_s /= dt.0;
         motion.path_speed_m_s /= dt.0;
-        motion.trims = self.active.as_ref().and_then(|active| active.trims);
+        // A native host carries nothing with a move: in a pause too it follows what is in force.
+        let serial = self.settings.host == HostProfile::Serial;
+        motion.trims = self.active.as_ref().and_then(|active| active.trims).filter(|_| serial);
         motion
     }
 

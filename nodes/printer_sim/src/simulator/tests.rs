@@ -207,6 +207,30 @@ fn a_demand_to_switch_off_gives_the_job_up_for_good() {
     assert!(simulator.status().hotend_duty <= 0.0);
 }
 
+/// A paused move does not keep the corrections that were in force when it stopped: not its own, and not the set-point's.
+#[test]
+fn corrections_lapse_in_a_pause_too() {
+    let mut simulator = Simulator::new(params(), straight_job(30), &Scenario::default(), 1).unwrap();
+    simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: Some(Celsius(60.0)) });
+    let trims = Trims { flow: 1.1, setpoint_offset_k: 4.0, ..Trims::NEUTRAL };
+    for (sequence, request, wanted) in [(1, Request::Run, trims), (2, Request::Pause, Trims::NEUTRAL)] {
+        let permit =
+            Permit { session: 1, sequence, validity: Seconds(0.25), mode: Mode::Act, request, trims: wanted };
+        for step in 0..2000 {
+            if step % 100 == 0 {
+                let sequence = sequence * 10_000 + step;
+                simulator.on_permit(Permit { sequence, ..permit }).unwrap();
+            }
+            simulator.step(Seconds(1e-3));
+        }
+        let status = simulator.status();
+        assert_eq!(status.trims, wanted);
+        let offset_k = status.hotend_target.0 - status.hotend_sliced_target.0;
+        assert!((offset_k - wanted.setpoint_offset_k).abs() < 1e-9, "{offset_k}");
+    }
+    assert_eq!(simulator.phase(), JobPhase::Paused);
+}
+
 #[test]
 fn an_opened_mains_relay_ends_a_stuck_heater() {
     let stuck = scenario(
