@@ -97,6 +97,7 @@ impl Node {
             .map_err(|error| RuntimeError::create(format!("node {}", path.qualified), &error))?;
         let (shutdown_sender, shutdown) = Shutdown::channel();
         shutdown::follow_signals(shutdown_sender.clone())?;
+        shutdown::abort_when_continued(shutdown.clone())?;
         let mut node = Self {
             tasks: JoinSet::new(),
             self_loop,

@@ -1,12 +1,16 @@
-//! Orderly end on SIGINT and SIGTERM.
+//! Orderly end on SIGINT and SIGTERM, and an end at once after SIGSTOP and SIGCONT.
 
 use crate::error::RuntimeError;
+use rustix::process::Signal;
 use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 
 /// Time the shell and the middleware have to end before the process is ended: the promise is 2 s.
 const GRACE: Duration = Duration::from_millis(1800);
+
+/// What is sent with a SIGCONT to make a stopped process end in order arrives within this time.
+const TOGETHER: Duration = Duration::from_millis(50);
 
 /// A demand to stop; clones see the same.
 #[derive(Debug, Clone)]
@@ -62,6 +66,24 @@ pub(crate) fn follow_signals(sender: ShutdownSender) -> Result<(), RuntimeError>
             tracing::error!("not ended {} s after the signal: ending the process", GRACE.as_secs_f64());
             std::process::exit(1);
         });
+    });
+    Ok(())
+}
+
+/// Ends the process where it goes on after a stop. The interrupted poll has ended event loops of RustDDS 0.15.1, now
+/// and then those of discovery alone: the self loop still turns, while the others forget the node half a minute later.
+/// Who started the process starts it again. (SIGCONT follows a SIGTERM too, to wake who is stopped: that end is orderly.)
+pub(crate) fn abort_when_continued(shutdown: Shutdown) -> Result<(), RuntimeError> {
+    let system = |source| RuntimeError::System { what: "cannot listen to signals", source };
+    let mut continued = signal(SignalKind::from_raw(Signal::CONT.as_raw())).map_err(system)?;
+    tokio::spawn(async move {
+        while continued.recv().await.is_some() {
+            tokio::time::sleep(TOGETHER).await;
+            if !shutdown.is_demanded() {
+                tracing::error!("was stopped and continued: ending the process to be started again");
+                std::process::abort();
+            }
+        }
     });
     Ok(())
 }
