@@ -7,7 +7,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 
-/// First delay before a process is started again `[s]`; doubles with every start within a minute.
+/// Delay before a process that has run for a minute is started again `[s]`: a thermistor has to be back 1.4 s after its
+/// end, before the supervisor pauses the print (S7).
+const FIRST_DELAY_S: f64 = 0.1;
+/// Delay of the second start within a minute `[s]`; doubles with every further one.
 const BACKOFF_MIN_S: f64 = 0.5;
 /// Longest delay `[s]`.
 const BACKOFF_MAX_S: f64 = 8.0;
@@ -46,6 +49,16 @@ pub enum Happening {
     },
     /// It ended too often and stays down.
     GivenUp {
+        /// Name of the node.
+        name: &'static str,
+    },
+    /// Its heart stands still, though the process may live.
+    Silent {
+        /// Name of the node.
+        name: &'static str,
+    },
+    /// Its heart beats again.
+    HeardAgain {
         /// Name of the node.
         name: &'static str,
     },
@@ -159,9 +172,7 @@ impl Member {
             self.given_up = true;
             return Happening::GivenUp { name };
         }
-        let doublings = i32::try_from(self.restarts.len()).unwrap_or(i32::MAX);
-        let delay_s = (BACKOFF_MIN_S * 2_f64.powi(doublings)).min(BACKOFF_MAX_S);
-        self.due = Some(now + Seconds(delay_s));
+        self.due = Some(now + delay(self.restarts.len()));
         Happening::Ended { name, how: status.to_string() }
     }
 
@@ -192,6 +203,13 @@ impl Member {
             let _woken = kill_process(pid, Signal::CONT);
         }
     }
+}
+
+/// Delay before the next start, after so many restarts within the window.
+fn delay(restarts: usize) -> Seconds {
+    let Some(doublings) = restarts.checked_sub(1) else { return Seconds(FIRST_DELAY_S) };
+    let doublings = i32::try_from(doublings).unwrap_or(i32::MAX);
+    Seconds((BACKOFF_MIN_S * 2_f64.powi(doublings)).min(BACKOFF_MAX_S))
 }
 
 fn spawn(recipe: &Recipe, logs: &Path) -> io::Result<Child> {
@@ -232,7 +250,7 @@ mod tests {
     #[test]
     fn a_process_that_keeps_ending_is_given_up_after_five_restarts() {
         let mut fleet = Fleet::start(vec![recipe("short", "exit 3")], &logs("short")).unwrap();
-        // Restart k is planned 0.5 x 2^k after the end, at most 8 s: all five lie inside one minute of virtual time.
+        // No delay is longer than 8 s: all five restarts lie inside one minute of virtual time.
         let (mut now, mut restarts) = (Seconds(0.0), 0);
         loop {
             // Time stands still while the child is alive, so that the window cannot slip away.
@@ -247,8 +265,15 @@ mod tests {
                     assert_eq!((name, restarts), ("short", 5));
                     return;
                 }
+                heart => panic!("{heart:?}"),
             }
         }
+    }
+
+    #[test]
+    fn delays_grow_from_a_tenth_to_eight_seconds() {
+        let delays: Vec<f64> = (0..8).map(|restarts| delay(restarts).0).collect();
+        assert_eq!(delays, [0.1, 0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0]);
     }
 
     #[test]

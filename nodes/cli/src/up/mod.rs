@@ -1,6 +1,7 @@
 //! `fdm up`: every node its own process, a print from start to end, an orderly stop, figures at the end.
 
 pub mod fleet;
+pub mod hearing;
 pub mod recipes;
 pub mod summary;
 pub mod watch;

@@ -38,7 +38,7 @@ pub struct Print {
     pub feed_error_after_2s_rel: Option<f64>,
     /// Process ids by node at the start.
     pub processes: BTreeMap<String, u32>,
-    /// Processes that ended before they were asked to.
+    /// Processes that ended before they were asked to, or fell silent.
     pub happenings: Vec<String>,
     /// Modes of the supervisor: simulated time and text.
     pub modes: Vec<(f64, String)>,
@@ -93,8 +93,8 @@ pub fn table(prints: &[Print]) -> String {
     );
     _ = writeln!(
         text,
-        "{:<9} {:>8} {:>14} {:>19} {:>13} {:>8} {:>8}  {}",
-        "control", "ended", "feed error", "2 s after the fault", "width RMS", "Q", "wall s", "bag"
+        "{:<9} {:>8} {:>14} {:>19} {:>13} {:>8} {:>8}  bag",
+        "control", "ended", "feed error", "2 s after the fault", "width RMS", "Q", "wall s"
     );
     let percent =
         |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.3} %", value * 100.0));

@@ -1,6 +1,7 @@
 //! `fdm` as a participant of the graph: follows the print, shows progress, notes what happens.
 
 use super::fleet::{Fleet, Happening};
+use super::hearing::Hearing;
 use super::recipes::{NODES, Plan};
 use crate::output;
 use anyhow::bail;
@@ -54,6 +55,7 @@ pub struct Watch {
     safety: Subscription<SafetyState>,
     truth: Subscription<SimTruth>,
     heartbeats: Subscription<Heartbeat>,
+    hearing: Hearing,
     bar: ProgressBar,
     newest_state: Option<PrinterState>,
     newest_safety: Option<SafetyState>,
@@ -61,7 +63,7 @@ pub struct Watch {
     stay: bool,
     /// Integrals of the truth.
     pub marks: Marks,
-    /// Processes that ended and what became of them.
+    /// Processes that ended or fell silent, and what became of them.
     pub happenings: Vec<Happening>,
     /// Mode changes of the supervisor: simulated time and text.
     pub modes: Vec<(f64, String)>,
@@ -81,6 +83,7 @@ impl Watch {
             safety: node.subscribe(&topics::SAFETY_STATE)?,
             truth: node.subscribe(&topics::SIM_TRUTH)?,
             heartbeats: node.subscribe(&topics::HEARTBEAT)?,
+            hearing: Hearing::default(),
             started: node.clock().now(),
             node,
             bar,
@@ -125,9 +128,12 @@ impl Watch {
                 () = self.node.shutdown() => return self.finish(Ended::Interrupted),
             };
             for happening in fleet.tend(now) {
-                self.bar.suspend(|| output::note(&text(&happening)));
-                self.happenings.push(happening);
+                if let Happening::Ended { name, .. } | Happening::GivenUp { name } = happening {
+                    self.hearing.forget(name);
+                }
+                self.tell(happening);
             }
+            self.hear();
             if self.listen() {
                 heard = now;
             }
@@ -171,6 +177,25 @@ impl Watch {
     fn finish(&mut self, ended: Ended) -> Ended {
         self.bar.finish_and_clear();
         ended
+    }
+
+    fn tell(&mut self, happening: Happening) {
+        self.bar.suspend(|| output::note(&text(&happening)));
+        self.happenings.push(happening);
+    }
+
+    /// Takes the heartbeats that came in, and looks who is missing.
+    fn hear(&mut self) {
+        let now = self.node.clock().now();
+        let mut happenings = Vec::new();
+        while let Some(beat) = self.heartbeats.try_recv() {
+            let name = beat.message.node.rsplit('/').next().unwrap_or_default();
+            happenings.extend(self.hearing.beat(beat.received, name, beat.message.session_id));
+        }
+        happenings.extend(self.hearing.look(now));
+        for happening in happenings {
+            self.tell(happening);
+        }
     }
 
     /// Takes everything that came in; whether the printer was heard.
@@ -249,5 +274,7 @@ pub fn text(happening: &Happening) -> String {
         Happening::Ended { name, how } => format!("{name} ended ({how}); it is started again"),
         Happening::Restarted { name, pid } => format!("{name} runs again as process {pid}"),
         Happening::GivenUp { name } => format!("{name} ended too often and stays down: see its log"),
+        Happening::Silent { name } => format!("{name} is silent: its heart stands still"),
+        Happening::HeardAgain { name } => format!("{name} is heard again"),
     }
 }
