@@ -74,7 +74,16 @@ fn fields_of_one_simulated_run() {
 fn the_closed_loop_makes_up_for_a_slip_and_the_open_one_does_not() {
     let file = gcode("prusa_cube_pla_marlin_relE.gcode");
     let comparison = json(&[
-        "sim", &file, "--layers", "6", "--scenario", "slip09", "--control", "off,encoder,mpc", "--seeds", "101..102",
+        "sim",
+        &file,
+        "--layers",
+        "6",
+        "--scenario",
+        "slip09",
+        "--control",
+        "off,encoder,mpc",
+        "--seeds",
+        "101..102",
     ]);
     let results = comparison["results"].as_array().unwrap();
     assert_eq!(results.len(), 3);
@@ -126,7 +135,17 @@ fn a_file_is_surveyed_with_its_oddities() {
         "quirks_handmade.gcode",
     ] {
         let survey = json(&["gcode", &gcode(name)]);
-        for field in ["layers", "moves", "arcs", "filament_mm", "print_time_s", "tools", "dialect", "warnings", "errors"] {
+        for field in [
+            "layers",
+            "moves",
+            "arcs",
+            "filament_mm",
+            "print_time_s",
+            "tools",
+            "dialect",
+            "warnings",
+            "errors",
+        ] {
             assert!(keys(&survey).contains(&field), "{name}: {field}");
         }
         if name.starts_with("prusa") {
@@ -178,7 +197,8 @@ fn a_bad_parameter_file_is_told_by_line() {
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     std::fs::remove_dir_all(&folder).unwrap();
     assert_eq!(output.status.code(), Some(2), "{told}");
-    let expected = format!("ender3.yaml:{line}: printer.hotend.coupling_w_k = -0.45 W/K: must be finite and > 0");
+    let expected =
+        format!("ender3.yaml:{line}: printer.hotend.coupling_w_k = -0.45 W/K: must be finite and > 0");
     assert!(told.contains(&expected), "{told}");
 }
 

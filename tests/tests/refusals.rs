@@ -10,6 +10,8 @@
 
 #[path = "refusals/fleet.rs"]
 mod fleet;
+#[path = "refusals/permits.rs"]
+mod permits;
 #[path = "refusals/shown.rs"]
 mod shown;
 #[path = "refusals/table.rs"]
@@ -54,6 +56,8 @@ fn every_bad_message_is_refused_counted_and_shown() {
         }
         peer.the_controllers_last_word_is_neutral(&mut fleet).await;
         fleet.end();
+        drop(peer);
+        permits::the_simulator_refuses_bad_permits().await;
     });
 }
 

@@ -9,7 +9,7 @@ use fdm_loop_msgs::{
     PrintEvent, PrintInfo, PrinterState, SimTruth, TemperatureReport, Time,
 };
 use models::units::Seconds;
-use runtime::{Asked, Diagnostics, Node, Publisher, Received, Server, Subscription, topics, wire};
+use runtime::{Asked, Node, Publisher, Reason, Refused, Server, Subscription, topics, wire};
 use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
 
@@ -19,6 +19,8 @@ const STEP_S: f64 = 1e-3;
 const CLOCK_PERIOD_S: f64 = 0.01;
 /// Steps between two readings of `/clock`.
 const STEPS_PER_CLOCK: u32 = 10;
+/// A permit with an older stamp, or one as far ahead, is refused `[s]`: four times its validity.
+const STAMP_LIMIT_S: f64 = 1.0;
 /// Readings of `/clock` between two messages of truth: 50 Hz.
 const CLOCKS_PER_TRUTH: u32 = 2;
 
@@ -40,7 +42,7 @@ struct Outlets {
 struct Shell {
     simulator: Simulator,
     outlets: Outlets,
-    diagnostics: Diagnostics,
+    refused: Refused,
     name: String,
     quantum_m: f64,
     segments: u64,
@@ -58,8 +60,9 @@ pub async fn run(mut node: Node) -> Result<(), LoadError> {
     let mut faults = if allow_fault_injection { Some(node.serve(&topics::INJECT_FAULT)?) } else { None };
     let outlets = Outlets::new(&mut node)?;
     outlets.info.send(info);
-    let (diagnostics, work, name) = (node.diagnostics(), node.work(), node.name());
-    let mut shell = Shell { simulator, outlets, diagnostics, name, quantum_m, segments: 0, clocks: 0 };
+    let refused = Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name());
+    let (work, name) = (node.work(), node.name());
+    let mut shell = Shell { simulator, outlets, refused, name, quantum_m, segments: 0, clocks: 0 };
     let mut pace = pace(speed);
     loop {
         tokio::select! {
@@ -107,19 +110,24 @@ impl Outlets {
 
 impl Shell {
     fn take_permits(&mut self, permits: &mut Subscription<ControlCommand>) {
-        while let Some(Received { message, .. }) = permits.try_recv() {
-            match wire::permit_from_wire(&message) {
-                Ok(permit) => {
-                    if let Err(refusal) = self.simulator.on_permit(permit) {
-                        self.diagnostics.count(&format!("refused_safety_command_{}", refusal.name()));
-                    }
-                }
-                Err(error) => {
-                    self.diagnostics.count("refused_safety_command");
-                    tracing::warn!("safety/command refused: {error}");
-                }
+        while let Some(received) = permits.try_recv() {
+            if let Err(reason) = self.take_permit(&received.message) {
+                self.refused.count(reason);
             }
         }
+    }
+
+    fn take_permit(&mut self, message: &ControlCommand) -> Result<(), Reason> {
+        let permit = wire::permit_from_wire(message).map_err(|error| Reason::from(&error))?;
+        let stamp = wire::stamp_from_wire(&message.header).map_err(|error| Reason::from(&error))?;
+        let age_s = (self.simulator.now() - stamp).0;
+        if age_s > STAMP_LIMIT_S {
+            return Err(Reason::Stale);
+        }
+        if age_s < -STAMP_LIMIT_S {
+            return Err(Reason::OutOfRange);
+        }
+        self.simulator.on_permit(permit).map_err(|_| Reason::Gate)
     }
 
     fn advance(&mut self) {

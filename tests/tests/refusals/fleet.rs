@@ -18,6 +18,11 @@ impl Fleet {
         Self(NODES.map(|node| (node, start(node))).into_iter().collect())
     }
 
+    /// Processes that are already started.
+    pub(crate) fn of(processes: Vec<(&'static str, Child)>) -> Self {
+        Self(processes)
+    }
+
     /// SIGTERM to one node.
     pub(crate) fn ask_to_end(&self, name: &str) {
         for (_, child) in self.0.iter().filter(|(node, _)| *node == name) {
@@ -53,21 +58,37 @@ impl Drop for Fleet {
     }
 }
 
+/// The simulated printer with a file that it never gets to print: it is cold.
+pub(crate) fn start_printer() -> Child {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let files = [
+        "printer_sim.param.yaml",
+        "plants/ender3.yaml",
+        "printers/ender3.yaml",
+        "printers/ender3_motion.yaml",
+        "quality.yaml",
+        "materials/pla.yaml",
+    ];
+    let gcode = root.join("tests/data/gcode/quirks_handmade.gcode");
+    let wish = format!("run.gcode:=\"{}\"", gcode.display());
+    command("printer_sim", &files.map(str::to_owned)).args(["-p", &wish]).spawn().unwrap()
+}
+
 fn start(node: &str) -> Child {
-    let deps = std::env::current_exe().unwrap();
-    let program = deps.parent().and_then(Path::parent).unwrap().join(node);
-    assert!(program.is_file(), "{} is missing: build it first (cargo build -p {node})", program.display());
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");
     let mut files = vec![format!("{node}.param.yaml")];
     if matches!(node, "state_estimator" | "mpc_controller") {
         files.extend(["printers/ender3.yaml".into(), "materials/pla.yaml".into()]);
     }
+    command(node, &files).spawn().unwrap()
+}
+
+fn command(node: &str, files: &[String]) -> Command {
+    let deps = std::env::current_exe().unwrap();
+    let program = deps.parent().and_then(Path::parent).unwrap().join(node);
+    assert!(program.is_file(), "{} is missing: build it first (cargo build -p {node})", program.display());
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");
     let arguments = files.iter().flat_map(|file| ["--params-file".into(), config.join(file)] as [PathBuf; 2]);
-    Command::new(program)
-        .arg("--ros-args")
-        .args(arguments)
-        .env_remove("RUST_LOG")
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap()
+    let mut command = Command::new(program);
+    command.arg("--ros-args").args(arguments).env_remove("RUST_LOG").stdout(Stdio::null());
+    command
 }

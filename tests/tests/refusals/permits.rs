@@ -1,0 +1,62 @@
+//! The simulated printer lives by its own clock: its permits are stamped by that.
+
+use crate::fleet;
+use crate::shown::Shown;
+use crate::table::Kind;
+use fdm_loop_msgs::{ControlCommand, Header};
+use models::units::Seconds;
+use runtime::{Args, Node, topics};
+use std::time::Duration;
+
+/// Longest wait for all counters.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A permit that is refused for one thing alone.
+fn permit(kind: Kind, now_s: f64, sequence: u64) -> ControlCommand {
+    let sound = ControlCommand {
+        header: Header::at(now_s),
+        session_id: 1,
+        sequence,
+        validity_s: 0.25,
+        flow_factor: 1.0,
+        speed_factor: 1.0,
+        ..ControlCommand::default()
+    };
+    match kind {
+        Kind::Sound => sound,
+        Kind::NotFinite => ControlCommand { flow_factor: f64::NAN, ..sound },
+        Kind::OutOfRange => ControlCommand { speed_factor: 11.0, ..sound },
+        Kind::Stale => ControlCommand { header: Header::at(now_s - 30.0), ..sound },
+    }
+}
+
+/// Sends each kind of permit in turn until the simulator has counted three of each bad one and taken the sound ones.
+pub(crate) async fn the_simulator_refuses_bad_permits() {
+    let _printer = fleet::Fleet::of(vec![("printer_sim", fleet::start_printer())]);
+    let mut node = Node::start_with("peer", Args::default()).unwrap();
+    let mut clock = node.subscribe(&topics::CLOCK).unwrap();
+    let mut reports = node.subscribe(&topics::DIAGNOSTICS).unwrap();
+    let permits = node.publish_on(&topics::SAFETY_COMMAND).unwrap();
+    let mut ticks = node.timer(Seconds(0.02));
+    let (mut shown, mut now_s, mut sequence) = (Shown::default(), None, 0_u64);
+    let topic = topics::SAFETY_COMMAND.name();
+    let counted =
+        |shown: &Shown| Kind::BAD.iter().all(|kind| shown.refused("printer_sim", topic, kind.reason()) >= 3);
+    let limit = tokio::time::sleep(PATIENCE);
+    tokio::pin!(limit);
+    while !counted(&shown) {
+        tokio::select! {
+            reading = clock.recv() => now_s = reading.message.clock.seconds(),
+            report = reports.recv() => shown.take(&report.message),
+            _ = ticks.next() => if let Some(now_s) = now_s {
+                let kinds = [Kind::Sound, Kind::NotFinite, Kind::OutOfRange, Kind::Stale];
+                permits.send(permit(kinds[usize::try_from(sequence % 4).unwrap()], now_s, sequence));
+                sequence += 1;
+            },
+            () = &mut limit => panic!("not counted: {:?}", shown.nodes()),
+        }
+    }
+    let (refused, sent) = (shown.refused_in_all("printer_sim", topic), sequence);
+    // One in four is sound and taken.
+    assert!(refused < sent * 9 / 10, "{refused} of {sent} refused");
+}
