@@ -6,7 +6,8 @@
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
-    reason = "helpers of tests: a failure is the test's failure"
+    clippy::print_stdout,
+    reason = "helpers of tests: a failure is the test's failure; the times are for people"
 )]
 
 #[path = "process_faults/graph.rs"]
