@@ -235,9 +235,11 @@ impl Controller {
         let slip = self.slip(status, estimate);
         let [feed, speed, setpoint_offset_k] =
             if self.params.control == Level::Mpc { self.held } else { [0.0; 3] };
+        let most = self.params.limits.feed;
         Trims {
-            // the move is feed over time, the printer's trim is feed over path
-            flow: (1.0 + feed) / (1.0 + speed),
+            // The move is feed over time, the printer's trim is feed over path. Slow and fed high at once, the quotient
+            // would leave the range that the supervisor lets through (K6).
+            flow: ((1.0 + feed) / (1.0 + speed)).clamp(1.0 - most, 1.0 + most),
             speed: 1.0 + speed,
             setpoint_offset_k,
             advance_s: Some(self.printer.material.lag_s),
