@@ -9,15 +9,14 @@ const SEEN_S: f64 = 1.0;
 const NEUTRAL_S: f64 = 2.5;
 /// The same without the supervisor `[s]`: the permit's validity.
 const NEUTRAL_SUPERVISOR_S: f64 = 0.25;
-/// Between a permit that lapses and an observer who sees it: a look of the printer, a period of `printer/state`, a way
-/// through DDS, and the pace of a simulation on a loaded machine `[s]`.
-const OBSERVED_S: f64 = 0.1;
+/// Between a permit that lapses and a state that shows it: a look of the printer and two periods of `printer/state` `[s]`.
+const OBSERVED_S: f64 = 0.05;
 /// All is whole again after the process is back `[s]`.
 const WHOLE_S: f64 = 5.0;
-/// S7 of the thermistor: pause and switch-off `[s]`, and what the pace of a simulation on a loaded machine adds.
+/// S7 of the thermistor: pause and switch-off `[s]`, and a period of its samples, ticks and states.
 const PAUSED_S: f64 = 1.5;
 const SAFE_OFF_S: f64 = 3.0;
-const S7_SPAN_S: f64 = 0.5;
+const S7_SPAN_S: f64 = 0.2;
 
 /// Whether this trial ends the print by S7.
 fn trips(trial: &Trial) -> bool {

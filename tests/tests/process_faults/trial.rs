@@ -2,7 +2,7 @@
 
 use crate::graph::{Graph, Said};
 use crate::observer::{Observer, Seen, is_neutral};
-use fdm_loop_msgs::{PrinterState, SafetyState};
+use fdm_loop_msgs::{Header, PrinterState, SafetyState};
 use models::units::Seconds;
 use rustix::process::Signal;
 
@@ -33,7 +33,8 @@ pub(crate) enum Role {
     Supervisor,
 }
 
-/// Times from the fault on; `None` for what was not observed.
+/// Times from the fault on; `None` for what was not observed. What printer and supervisor do is dated by their stamps, on
+/// the graph's clock, which lags behind the observer's where the machine is loaded; the rest by its arrival.
 #[derive(Debug, Default)]
 pub(crate) struct Times {
     /// `fdm` says that the process has ended or hangs.
@@ -64,6 +65,8 @@ pub(crate) struct Trial {
     pub(crate) times: Times,
     /// Run of the node before the fault.
     session: Option<u64>,
+    /// Time of the fault on the graph's clock, at most a period of `printer/state` too early.
+    stamp_s: f64,
     mode: u8,
     corrected: bool,
     /// Since when all looks whole.
@@ -78,7 +81,7 @@ impl Trial {
         fault: Fault,
         (observer, graph): (&mut Observer, &mut Graph),
     ) -> Self {
-        let session = whole(node, observer, graph).await;
+        let (session, stamp_s) = whole(node, observer, graph).await;
         let signal = if fault == Fault::Kill { Signal::KILL } else { Signal::STOP };
         println!("{node}: {signal:?}");
         let begin = observer.now();
@@ -89,6 +92,7 @@ impl Trial {
             role,
             times: Times::default(),
             session: Some(session),
+            stamp_s,
             mode: SafetyState::MODE_ACT,
             corrected: true,
             looks_whole: None,
@@ -117,8 +121,8 @@ impl Trial {
             return;
         }
         match seen {
-            Seen::Printer(state) => self.on_printer(at_s, state),
-            Seen::Safety(state) => self.on_safety(at_s, state),
+            Seen::Printer(state) => self.on_printer(state),
+            Seen::Safety(state) => self.on_safety(state),
             Seen::Heart(name, session) if name == self.node && Some(*session) != self.session => {
                 self.times.beats.get_or_insert(at_s);
             }
@@ -139,7 +143,8 @@ impl Trial {
         }
     }
 
-    fn on_printer(&mut self, at_s: f64, state: &PrinterState) {
+    fn on_printer(&mut self, state: &PrinterState) {
+        let at_s = stamp_s(&state.header) - self.stamp_s;
         self.corrected = !is_neutral(state);
         if self.corrected {
             return;
@@ -150,7 +155,8 @@ impl Trial {
         self.times.neutral.get_or_insert(at_s);
     }
 
-    fn on_safety(&mut self, at_s: f64, state: &SafetyState) {
+    fn on_safety(&mut self, state: &SafetyState) {
+        let at_s = stamp_s(&state.header) - self.stamp_s;
         self.mode = state.mode;
         if state.mode >= SafetyState::MODE_DEGRADED {
             self.times.acted.get_or_insert(at_s);
@@ -169,13 +175,20 @@ impl Trial {
     }
 }
 
-/// Waits until the loop is closed and the node is heard; yields the node's session.
-async fn whole(node: &str, observer: &mut Observer, graph: &mut Graph) -> u64 {
-    let (mut acts, mut corrected, mut session) = (false, false, None);
+fn stamp_s(header: &Header) -> f64 {
+    header.stamp.seconds().unwrap()
+}
+
+/// Waits until the loop is closed and the node is heard; yields the node's session and the time on the graph's clock.
+async fn whole(node: &str, observer: &mut Observer, graph: &mut Graph) -> (u64, f64) {
+    let (mut acts, mut corrected, mut session, mut newest_s) = (false, false, None, 0.0);
     let closed = observer.until(graph, PATIENCE, |_, seen| {
         match seen {
             Seen::Safety(state) => acts = state.mode == SafetyState::MODE_ACT,
-            Seen::Printer(state) => corrected = !is_neutral(state),
+            Seen::Printer(state) => {
+                corrected = !is_neutral(state);
+                newest_s = stamp_s(&state.header);
+            }
             Seen::Heart(name, run) if name == node => session = Some(*run),
             _ => {}
         }
@@ -183,5 +196,5 @@ async fn whole(node: &str, observer: &mut Observer, graph: &mut Graph) -> u64 {
     });
     let closed = closed.await;
     assert!(closed, "before {node}: acts {acts}, corrected {corrected}, heard {}", session.is_some());
-    session.unwrap()
+    (session.unwrap(), newest_s)
 }
