@@ -1,4 +1,5 @@
 //! The command `fdm` as a program that others script against: field names, figures, exit codes.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
 //! The rules of `nodes/README.md` that a compiler does not hold: who may depend on whom, and that no test is left out.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
 use std::collections::BTreeSet;
