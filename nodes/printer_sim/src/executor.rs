@@ -5,10 +5,11 @@
 
 use models::command::Trims;
 use models::motion::{Action, MoveKind, Segment, Step};
-use models::status::{HostProfile, JobPhase};
+use models::status::HostProfile;
 use models::units::Seconds;
 use std::collections::VecDeque;
 
+mod state;
 mod types;
 
 pub use types::{Motion, Settings, Sliced, Surroundings};
@@ -160,7 +161,7 @@ impl Executor {
         if over {
             self.wait = Wait::None;
         }
-        over && *spent_s <= left_s + *spent_s
+        over
     }
 
     /// Takes the next thing from the queue; true if it is a move.
@@ -252,70 +253,5 @@ impl Executor {
             self.active = None;
         }
         if speed > 0.0 { plan_used_s / speed } else { left_s }
-    }
-
-    /// Where the job stands.
-    #[must_use]
-    pub fn phase(&self) -> JobPhase {
-        let held = self.pace <= 0.0;
-        match (self.exhausted && self.queue.is_empty() && self.active.is_none(), held, self.started) {
-            (true, ..) => JobPhase::Done,
-            (false, true, _) => JobPhase::Paused,
-            (false, false, true) if self.wait == Wait::None => JobPhase::Printing,
-            _ => JobPhase::Preparing,
-        }
-    }
-
-    /// Resumes from a pause that the file asked for.
-    pub fn resume(&mut self) {
-        self.file_pause = false;
-    }
-
-    /// Set-points of the file.
-    #[must_use]
-    pub fn sliced(&self) -> &Sliced {
-        &self.sliced
-    }
-
-    /// The move under way.
-    #[must_use]
-    pub fn segment(&self) -> Option<&Segment> {
-        self.active.as_ref().map(|active| active.segment.as_ref())
-    }
-
-    /// All axes know their place.
-    #[must_use]
-    pub fn homed(&self) -> bool {
-        self.homed
-    }
-
-    /// Layer from 0.
-    #[must_use]
-    pub fn layer(&self) -> Option<u32> {
-        self.layer
-    }
-
-    /// Line of the file, from 1.
-    #[must_use]
-    pub fn line(&self) -> u64 {
-        self.line
-    }
-
-    /// Tool position in the bed frame `[m]`.
-    #[must_use]
-    pub fn position_m(&self) -> [f64; 3] {
-        self.position_m
-    }
-
-    /// Time along the slicer's plan `[s]`.
-    #[must_use]
-    pub fn path_time_s(&self) -> f64 {
-        self.path_time_s
-    }
-
-    /// Filament that the file has pushed so far, retractions not subtracted `[m]`.
-    #[must_use]
-    pub fn fed_m(&self) -> f64 {
-        self.fed_m
     }
 }

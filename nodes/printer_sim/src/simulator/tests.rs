@@ -6,6 +6,7 @@ use models::bead::stadium;
 use models::command::{DeadManParams, Limits};
 use models::motion::{Action, Role, Segment, Trapezoid};
 use models::quality::Quality;
+use models::units::Celsius;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::collections::HashMap;

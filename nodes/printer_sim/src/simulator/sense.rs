@@ -1,0 +1,64 @@
+//! What the printer's firmware and sensors read.
+
+use super::Simulator;
+use crate::faults::Thermistor;
+use crate::output::Output;
+use crate::plant::Road;
+use crate::sensors::bead_surroundings;
+use models::command::Request;
+use models::status::JobPhase;
+use models::units::Celsius;
+
+impl Simulator {
+    /// Firmware: reads its thermistors and sets the duties.
+    fn regulate(&mut self) {
+        let faults = &self.faults_in_force;
+        let beside = bead_surroundings(self.plant.sensor(), self.plant.air(faults), faults);
+        let hotend = self.hotend_sensor.read(beside, faults.thermistor, faults.reading_bias_k);
+        let bed = self.bed_sensor.read(self.plant.bed(), Thermistor::Sound, 0.0);
+        let sliced = *self.executor.sliced();
+        let offset_k = self.motion.trims.unwrap_or(self.in_force.trims).setpoint_offset_k;
+        self.heaters.hotend_target = match self.in_force.request {
+            _ if self.given_up => Celsius(0.0),
+            Request::Standby => Celsius(sliced.hotend.0.min(self.params.simulator.firmware.standby.0)),
+            _ if sliced.hotend.0 > 0.0 => Celsius(sliced.hotend.0 + offset_k),
+            _ => sliced.hotend,
+        };
+        self.heaters.bed_target = if self.given_up { Celsius(0.0) } else { sliced.bed };
+        self.heaters.update(&self.params.plant, hotend, bed);
+        self.outputs.push_back(Output::Temperatures { stamp: self.now, hotend, bed });
+    }
+
+    pub(super) fn sense(&mut self, road: Option<Road>) {
+        if self.paces.temperature.due(self.now) {
+            self.regulate();
+        }
+        if self.paces.encoder.due(self.now) {
+            let counts = self.counts();
+            self.outputs.push_back(Output::Encoder { stamp: self.now, counts });
+        }
+        if self.paces.width.due(self.now) && road.is_some() {
+            self.width_gauge.expose(self.now, self.truth.width_m);
+        }
+        while let Some((exposed, width_m)) = self.width_gauge.ready(self.now) {
+            let sigma_m = self.width_gauge.sigma_m();
+            self.outputs.push_back(Output::Width { exposed, width_m, sigma_m });
+        }
+        if self.paces.status.due(self.now) {
+            let status = self.status();
+            self.outputs.push_back(Output::Status(Box::new(status)));
+        }
+        if !self.done_noted && self.phase() == JobPhase::Done {
+            self.done_noted = true;
+            self.note("the file has ended");
+        }
+    }
+
+    pub(super) fn counts(&self) -> i64 {
+        // A count is a whole quantum that has passed; kilometres of filament stay far below 2^63 of them.
+        #[allow(clippy::cast_possible_truncation, reason = "bounded above")]
+        let counts =
+            (self.plant.delivered_m() / self.params.simulator.sensors.encoder_quantum_m).floor() as i64;
+        counts
+    }
+}
