@@ -86,6 +86,6 @@ pub use publisher::Publisher;
 pub use raw::{RawMessage, RawSubscription};
 pub use self_loop::SelfLoopAge;
 pub use service::{Asked, CallError, Client, Server};
-pub use shutdown::Shutdown;
+pub use shutdown::{STOP_WITH_PARENT, Shutdown};
 pub use start::run;
 pub use subscription::{Gid, Received, Subscription};

@@ -1,4 +1,4 @@
-//! Orderly end on SIGINT and SIGTERM, and an end at once after SIGSTOP and SIGCONT.
+//! Orderly end on SIGINT, SIGTERM and, where asked for, with the parent process; an end at once after SIGSTOP and SIGCONT.
 
 use crate::error::RuntimeError;
 use rustix::process::Signal;
@@ -49,15 +49,38 @@ impl Shutdown {
     }
 }
 
+/// Set in the environment of a process that must not outlive the one that started it, to that one's process id.
+pub const STOP_WITH_PARENT: &str = "FDM_STOP_WITH_PARENT";
+
+/// How often a process that must not outlive its parent looks for it.
+const LOOK: Duration = Duration::from_millis(200);
+
+/// Waits until the parent has died; for ever where [`STOP_WITH_PARENT`] is not set.
+fn orphaned() -> impl Future<Output = ()> {
+    // The id is told, not asked for: the parent may be dead before this line.
+    let told = std::env::var(STOP_WITH_PARENT).ok();
+    let parent = told.and_then(|pid| rustix::process::Pid::from_raw(pid.parse().ok()?));
+    async move {
+        if parent.is_none() {
+            return std::future::pending().await;
+        }
+        while rustix::process::getppid() == parent {
+            tokio::time::sleep(LOOK).await;
+        }
+    }
+}
+
 /// Turns SIGINT and SIGTERM into a demand, and ends the process where the shell does not follow it in time.
 pub(crate) fn follow_signals(sender: ShutdownSender) -> Result<(), RuntimeError> {
     let system = |source| RuntimeError::System { what: "cannot listen to signals", source };
     let mut interrupt = signal(SignalKind::interrupt()).map_err(system)?;
     let mut terminate = signal(SignalKind::terminate()).map_err(system)?;
+    let orphaned = orphaned();
     tokio::spawn(async move {
         tokio::select! {
             _ = interrupt.recv() => {}
             _ = terminate.recv() => {}
+            () = orphaned => tracing::warn!("who started this process has died: ending"),
         }
         sender.demand();
         // A thread of its own: the executor may be what hangs. It never outlives the process.

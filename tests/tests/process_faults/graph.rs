@@ -47,6 +47,8 @@ impl Graph {
             .args(["--warm", "--stay", "--bag"])
             .arg(folder.join("bag"))
             .env_remove("RUST_LOG")
+            // An observer that aborts leaves nothing behind.
+            .env(runtime::STOP_WITH_PARENT, std::process::id().to_string())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())

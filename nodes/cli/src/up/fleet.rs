@@ -216,6 +216,7 @@ fn spawn(recipe: &Recipe, logs: &Path) -> io::Result<Child> {
     let log = OpenOptions::new().create(true).append(true).open(logs.join(format!("{}.log", recipe.name)))?;
     Command::new(&recipe.program)
         .args(&recipe.arguments)
+        .env(runtime::STOP_WITH_PARENT, std::process::id().to_string())
         .stdin(Stdio::null())
         .stdout(log.try_clone()?)
         .stderr(log)
