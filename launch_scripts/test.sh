@@ -27,8 +27,14 @@ step "node binaries"
 cargo build --workspace --bins --locked
 
 step "tests"
-export FDM_TEST_LONG=${long:+1}
 cargo test --workspace --locked
+
+if [ -n "$long" ]; then
+  step "long: the tests over DDS, 20 times"
+  for _ in $(seq 20); do
+    cargo test -p system_tests --locked --test process_faults --test refusals --test bag --test orphans
+  done
+fi
 
 step "licences, bans and sources"
 if command -v cargo-deny >/dev/null; then

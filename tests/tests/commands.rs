@@ -111,6 +111,47 @@ fn the_closed_loop_makes_up_for_a_slip_and_the_open_one_does_not() {
     }
 }
 
+/// A host that streams the file applies trims up to 0.3 s later, and closes no loop on the encoder itself.
+#[test]
+fn the_serial_host_makes_up_for_a_slip_too() {
+    let file = gcode("prusa_cube_pla_marlin_relE.gcode");
+    let run = json(&[
+        "sim",
+        &file,
+        "--layers",
+        "6",
+        "--scenario",
+        "slip09",
+        "--control",
+        "encoder",
+        "--host",
+        "serial",
+        "--seed",
+        "103",
+    ]);
+    let settled = number(&run, "feed_error_after_2s_rel");
+    assert!(settled < 0.005, "{settled}");
+    assert_eq!(run["host"], "serial");
+}
+
+/// What ends a print does, and what does not leaves it alone; a scenario that cannot be loaded fails.
+#[test]
+fn every_shipped_scenario_runs() {
+    let file = gcode("prusa_cube_pla_marlin_relE.gcode");
+    for entry in std::fs::read_dir(root().join("config/scenarios")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let Some(scenario) = name.strip_suffix(".yaml") else { continue };
+        let run = json(&["sim", &file, "--layers", "3", "--scenario", scenario, "--control", "mpc"]);
+        let expected = match scenario {
+            "heater_dead" | "heater_stuck_on" | "thermistor_open" | "thermistor_short" => "failed",
+            "run_out" => "paused",
+            _ => "done",
+        };
+        assert_eq!(run["ended"], expected, "{scenario}: {run}");
+        assert_eq!(run["false_alarms"], 0, "{scenario}: {run}");
+    }
+}
+
 #[test]
 fn a_heater_fault_ends_the_print_and_is_told() {
     let file = gcode("prusa_cube_pla_marlin_relE.gcode");
@@ -163,15 +204,21 @@ fn a_file_is_surveyed_with_its_oddities() {
 #[test]
 fn mistakes_end_with_code_2_and_one_line() {
     let file = gcode("prusa_cube_pla_marlin_relE.gcode");
-    let cases: [(&[&str], &str); 8] = [
+    std::fs::write(std::env::temp_dir().join("fdm_no_move.gcode"), "; nothing\n").unwrap();
+    let no_move = std::env::temp_dir().join("fdm_no_move.gcode").display().to_string();
+    let cases: [(&[&str], &str); 12] = [
         (&["sim", "nowhere.gcode"], "nowhere.gcode"),
         (&["sim", &file, "--scenario", "nope"], "slip09"),
         (&["sim", &file, "--control", "pid"], "off, encoder or mpc"),
         (&["sim", &file, "--seeds", "5..1"], "A..B"),
         (&["sim", &file, "--material", "NYLON"], "PETG"),
         (&["gcode", "nowhere.gcode"], "nowhere.gcode"),
-        (&["up", "--gcode", &file, "--speed", "0"], "[0.1, 100]"),
+        (&["up", "--gcode", &file, "--speed", "0"], "[0.1, 20]"),
         (&["sim", &file, "--config", "/nowhere"], "/nowhere"),
+        (&["sim", &no_move], "no move"),
+        (&["sim", &file, "--json", "/nowhere/x.json"], "/nowhere/x.json"),
+        (&["up", "--gcode", &file, "--control", "off,off"], "twice"),
+        (&["up", "--gcode", &file, "--json", "/nowhere/x.json"], "/nowhere/x.json"),
     ];
     for (arguments, told) in cases {
         let output = run(arguments);

@@ -3,9 +3,10 @@
 use crate::config::Setup;
 use anyhow::{Context, bail};
 use models::gcode::Header;
-use models::motion::MotionParams;
+use models::motion::{Job, MotionParams, Step};
 use printer_sim::JobSource;
 use printer_sim::job::Wishes;
+use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -33,6 +34,10 @@ impl GcodeFile {
         }
         let header_bytes = motion.read.header_bytes.min(bytes.len());
         let header = Header::scan(&bytes[..header_bytes], &bytes[bytes.len() - header_bytes..]);
+        let job = Job::new(Cursor::new(Arc::clone(&bytes)), &header, motion);
+        if !job.into_iter().any(|step| matches!(step, Step::Move(_))) {
+            bail!("{}: no move in the file", path.display());
+        }
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         Ok(Self { name, bytes, header, wishes: Wishes { layers, set_points: None } })
     }

@@ -9,8 +9,11 @@ pub mod sim;
 pub mod up;
 
 use clap::{Parser, Subcommand};
+use operate::Ask;
 use std::process::ExitCode;
 
+/// Exit code where a print did not come to its end.
+const FAILED: u8 = 1;
 /// Exit code where the person who called has to change something.
 const USAGE: u8 = 2;
 
@@ -27,8 +30,16 @@ enum Command {
     Up(up::UpArgs),
     /// See who is on the graph and what the printer does.
     Status(operate::StatusArgs),
+    /// Pause the print.
+    Pause(operate::AskArgs),
+    /// Print on after a pause.
+    Resume(operate::AskArgs),
+    /// Heaters off, job given up.
+    Stop(operate::AskArgs),
     /// Emergency stop.
-    Estop(operate::EstopArgs),
+    Estop(operate::AskArgs),
+    /// The cause of a latched stop is seen and gone.
+    Acknowledge(operate::AskArgs),
     /// Simulate the whole loop in one process and virtual time.
     Sim(sim::SimArgs),
     /// Parse and plan a file: layers, moves, filament, time, oddities.
@@ -41,7 +52,11 @@ pub fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Up(args) => up::run(&args),
         Command::Status(args) => operate::status(&args),
-        Command::Estop(args) => operate::estop(&args),
+        Command::Pause(args) => operate::ask(Ask::Pause, &args),
+        Command::Resume(args) => operate::ask(Ask::Resume, &args),
+        Command::Stop(args) => operate::ask(Ask::Stop, &args),
+        Command::Estop(args) => operate::ask(Ask::Estop, &args),
+        Command::Acknowledge(args) => operate::ask(Ask::Acknowledge, &args),
         Command::Sim(args) => sim::run(&args),
         Command::Gcode(args) => gcode::run(&args),
     };
@@ -49,7 +64,7 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             output::complain(&error);
-            ExitCode::from(USAGE)
+            ExitCode::from(if error.is::<up::PrintFailed>() { FAILED } else { USAGE })
         }
     }
 }

@@ -1,11 +1,12 @@
-//! `fdm status` and `fdm estop`: look at a running graph, stop it.
+//! `fdm status`, and what a person asks of the supervisor: `pause`, `resume`, `stop`, `estop`, `acknowledge`.
 
 use crate::output::{self, Json};
 use crate::up::watch::mode_name;
 use anyhow::{Context, bail};
 use clap::Args;
-use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, TriggerRequest};
+use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, Trigger, TriggerRequest};
 use models::units::Seconds;
+use runtime::topics::Service;
 use runtime::{Node, topics};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -30,7 +31,7 @@ pub struct StatusArgs {
 
 /// Which printer.
 #[derive(Debug, Args)]
-pub struct EstopArgs {
+pub struct AskArgs {
     /// Namespace of the printer.
     #[arg(long, default_value = "/printer")]
     namespace: String,
@@ -71,21 +72,53 @@ pub fn status(args: &StatusArgs) -> anyhow::Result<()> {
     json.write(&seen)
 }
 
-/// Asks the supervisor for an emergency stop and waits for its answer.
+/// What a person asks of the supervisor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ask {
+    /// Pause the job.
+    Pause,
+    /// End a pause.
+    Resume,
+    /// Heaters off, job given up.
+    Stop,
+    /// Emergency stop.
+    Estop,
+    /// End a latched mode whose cause is gone.
+    Acknowledge,
+}
+
+impl Ask {
+    fn service(self) -> &'static Service<Trigger> {
+        match self {
+            Self::Pause => &topics::SAFETY_PAUSE,
+            Self::Resume => &topics::SAFETY_RESUME,
+            Self::Stop => &topics::SAFETY_STOP,
+            Self::Estop => &topics::SAFETY_ESTOP,
+            Self::Acknowledge => &topics::SAFETY_ACKNOWLEDGE,
+        }
+    }
+}
+
+/// Asks the supervisor and waits for its answer.
 ///
 /// # Errors
 /// No supervisor, or one that refuses; exit code 2.
-pub fn estop(args: &EstopArgs) -> anyhow::Result<()> {
+pub fn ask(what: Ask, args: &AskArgs) -> anyhow::Result<()> {
+    let name = what.service().name();
     let answer = executor()?.block_on(async {
         let mut node = Node::start_with("fdm", in_namespace(&args.namespace))?;
-        let estop = node.client(&topics::SAFETY_ESTOP)?;
-        anyhow::Ok(estop.call(TriggerRequest::default(), Seconds(CALL_S)).await)
+        let client = node.client(what.service())?;
+        anyhow::Ok(client.call(TriggerRequest::default(), Seconds(CALL_S)).await)
     })?;
-    let answer = answer.context("the emergency stop was not confirmed: use the printer's own switch")?;
+    let unconfirmed = || match what {
+        Ask::Estop | Ask::Stop => format!("{name} was not confirmed: use the printer's own switch"),
+        _ => format!("{name} was not confirmed"),
+    };
+    let answer = answer.with_context(unconfirmed)?;
     if !answer.success {
-        bail!("the supervisor refused the emergency stop: {}", answer.message);
+        bail!("the supervisor refused {name}: {}", answer.message);
     }
-    output::line(&format!("emergency stop: {}", answer.message))
+    output::line(&format!("{name}: {}", answer.message))
 }
 
 fn executor() -> anyhow::Result<tokio::runtime::Runtime> {

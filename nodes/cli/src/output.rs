@@ -45,6 +45,16 @@ impl Json {
         self.0.as_deref() == Some(Path::new("-"))
     }
 
+    /// Tells before long work that its figures could not be written.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn check(&self) -> anyhow::Result<()> {
+        let Some(path) = self.0.as_deref().filter(|_| !self.is_stdout()) else { return Ok(()) };
+        let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
+        file.map(drop).with_context(|| path.display().to_string())
+    }
+
     /// Writes one object.
     ///
     /// # Errors

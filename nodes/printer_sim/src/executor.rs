@@ -47,6 +47,7 @@ pub struct Executor {
     pace: f64,
     started: bool,
     file_pause: bool,
+    stopped: bool,
     sliced: Sliced,
     homed: bool,
     layer: Option<u32>,
@@ -71,6 +72,7 @@ impl Executor {
             pace: 1.0,
             started: false,
             file_pause: false,
+            stopped: false,
             sliced: off,
             homed: false,
             layer: None,
@@ -209,6 +211,7 @@ impl Executor {
             Action::SpeedFactor(factor) => self.sliced.speed_factor = factor,
             Action::FlowFactor(factor) => self.sliced.flow_factor = factor,
             Action::Pause => self.file_pause = true,
+            Action::Stop => self.stopped = true,
             _ => {}
         }
     }

@@ -43,7 +43,7 @@ pub struct RawRun {
 impl TryFrom<RawRun> for RunParams {
     type Error = ParamError;
     fn try_from(raw: RawRun) -> Result<Self, ParamError> {
-        in_range("speed", raw.speed, "-", (0.1, 100.0))?;
+        in_range("speed", raw.speed, "-", (0.1, 20.0))?;
         Ok(Self(raw))
     }
 }

@@ -53,8 +53,7 @@ pub enum Onset {
 struct RawEntry {
     component: Component,
     kind: Kind,
-    #[serde(default)]
-    size: f64,
+    size: Option<f64>,
     onset: Onset,
     #[serde(default)]
     ramp_s: f64,
@@ -74,6 +73,12 @@ pub enum FaultError {
         kind: String,
         /// Kinds of that component.
         allowed: &'static str,
+    },
+    /// A kind that has a size came without.
+    #[error("size: {kind} needs one, see config/scenarios/README.md")]
+    NoSize {
+        /// Kind asked for.
+        kind: String,
     },
     /// A number outside its range.
     #[error("{name} = {value} {unit}: must be in [{low}, {high}]")]
@@ -152,6 +157,15 @@ fn bounded(
     }
 }
 
+impl RawEntry {
+    /// The size, which only kinds without one may leave out.
+    fn size_or_none(&self) -> Result<f64, FaultError> {
+        let without =
+            matches!(self.kind, Kind::RunOut | Kind::StuckOn | Kind::Open | Kind::Short | Kind::Stuck);
+        self.size.or(without.then_some(0.0)).ok_or_else(|| FaultError::NoSize { kind: name_of(&self.kind) })
+    }
+}
+
 impl TryFrom<RawEntry> for Entry {
     type Error = FaultError;
     fn try_from(raw: RawEntry) -> Result<Self, FaultError> {
@@ -165,7 +179,7 @@ impl TryFrom<RawEntry> for Entry {
         Ok(Self {
             component: raw.component,
             kind: raw.kind,
-            size: bounded("size", raw.size, range(raw.component, raw.kind)?)?,
+            size: bounded("size", raw.size_or_none()?, range(raw.component, raw.kind)?)?,
             onset,
             ramp: Seconds(bounded("ramp_s", raw.ramp_s, ("s", 0.0, LONGEST_S))?),
             duration: duration.map(Seconds),
@@ -203,7 +217,7 @@ impl Entry {
         Self::try_from(RawEntry {
             component,
             kind,
-            size,
+            size: Some(size),
             onset: Onset::TimeS(onset_s),
             ramp_s: 0.0,
             duration_s,
@@ -254,7 +268,7 @@ mod tests {
         let raw = RawEntry {
             component: Component::Extruder,
             kind: Kind::Slip,
-            size: 0.09,
+            size: Some(0.09),
             onset: Onset::FilamentShare(0.5),
             ramp_s: 0.0,
             duration_s: None,

@@ -142,15 +142,14 @@ impl Simulator {
         self.entries.push(entry);
     }
 
-    /// Ends a pause that the file itself asked for (`M0`, `M600`).
-    pub fn resume_file_pause(&mut self) {
-        self.executor.resume();
-    }
-
     /// Advances by `dt`, at most one millisecond if the figures are to count.
     pub fn step(&mut self, dt: Seconds) {
         self.now = self.now + dt;
-        self.in_force = self.dead_man.in_force(self.now);
+        let before = std::mem::replace(&mut self.in_force, self.dead_man.in_force(self.now));
+        // A person's resume ends the pause that the file itself asked for (`M0`, `M600`) as well.
+        if before.request >= Request::Pause && self.in_force.request == Request::Run {
+            self.executor.resume();
+        }
         self.obey();
         self.set_in_faults();
 
@@ -183,6 +182,10 @@ impl Simulator {
 
     /// What a demand of the supervisor does to mains, heaters and job.
     fn obey(&mut self) {
+        if self.executor.stopped() && !self.given_up {
+            self.given_up = true;
+            self.note("heaters off and job given up, as the file demands (M112)");
+        }
         if self.in_force.request >= Request::HeatersOff && !self.given_up {
             self.given_up = true;
             self.note("heaters off and job given up, as the supervisor demands");

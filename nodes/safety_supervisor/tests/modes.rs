@@ -90,6 +90,19 @@ fn a_supervisor_that_stood_still_blames_nobody() {
     assert_eq!(print.mode(), Mode::Act);
 }
 
+/// Who stands still again and again hears nothing in time: that is no excuse any more.
+#[test]
+fn a_supervisor_that_keeps_standing_still_degrades() {
+    let mut print = Print::acting();
+    let mut degraded = false;
+    for _ in 0..4 {
+        print.tick += 50;
+        print.step();
+        degraded |= print.mode() == Mode::Degraded;
+    }
+    assert!(degraded, "1 s of silence before every tick");
+}
+
 /// S1: 0.5 s, and no trip on a single spike.
 #[test]
 fn s1_open_and_short_circuits_switch_off() {

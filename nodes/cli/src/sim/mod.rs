@@ -45,7 +45,7 @@ pub struct SimArgs {
     #[arg(long)]
     seeds: Option<String>,
     /// Print only the first layers.
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     layers: Option<u32>,
     /// Folder with the parameter files.
     #[arg(long)]
@@ -74,6 +74,7 @@ struct Names {
 /// One line that says what is wrong and where.
 pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     let seeds = seeds(args)?;
+    Json::new(args.json.as_deref()).check()?;
     let levels = args.control.iter().map(|name| level(name)).collect::<anyhow::Result<Vec<_>>>()?;
     let config = ConfigDir::find(args.config.as_deref())?;
     let file = GcodeFile::read(&args.gcode, &config.motion()?, args.layers)?;

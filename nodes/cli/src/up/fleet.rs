@@ -28,6 +28,8 @@ pub struct Recipe {
     pub program: PathBuf,
     /// Its arguments.
     pub arguments: Vec<String>,
+    /// Whether it is started again after an end that nobody had asked for.
+    pub replaceable: bool,
 }
 
 /// What happened to a process.
@@ -113,6 +115,12 @@ impl Fleet {
         happenings
     }
 
+    /// Whether a node ended and will not be started again.
+    #[must_use]
+    pub fn has_lost(&self, name: &str) -> bool {
+        self.members.iter().any(|member| member.recipe.name == name && member.given_up)
+    }
+
     /// Process ids by node, of those that run.
     #[must_use]
     pub fn pids(&self) -> Vec<(&'static str, u32)> {
@@ -168,7 +176,7 @@ impl Member {
     fn plan_restart(&mut self, now: Seconds, status: ExitStatus) -> Happening {
         let name = self.recipe.name;
         self.restarts.retain(|at| (now - *at).0 < RESTART_WINDOW_S);
-        if self.restarts.len() >= RESTARTS_MAX {
+        if !self.recipe.replaceable || self.restarts.len() >= RESTARTS_MAX {
             self.given_up = true;
             return Happening::GivenUp { name };
         }
@@ -229,7 +237,12 @@ mod tests {
     use super::*;
 
     fn recipe(name: &'static str, script: &str) -> Recipe {
-        Recipe { name, program: "/bin/sh".into(), arguments: vec!["-c".into(), script.into()] }
+        Recipe {
+            name,
+            program: "/bin/sh".into(),
+            arguments: vec!["-c".into(), script.into()],
+            replaceable: true,
+        }
     }
 
     fn logs(name: &str) -> PathBuf {
@@ -279,7 +292,8 @@ mod tests {
 
     #[test]
     fn a_program_that_is_not_there_is_named() {
-        let missing = Recipe { name: "x", program: "/nowhere/x".into(), arguments: vec![] };
+        let missing =
+            Recipe { name: "x", program: "/nowhere/x".into(), arguments: vec![], replaceable: true };
         let error = Fleet::start(vec![missing], &logs("missing")).err().unwrap();
         assert!(error.to_string().starts_with("/nowhere/x:"), "{error}");
     }

@@ -49,7 +49,7 @@ pub struct UpArgs {
     #[arg(long)]
     pub material: Option<String>,
     /// Print only the first layers.
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub layers: Option<u32>,
     /// Start with hot end and bed at the file's set-points.
     #[arg(long)]
@@ -79,8 +79,8 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
     for name in &args.control {
         level(name)?;
     }
-    if !(0.1..=100.0).contains(&args.speed) {
-        bail!("--speed {}: must be in [0.1, 100]", args.speed);
+    if !(0.1..=20.0).contains(&args.speed) {
+        bail!("--speed {}: must be in [0.1, 20]; `fdm sim` is faster", args.speed);
     }
     let config = ConfigDir::find(args.config.as_deref())?;
     let file = GcodeFile::read(&args.gcode, &config.motion()?, args.layers)?;
@@ -88,11 +88,12 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
     config.check_material(&material)?;
     config.scenario(&args.scenario)?;
     let json = Json::new(args.json.as_deref());
+    json.check()?;
+    let plans = plans(args, &config, &material)?;
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let mut prints = Vec::new();
-    for control in &args.control {
-        let plan = Plan::new(args, &config, &material, control)?;
-        let (print, ended) = executor.block_on(one(&plan, json.is_stdout()))?;
+    for plan in &plans {
+        let (print, ended) = executor.block_on(one(plan, json.is_stdout()))?;
         prints.push(print);
         if ended == Ended::Interrupted {
             break;
@@ -102,9 +103,42 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
         output::line(&summary::table(&prints))?;
     }
     match &prints[..] {
-        [only] => json.write(only),
-        several => json.write(&serde_json::json!({ "prints": several })),
+        [only] => json.write(only)?,
+        several => json.write(&serde_json::json!({ "prints": several }))?,
     }
+    match prints.iter().find(|print| matches!(print.ended, Ended::Failed | Ended::Lost)) {
+        Some(print) => {
+            Err(PrintFailed(format!("the print with control {} ended {:?}", print.control, print.ended))
+                .into())
+        }
+        None => Ok(()),
+    }
+}
+
+/// A print did not come to its end: nothing was wrong with the command, exit code 1.
+#[derive(Debug)]
+pub struct PrintFailed(String);
+
+impl std::fmt::Display for PrintFailed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for PrintFailed {}
+
+/// All prints, checked before the first one starts.
+fn plans(args: &UpArgs, config: &ConfigDir, material: &str) -> anyhow::Result<Vec<Plan>> {
+    let mut plans: Vec<Plan> = Vec::new();
+    for control in &args.control {
+        let plan = Plan::new(args, config, material, control)?;
+        if plans.iter().any(|other| other.bag == plan.bag) {
+            bail!("--control {}: the same level twice would write one bag", args.control.join(","));
+        }
+        plan.check()?;
+        plans.push(plan);
+    }
+    Ok(plans)
 }
 
 /// One print from the start of the processes to their end.

@@ -77,7 +77,8 @@ impl Plan {
     }
 
     fn parameter_overrides(&self, args: &UpArgs) -> Vec<(&'static str, String, String)> {
-        let quoted = |path: &std::path::Path| format!("\"{}\"", path.display());
+        // A JSON string is a YAML string: whatever a file is called.
+        let quoted = |path: &std::path::Path| serde_json::json!(path.to_string_lossy()).to_string();
         let scenario = self.config.scenario_path(&self.scenario);
         vec![
             ("bag_recorder", "bag_dir".into(), quoted(&self.bag)),
@@ -109,15 +110,66 @@ impl Plan {
         self.logs().join("config.txt")
     }
 
-    /// The nodes to start; checks all parameters first, so that a mistake is told before anything runs, and writes
-    /// the configuration of the whole graph for the record.
+    /// Parses the parameters of every node, so that a mistake is told before anything runs.
+    ///
+    /// # Errors
+    /// File, line, field, value and range of what is refused; executables that are missing.
+    pub fn check(&self) -> anyhow::Result<()> {
+        const NOMINAL: [&str; 2] = ["printer", "material"];
+        for (name, _, parameters, _) in self.nodes()? {
+            match name {
+                "thermistor" => _ = parameters.parse::<thermistor::params::Params>()?,
+                "filament_encoder" => _ = parameters.parse::<filament_encoder::params::Params>()?,
+                "state_estimator" => _ = parameters.without(&NOMINAL).parse::<state_estimator::Params>()?,
+                "mpc_controller" => _ = parameters.without(&NOMINAL).parse::<mpc_controller::Params>()?,
+                "safety_supervisor" => {
+                    _ = parameters.without(&["latch_file"]).parse::<safety_supervisor::Params>()?;
+                }
+                "printer_sim" => {
+                    let (printer, material) = (parameters.block("printer")?, parameters.block("material")?);
+                    _ = printer_sim::load::simulator_params(&parameters, &printer, &material)?;
+                    _ = parameters.block::<printer_sim::run_params::RunParams>("run")?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The nodes to start; writes the configuration of the whole graph for the record.
     ///
     /// # Errors
     /// File, line, field, value and range of what is refused; executables that are missing.
     pub fn recipes(&self) -> anyhow::Result<Vec<Recipe>> {
-        let folder = std::env::current_exe()?.parent().map(PathBuf::from).unwrap_or_default();
         let mut recipes = Vec::new();
         let mut text = String::new();
+        for (name, program, parameters, (files, overrides)) in self.nodes()? {
+            text.push_str(&format!("# {name} {}\n{}\n", parameters.sha256(), parameters.text()));
+            let mut arguments: Vec<String> =
+                ["--ros-args", "--log-level", "info", "-r", &format!("__ns:={}", self.namespace)]
+                    .map(str::to_owned)
+                    .to_vec();
+            for file in files {
+                arguments.extend(["--params-file".to_owned(), file.display().to_string()]);
+            }
+            for (key, value) in overrides {
+                arguments.extend(["-p".to_owned(), format!("{key}:={value}")]);
+            }
+            // A printer that was started again would begin its file anew.
+            recipes.push(Recipe { name, program, arguments, replaceable: name != "printer_sim" });
+        }
+        std::fs::create_dir_all(self.logs()).with_context(|| self.logs().display().to_string())?;
+        std::fs::write(self.config_text_file(), text)?;
+        Ok(recipes)
+    }
+
+    /// Every node with its executable, its merged parameters, and what they are merged from.
+    #[allow(clippy::type_complexity, reason = "used in the two functions above alone")]
+    fn nodes(
+        &self,
+    ) -> anyhow::Result<Vec<(&'static str, PathBuf, Parameters, (Vec<PathBuf>, Vec<(String, String)>))>> {
+        let folder = std::env::current_exe()?.parent().map(PathBuf::from).unwrap_or_default();
+        let mut nodes = Vec::new();
         for name in NODES {
             let program = folder.join(name);
             if !program.is_file() {
@@ -133,22 +185,9 @@ impl Plan {
                 .collect();
             let path = NodePath { qualified: format!("{}/{name}", self.namespace), base: name.to_owned() };
             let parameters = Parameters::read(&files, &overrides, &path)?;
-            text.push_str(&format!("# {name} {}\n{}\n", parameters.sha256(), parameters.text()));
-            let mut arguments: Vec<String> =
-                ["--ros-args", "--log-level", "info", "-r", &format!("__ns:={}", self.namespace)]
-                    .map(str::to_owned)
-                    .to_vec();
-            for file in files {
-                arguments.extend(["--params-file".to_owned(), file.display().to_string()]);
-            }
-            for (key, value) in overrides {
-                arguments.extend(["-p".to_owned(), format!("{key}:={value}")]);
-            }
-            recipes.push(Recipe { name, program, arguments });
+            nodes.push((name, program, parameters, (files, overrides)));
         }
-        std::fs::create_dir_all(self.logs()).with_context(|| self.logs().display().to_string())?;
-        std::fs::write(self.config_text_file(), text)?;
-        Ok(recipes)
+        Ok(nodes)
     }
 }
 

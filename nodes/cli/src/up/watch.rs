@@ -134,6 +134,9 @@ impl Watch {
                 self.tell(happening);
             }
             self.hear();
+            if fleet.has_lost("printer_sim") {
+                return self.finish(Ended::Lost);
+            }
             if self.listen() {
                 heard = now;
             }
@@ -273,7 +276,7 @@ pub fn text(happening: &Happening) -> String {
     match happening {
         Happening::Ended { name, how } => format!("{name} ended ({how}); it is started again"),
         Happening::Restarted { name, pid } => format!("{name} runs again as process {pid}"),
-        Happening::GivenUp { name } => format!("{name} ended too often and stays down: see its log"),
+        Happening::GivenUp { name } => format!("{name} ended and stays down: see its log"),
         Happening::Silent { name } => format!("{name} is silent: its heart stands still"),
         Happening::HeardAgain { name } => format!("{name} is heard again"),
     }

@@ -17,6 +17,12 @@ impl Executor {
         }
     }
 
+    /// The file itself demands an emergency stop (`M112`).
+    #[must_use]
+    pub fn stopped(&self) -> bool {
+        self.stopped
+    }
+
     /// Resumes from a pause that the file asked for.
     pub fn resume(&mut self) {
         self.file_pause = false;

@@ -185,6 +185,49 @@ fn a_warm_printer_begins_to_print_at_once() {
     assert_eq!(simulator.phase(), JobPhase::Printing);
 }
 
+fn job_of(actions: &[Action]) -> JobSource {
+    let steps: Vec<Step> = actions.iter().map(|action| Step::Action(*action, 1)).collect();
+    let job = straight_job(2);
+    JobSource { steps: Box::new(steps.into_iter().chain(job.steps)), ..straight_job(2) }
+}
+
+fn run_for(simulator: &mut Simulator, time_s: f64) {
+    let until = simulator.now() + Seconds(time_s);
+    while simulator.now() < until {
+        simulator.step(Seconds(1e-3));
+    }
+}
+
+/// `M600`: the printer waits until the supervisor, which took the pause over, is told to resume.
+#[test]
+fn a_pause_of_the_file_ends_with_a_persons_resume() {
+    let mut simulator = Simulator::new(params(), job_of(&[Action::Pause]), &Scenario::default(), 1).unwrap();
+    simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: Some(Celsius(60.0)) });
+    run_for(&mut simulator, 1.0);
+    assert_eq!(simulator.phase(), JobPhase::Paused);
+    let permit = |sequence, request| Permit {
+        session: 1,
+        sequence,
+        validity: Seconds(0.25),
+        mode: Mode::Act,
+        request,
+        trims: Trims::NEUTRAL,
+    };
+    for (sequence, request) in [(1, Request::Pause), (2, Request::Run)] {
+        simulator.on_permit(permit(sequence, request)).unwrap();
+        run_for(&mut simulator, 0.1);
+    }
+    run_for(&mut simulator, 0.5);
+    assert_eq!(simulator.phase(), JobPhase::Printing);
+}
+
+#[test]
+fn an_emergency_stop_in_the_file_gives_the_job_up() {
+    let mut simulator = Simulator::new(params(), job_of(&[Action::Stop]), &Scenario::default(), 1).unwrap();
+    run_for(&mut simulator, 0.5);
+    assert_eq!(simulator.phase(), JobPhase::Failed);
+}
+
 #[test]
 fn a_demand_to_switch_off_gives_the_job_up_for_good() {
     let mut simulator = Simulator::new(params(), straight_job(30), &Scenario::default(), 1).unwrap();

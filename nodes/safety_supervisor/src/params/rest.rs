@@ -210,6 +210,8 @@ pub struct ModeParams {
     pub startup_s: f64,
     /// Gap of the tick from which the supervisor itself stood still `[s]`.
     pub stall_s: f64,
+    /// After a stall no other one is forgiven for so long `[s]`.
+    pub stall_forgiven_s: f64,
 }
 
 /// As [`ModeParams`], as it is written.
@@ -232,6 +234,8 @@ pub struct RawModeParams {
     pub startup_s: f64,
     /// Gap of the tick from which the supervisor itself stood still `[s]`.
     pub stall_s: f64,
+    /// After a stall no other one is forgiven for so long `[s]`.
+    pub stall_forgiven_s: f64,
 }
 
 impl TryFrom<RawModeParams> for ModeParams {
@@ -247,6 +251,7 @@ impl TryFrom<RawModeParams> for ModeParams {
             adopt_s: in_range("adopt_s", raw.adopt_s, "s", (0.1, 30.0))?,
             startup_s: in_range("startup_s", raw.startup_s, "s", (0.5, 120.0))?,
             stall_s: in_range("stall_s", raw.stall_s, "s", (0.05, 5.0))?,
+            stall_forgiven_s: in_range("stall_forgiven_s", raw.stall_forgiven_s, "s", (0.0, 600.0))?,
         })
     }
 }
