@@ -147,6 +147,16 @@ fn the_supervisor_sees_commands_params_units_and_job_phases_alone() {
     }
 }
 
+/// The README's commands are typed as they stand.
+#[test]
+fn scripts_can_be_run() {
+    use std::os::unix::fs::PermissionsExt;
+    for script in ["launch_scripts/demo.sh", "launch_scripts/test.sh", ".ci/run"] {
+        let mode = std::fs::metadata(root().join(script)).unwrap().permissions().mode();
+        assert_eq!(mode & 0o111, 0o111, "{script} has mode {mode:o}");
+    }
+}
+
 /// A file without a target would look like a test and never run.
 #[test]
 fn every_file_in_tests_is_a_target() {

@@ -1,4 +1,4 @@
-//! Orderly end on SIGINT, SIGTERM and, where asked for, with the parent process; an end at once after SIGSTOP and SIGCONT.
+//! Orderly end on SIGINT, SIGTERM, SIGHUP and, where asked for, with the parent process; an end at once after SIGSTOP and SIGCONT.
 
 use crate::error::RuntimeError;
 use rustix::process::Signal;
@@ -70,16 +70,19 @@ fn orphaned() -> impl Future<Output = ()> {
     }
 }
 
-/// Turns SIGINT and SIGTERM into a demand, and ends the process where the shell does not follow it in time.
+/// Turns SIGINT, SIGTERM and SIGHUP into a demand, and ends the process where the shell does not follow it in time.
 pub(crate) fn follow_signals(sender: ShutdownSender) -> Result<(), RuntimeError> {
     let system = |source| RuntimeError::System { what: "cannot listen to signals", source };
     let mut interrupt = signal(SignalKind::interrupt()).map_err(system)?;
     let mut terminate = signal(SignalKind::terminate()).map_err(system)?;
+    let mut hang_up = signal(SignalKind::hangup()).map_err(system)?;
     let orphaned = orphaned();
     tokio::spawn(async move {
         tokio::select! {
             _ = interrupt.recv() => {}
             _ = terminate.recv() => {}
+            // The terminal was closed.
+            _ = hang_up.recv() => {}
             () = orphaned => tracing::warn!("who started this process has died: ending"),
         }
         sender.demand();

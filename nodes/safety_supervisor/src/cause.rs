@@ -71,7 +71,7 @@ causes! {
         "check heater cartridge and its wires, then acknowledge";
     ThermistorDetached, "P3", "hot end temperature falls faster than it can cool",
         "check that the thermistor sits in the block, then acknowledge";
-    FilamentSlip, "P6", "the filament does not follow the motor", "clear nozzle and drive gear, then resume";
+    FilamentSlip, "P6", "the filament does not follow the motor", "load filament if it has run out, else clear nozzle and drive gear; then resume";
     RunOut, "P7", "no filament", "load filament, then resume";
     Envelope, "K6", "several commands outside of their limits within a second", "see the controller's log";
     SecondPublisher, "C8", "a second publisher of commands", "stop one of the controllers";

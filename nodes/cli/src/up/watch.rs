@@ -11,6 +11,7 @@ use models::status::JobPhase;
 use models::units::Seconds;
 use printer_sim::score::Integrals;
 use runtime::{Args, Node, Subscription, topics};
+use std::io::IsTerminal;
 
 /// How often processes and topics are looked at `[s]`.
 const LOOK_S: f64 = 0.05;
@@ -20,6 +21,8 @@ const END_S: f64 = 3.0;
 const LISTEN_S: f64 = 1.0;
 /// From here on after the onset the feed error counts as settled `[s]`.
 const SETTLE_S: f64 = 2.0;
+/// Pace of the progress where no terminal shows a bar `[s]`.
+const TELL_S: f64 = 10.0;
 /// The printer's state stays away this long after it was heard: the simulation is over or dead `[s]`.
 const LOST_S: f64 = 20.0;
 
@@ -57,6 +60,8 @@ pub struct Watch {
     heartbeats: Subscription<Heartbeat>,
     hearing: Hearing,
     bar: ProgressBar,
+    /// When progress was told last, where no terminal shows a bar.
+    told: Option<Seconds>,
     newest_state: Option<PrinterState>,
     newest_safety: Option<SafetyState>,
     started: Seconds,
@@ -87,6 +92,7 @@ impl Watch {
             started: node.clock().now(),
             node,
             bar,
+            told: (!quiet && !std::io::stderr().is_terminal()).then_some(Seconds(0.0)),
             newest_state: None,
             newest_safety: None,
             stay: plan.stay,
@@ -141,6 +147,7 @@ impl Watch {
                 heard = now;
             }
             self.show();
+            self.tell_progress(now);
             let phase = self.newest_state.as_ref().map(|state| state.phase);
             let ended = match phase {
                 Some(phase) if phase == JobPhase::Done as u8 => Some(Ended::Done),
@@ -225,7 +232,9 @@ impl Watch {
         let why = if safety.cause.is_empty() { String::new() } else { format!(": {}", safety.cause) };
         let line = format!("{}{why}", mode_name(safety.mode));
         if safety.mode >= SafetyState::MODE_DEGRADED || !self.modes.is_empty() {
-            let shown = format!("supervisor at {:.1} s: {line}. {}", self.marks.last_s, safety.what_to_do);
+            let todo =
+                if safety.what_to_do.is_empty() { String::new() } else { format!(". {}", safety.what_to_do) };
+            let shown = format!("supervisor at {:.1} s: {line}{todo}", self.marks.last_s);
             self.bar.suspend(|| output::note(&shown));
         }
         self.modes.push((self.marks.last_s, line));
@@ -245,6 +254,19 @@ impl Watch {
         if truth.fault_set_in && stamp_s >= truth.first_onset_s + SETTLE_S {
             self.marks.settled.get_or_insert(integrals);
         }
+    }
+
+    /// A line now and then where standard error is no terminal: a log, a pipe.
+    fn tell_progress(&mut self, now: Seconds) {
+        let due = self.told.is_some_and(|told| (now - told).0 >= TELL_S);
+        let Some(state) = self.newest_state.as_ref().filter(|_| due) else { return };
+        self.told = Some(now);
+        output::note(&format!(
+            "{:.1} % at {:.0} s: {}",
+            state.progress * 100.0,
+            self.marks.last_s,
+            self.bar.message()
+        ));
     }
 
     fn show(&self) {
