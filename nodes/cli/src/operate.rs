@@ -1,7 +1,7 @@
 //! `fdm status`, and what a person asks of the supervisor: `pause`, `resume`, `stop`, `estop`, `acknowledge`.
 
 use crate::output::{self, Json};
-use crate::up::watch::mode_name;
+use crate::up::words::mode_name;
 use anyhow::{Context, bail};
 use clap::Args;
 use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, Trigger, TriggerRequest};

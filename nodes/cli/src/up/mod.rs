@@ -5,6 +5,7 @@ pub mod hearing;
 pub mod recipes;
 pub mod summary;
 pub mod watch;
+pub mod words;
 
 use crate::config::ConfigDir;
 use crate::job::GcodeFile;

@@ -1,7 +1,8 @@
 //! What a print over DDS came to.
 
 use super::recipes::Plan;
-use super::watch::{Ended, Watch, text};
+use super::watch::{Ended, Watch};
+use super::words::text;
 use printer_sim::score::Integrals;
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -3,6 +3,7 @@
 use super::fleet::{Fleet, Happening};
 use super::hearing::Hearing;
 use super::recipes::{NODES, Plan};
+use super::words::{mode_name, text};
 use crate::output;
 use anyhow::bail;
 use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, SimTruth};
@@ -282,24 +283,5 @@ impl Watch {
             "{layer}, {mode}, t = {:.0} s, {factor:.1} x real time, flow {:.3}, slip {:.3}",
             self.marks.last_s, state.flow_factor, state.slip_compensation
         ));
-    }
-}
-
-/// Name of a mode for people.
-#[must_use]
-pub fn mode_name(mode: u8) -> &'static str {
-    const NAMES: [&str; 8] = ["init", "observe", "advise", "act", "degraded", "paused", "safe_off", "estop"];
-    NAMES.get(usize::from(mode)).copied().unwrap_or("unknown")
-}
-
-/// A happening for people.
-#[must_use]
-pub fn text(happening: &Happening) -> String {
-    match happening {
-        Happening::Ended { name, how } => format!("{name} ended ({how}); it is started again"),
-        Happening::Restarted { name, pid } => format!("{name} runs again as process {pid}"),
-        Happening::GivenUp { name } => format!("{name} ended and stays down: see its log"),
-        Happening::Silent { name } => format!("{name} is silent: its heart stands still"),
-        Happening::HeardAgain { name } => format!("{name} is heard again"),
     }
 }
