@@ -272,11 +272,6 @@ impl Simulator {
         if self.given_up { JobPhase::Failed } else { self.executor.phase() }
     }
 
-    /// The next thing that the printer shows, oldest first.
-    pub fn poll(&mut self) -> Option<Output> {
-        self.outputs.pop_front()
-    }
-
     /// The truth now.
     #[must_use]
     pub fn truth(&self) -> &Truth {

@@ -61,4 +61,9 @@ impl Simulator {
             (self.plant.delivered_m() / self.params.simulator.sensors.encoder_quantum_m).floor() as i64;
         counts
     }
+
+    /// The next thing that the printer shows, oldest first.
+    pub fn poll(&mut self) -> Option<Output> {
+        self.outputs.pop_front()
+    }
 }

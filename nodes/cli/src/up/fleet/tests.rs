@@ -1,0 +1,71 @@
+//! Real processes on a virtual clock.
+
+use super::*;
+
+fn recipe(name: &'static str, script: &str) -> Recipe {
+    Recipe { name, program: "/bin/sh".into(), arguments: vec!["-c".into(), script.into()], replaceable: true }
+}
+
+fn logs(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("fdm_fleet_{}_{name}", std::process::id()))
+}
+
+/// Tends the fleet on a virtual clock until it says something.
+fn next(fleet: &mut Fleet, now: &mut Seconds) -> Happening {
+    loop {
+        if let Some(happening) = fleet.tend(*now).into_iter().next() {
+            return happening;
+        }
+        // Virtual time; the child itself needs some real time to end.
+        now.0 += 0.01;
+        std::thread::yield_now();
+    }
+}
+
+#[test]
+fn a_process_that_keeps_ending_is_given_up_after_five_restarts() {
+    let mut fleet = Fleet::start(vec![recipe("short", "exit 3")], &logs("short")).unwrap();
+    // No delay is longer than 8 s: all five restarts lie inside one minute of virtual time.
+    let (mut now, mut restarts) = (Seconds(0.0), 0);
+    loop {
+        // Time stands still while the child is alive, so that the window cannot slip away.
+        let mut still = now;
+        match next(&mut fleet, &mut still) {
+            Happening::Ended { how, .. } => assert!(how.contains('3'), "{how}"),
+            Happening::Restarted { .. } => {
+                restarts += 1;
+                now.0 += 8.0;
+            }
+            Happening::GivenUp { name } => {
+                assert_eq!((name, restarts), ("short", 5));
+                return;
+            }
+            heart => panic!("{heart:?}"),
+        }
+    }
+}
+
+#[test]
+fn delays_grow_from_a_tenth_to_eight_seconds() {
+    let delays: Vec<f64> = (0..8).map(|restarts| delay(restarts).0).collect();
+    assert_eq!(delays, [0.1, 0.5, 1.0, 2.0, 4.0, 8.0, 8.0, 8.0]);
+}
+
+#[test]
+fn a_program_that_is_not_there_is_named() {
+    let missing = Recipe { name: "x", program: "/nowhere/x".into(), arguments: vec![], replaceable: true };
+    let error = Fleet::start(vec![missing], &logs("missing")).err().unwrap();
+    assert!(error.to_string().starts_with("/nowhere/x:"), "{error}");
+}
+
+#[test]
+fn all_end_when_asked() {
+    let mut fleet =
+        Fleet::start(vec![recipe("a", "sleep 60"), recipe("b", "sleep 60")], &logs("asked")).unwrap();
+    assert_eq!(fleet.pids().len(), 2);
+    fleet.ask_to_end(None);
+    while !fleet.all_ended(None) {
+        std::thread::yield_now();
+    }
+    assert!(fleet.kill_rest().is_empty());
+}
