@@ -11,20 +11,24 @@ mod control;
 mod definition;
 mod estimate;
 mod printer;
+mod quality;
 mod safety;
 mod sensors;
 mod sim;
 mod standard;
+mod standard_sensors;
 mod time;
 
 pub use control::ControlCommand;
 pub use definition::{Definition, RosService, RosType};
 pub use estimate::StateEstimate;
 pub use printer::{MotionSegment, PrintInfo, PrinterState};
+pub use quality::{DefectReport, LayerHeight, LayerQuality};
 pub use safety::{Heartbeat, PrintEvent, SafetyState, SetMode, SetModeRequest, SetModeResponse};
-pub use sensors::{BeadWidth, FilamentMotion, FilamentReport, TemperatureReport};
+pub use sensors::{BeadWidth, FilamentMotion, FilamentReport, ImuBatch, TemperatureReport};
 pub use sim::{InjectFault, InjectFaultRequest, InjectFaultResponse, SimTruth};
 pub use standard::{
     Clock, DiagnosticArray, DiagnosticStatus, Header, KeyValue, Log, Temperature, Time, Trigger,
     TriggerRequest, TriggerResponse,
 };
+pub use standard_sensors::{CameraInfo, CompressedImage, Imu, Quaternion, RegionOfInterest, Vector3};

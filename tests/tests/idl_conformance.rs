@@ -9,9 +9,10 @@ mod tracer;
 
 use definition::{fields_of, flatten};
 use fdm_loop_msgs::{
-    BeadWidth, Clock, ControlCommand, DiagnosticArray, FilamentMotion, FilamentReport, Heartbeat,
-    InjectFault, Log, MotionSegment, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState,
-    SetMode, SimTruth, StateEstimate, Temperature, TemperatureReport, Trigger,
+    BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport, DiagnosticArray,
+    FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, Log,
+    MotionSegment, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode, SimTruth,
+    StateEstimate, Temperature, TemperatureReport, Trigger,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -30,9 +31,13 @@ fn messages() -> Vec<(String, Fields, Fields)> {
     vec![
         message::<BeadWidth>(),
         message::<ControlCommand>(),
+        message::<DefectReport>(),
         message::<FilamentMotion>(),
         message::<FilamentReport>(),
         message::<Heartbeat>(),
+        message::<ImuBatch>(),
+        message::<LayerHeight>(),
+        message::<LayerQuality>(),
         message::<MotionSegment>(),
         message::<PrintEvent>(),
         message::<PrintInfo>(),
@@ -42,6 +47,9 @@ fn messages() -> Vec<(String, Fields, Fields)> {
         message::<StateEstimate>(),
         message::<TemperatureReport>(),
         message::<Temperature>(),
+        message::<CameraInfo>(),
+        message::<CompressedImage>(),
+        message::<Imu>(),
         message::<DiagnosticArray>(),
         message::<Clock>(),
         message::<Log>(),

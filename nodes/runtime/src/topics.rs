@@ -4,9 +4,10 @@
 
 use crate::qos::{self, Qos};
 use fdm_loop_msgs::{
-    BeadWidth, Clock, ControlCommand, Definition, DiagnosticArray, FilamentMotion, FilamentReport, Heartbeat,
-    InjectFault, Log, MotionSegment, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode,
-    SimTruth, StateEstimate, Temperature, TemperatureReport, Trigger,
+    BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport, Definition, DiagnosticArray,
+    FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, Log,
+    MotionSegment, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode, SimTruth,
+    StateEstimate, Temperature, TemperatureReport, Trigger,
 };
 use models::units::Seconds;
 use std::marker::PhantomData;
@@ -83,6 +84,17 @@ pub const NOZZLE_TEMPERATURE: Topic<Temperature> = Topic::new("sensors/nozzle/te
 pub const BED_TEMPERATURE: Topic<Temperature> = Topic::new("sensors/bed/temperature", qos::SENSOR);
 /// Filament position and speed from the encoder node.
 pub const FILAMENT_MOTION: Topic<FilamentMotion> = Topic::new("sensors/filament/motion", qos::SENSOR);
+/// Accelerations of the tool, checked, all samples.
+pub const IMU_BATCH: Topic<ImuBatch> = Topic::new("sensors/imu/batch", qos::SENSOR);
+/// The same, thinned out for tools.
+pub const IMU_DATA: Topic<Imu> = Topic::new("sensors/imu/data_raw", qos::SENSOR);
+/// Frames of the camera, checked but not decoded.
+pub const CAMERA_IMAGE: Topic<CompressedImage> =
+    Topic::new("sensors/camera/image_raw/compressed", qos::SENSOR);
+/// Calibration of the camera, one message per frame.
+pub const CAMERA_INFO: Topic<CameraInfo> = Topic::new("sensors/camera/camera_info", qos::SENSOR);
+/// Measured height of a layer, wire process.
+pub const LAYER_HEIGHT: Topic<LayerHeight> = Topic::new("sensors/layer/height", qos::SENSOR);
 /// Printer and job.
 pub const PRINTER_STATE: Topic<PrinterState> = Topic::new("printer/state", qos::SENSOR);
 /// Planned moves.
@@ -92,6 +104,16 @@ pub const TEMPERATURE_REPORT: Topic<TemperatureReport> =
     Topic::new("printer/report/temperature", qos::SENSOR);
 /// Raw counts of the filament encoder.
 pub const FILAMENT_REPORT: Topic<FilamentReport> = Topic::new("printer/report/filament", qos::SENSOR);
+/// Raw accelerations of the printer's own unit.
+pub const IMU_REPORT: Topic<ImuBatch> = Topic::new("printer/report/imu", qos::SENSOR);
+/// Frames of the printer's own camera.
+pub const CAMERA_REPORT: Topic<CompressedImage> = Topic::new("printer/report/camera/compressed", qos::SENSOR);
+/// What the frames show.
+pub const DEFECTS: Topic<DefectReport> = Topic::new("vision/defects", qos::RELIABLE);
+/// Frames with what was found in them drawn.
+pub const ANNOTATED: Topic<CompressedImage> = Topic::new("vision/annotated/compressed", qos::SENSOR);
+/// Quality of the layers.
+pub const LAYER_QUALITY: Topic<LayerQuality> = Topic::new("quality/layer", qos::RELIABLE);
 /// Measured width of the road.
 pub const BEAD_WIDTH: Topic<BeadWidth> = Topic::new("vision/bead_width", qos::RELIABLE);
 /// State estimate.
@@ -132,6 +154,16 @@ pub const ALL: &[TopicInfo] = &[
     PRINTER_MOTION.info(),
     TEMPERATURE_REPORT.info(),
     FILAMENT_REPORT.info(),
+    IMU_REPORT.info(),
+    IMU_BATCH.info(),
+    IMU_DATA.info(),
+    CAMERA_REPORT.info(),
+    CAMERA_IMAGE.info(),
+    CAMERA_INFO.info(),
+    LAYER_HEIGHT.info(),
+    DEFECTS.info(),
+    ANNOTATED.info(),
+    LAYER_QUALITY.info(),
     BEAD_WIDTH.info(),
     ESTIMATE.info(),
     CONTROL_COMMAND.info(),

@@ -51,6 +51,11 @@ impl<'de> Deserializer<'de> for Tracer<'_> {
         visitor.visit_seq(Elements { path, left: 1, flat: self.flat })
     }
 
+    fn deserialize_byte_buf<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
+        self.flat.push((format!("{}[]", self.path), "u8".to_owned()));
+        visitor.visit_bytes(&[])
+    }
+
     fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Error> {
         let path = format!("{}[{length}]", self.path);
         let noted = self.flat.len();
@@ -79,7 +84,7 @@ impl<'de> Deserializer<'de> for Tracer<'_> {
     }
 
     forward_to_deserialize_any! {
-        i128 u128 char bytes byte_buf option unit unit_struct newtype_struct tuple_struct map enum identifier ignored_any
+        i128 u128 char bytes option unit unit_struct newtype_struct tuple_struct map enum identifier ignored_any
     }
 }
 

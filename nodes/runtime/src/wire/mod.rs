@@ -5,17 +5,23 @@
 
 mod command;
 mod estimate;
+mod imu;
 mod motion;
 mod sensors;
 mod status;
+mod vision;
 
 pub use command::{command_from_wire, command_to_wire, permit_from_wire, permit_to_wire};
 pub use estimate::{CHANNELS, STATES, StateReading, estimate_from_wire};
-pub use motion::motion_to_wire;
+pub use imu::{ImuReading, imu_from_wire, imu_to_wire};
+pub use motion::{PlannedMove, motion_from_wire, motion_to_wire};
 pub use sensors::{
     FilamentPosition, WidthReading, bead_width_from_wire, filament_from_wire, temperature_from_wire,
 };
 pub use status::{status_from_wire, status_to_wire};
+pub use vision::{
+    DefectReading, FRAME_BYTES_MAX, JpegFrame, defects_from_wire, frame_from_wire, frame_to_wire,
+};
 
 use fdm_loop_msgs::Header;
 use models::units::Seconds;
