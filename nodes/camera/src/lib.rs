@@ -1,0 +1,2 @@
+//! Camera: drivers, checks, ROS node.
+#![forbid(unsafe_code)]

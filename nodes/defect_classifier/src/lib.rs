@@ -1,0 +1,2 @@
+//! Defects, road width and layer quality from camera frames, ROS node.
+#![forbid(unsafe_code)]

@@ -1,0 +1,2 @@
+//! Inertial unit: drivers, checks, ROS node.
+#![forbid(unsafe_code)]
