@@ -9,6 +9,7 @@
 //! | [`command`] | trims, permits, validity, clamping and the dead-man |
 //! | [`printer`] | the nominal printer of a parameter file |
 //! | [`status`] | what a printer says of itself |
+//! | [`wire`] | System 3 of the model book: metal wire |
 //!
 //! SI units throughout; a field that has a unit carries it in its name. Millimetres exist in [`gcode`] alone.
 
@@ -33,3 +34,4 @@ pub mod printer;
 pub mod quality;
 pub mod status;
 pub mod units;
+pub mod wire;
