@@ -58,7 +58,7 @@ pub(crate) fn truth(truth: &Truth, motor_position_m: f64, first_onset: Option<Se
         melt_force_n: truth.force_n,
         adhesion: truth.adhesion,
         porosity: truth.porosity,
-        layer_shift_m: [0.0; 2],
+        layer_shift_m: truth.layer_shift_m,
         fault_set_in: first_onset.is_some(),
         first_onset_s: first_onset.map_or(0.0, |onset| onset.0),
         deposit_s: truth.integrals.deposit_s,
@@ -77,7 +77,10 @@ pub(crate) fn fault(now: Seconds, asked: &InjectFaultRequest) -> Result<Entry, F
         allowed,
     };
     let component = Component::from_name(&asked.component).ok_or_else(|| {
-        unknown(&asked.kind, "component extruder, filament, hotend_heater, hotend_thermistor, fan or ambient")
+        unknown(
+            &asked.kind,
+            "component extruder, filament, hotend_heater, hotend_thermistor, fan, ambient, motion or part",
+        )
     })?;
     let kind = Kind::from_name(&asked.kind)
         .ok_or_else(|| unknown(&asked.kind, crate::scenario::allowed_kinds(component)))?;

@@ -55,6 +55,7 @@ pub struct Executor {
     position_m: [f64; 3],
     path_time_s: f64,
     fed_m: f64,
+    homing: [bool; 3],
 }
 
 impl Executor {
@@ -80,6 +81,7 @@ impl Executor {
             position_m: [0.0; 3],
             path_time_s: 0.0,
             fed_m: 0.0,
+            homing: [false; 3],
         }
     }
 
@@ -109,6 +111,8 @@ impl Executor {
         motion.feed.deposited_m_s /= dt.0;
         motion.feed.other_m_s /= dt.0;
         motion.path_speed_m_s /= dt.0;
+        motion.velocity_m_s = motion.velocity_m_s.map(|way_m| way_m / dt.0);
+        motion.homing = std::mem::take(&mut self.homing);
         // A native host carries nothing with a move: in a pause too it follows what is in force.
         let serial = self.settings.host == HostProfile::Serial;
         motion.trims = self.active.as_ref().and_then(|active| active.trims).filter(|_| serial);
@@ -202,8 +206,9 @@ impl Executor {
                 }
             }
             Action::Fan(share) => self.sliced.fan = share,
-            Action::Home(_) => {
+            Action::Home(axes) => {
                 self.homed = true;
+                self.homing = axes;
                 self.wait = Wait::Until { left_s: self.settings.homing_s };
             }
             Action::Dwell(time) => self.wait = Wait::Until { left_s: time.0 },
@@ -248,8 +253,11 @@ impl Executor {
         self.fed_m += filament_m.max(0.0);
         let along = if path_m > 0.0 { (at.distance_m / path_m).min(1.0) } else { 1.0 };
         for axis in 0..3 {
-            self.position_m[axis] =
-                segment.start_m[axis] + along * (segment.end_m[axis] - segment.start_m[axis]);
+            let way_m = segment.end_m[axis] - segment.start_m[axis];
+            self.position_m[axis] = segment.start_m[axis] + along * way_m;
+            if segment.length_m > 0.0 {
+                motion.velocity_m_s[axis] += share * way_m;
+            }
         }
         self.path_time_s += plan_used_s;
         if done {

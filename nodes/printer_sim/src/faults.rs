@@ -19,6 +19,10 @@ pub enum Component {
     Fan,
     /// Air around the printer.
     Ambient,
+    /// Axes of the tool.
+    Motion,
+    /// What has been printed so far.
+    Part,
 }
 
 /// How it fails; `size` has the unit stated here.
@@ -29,6 +33,9 @@ pub enum Kind {
     Slip,
     /// Extruder: free area of the nozzle passage, factor `[-]`, 0.05..1.
     Clog,
+    /// Extruder: share of the melt that escapes beside the nozzle (a loose nozzle, a gap at the heat break) `[-]`,
+    /// 0..0.9. It has passed gear and encoder: no sensor of the filament sees it.
+    Leak,
     /// Filament: relative change of the diameter `[-]`, -0.1..0.1.
     Diameter,
     /// Filament: it has ended; size unused.
@@ -41,7 +48,8 @@ pub enum Kind {
     Open,
     /// Thermistor: short circuit, the firmware reads far too hot; size unused.
     Short,
-    /// Thermistor: fell out of the block; share of the coupling that is left `[-]`, 0..1.
+    /// Thermistor: fell out of the block; share of the coupling that is left `[-]`, 0..1. Part: has come off the bed,
+    /// nothing lands on it any more; for good, size unused.
     Detached,
     /// Thermistor: the reading stays where it was; size unused.
     Stuck,
@@ -49,6 +57,21 @@ pub enum Kind {
     Bias,
     /// Ambient: added to the air temperature `[K]`, -30..30, with 30 % more loss of the block per -10 K.
     Draught,
+    /// Motion: steps of the x motor are lost at once; the tool is off by this much from then on `[m]`, -0.05..0.05.
+    /// A four-step skip of a 20-tooth GT2 drive is 0.8 mm. Homing the axis ends it, a pause does not.
+    LayerShiftX,
+    /// Motion: as `LayerShiftX`, in y.
+    LayerShiftY,
+    /// Motion: something hits the tool head; peak acceleration `[m/s2]`, 0..200. Nothing else comes of it.
+    Knock,
+}
+
+impl Kind {
+    /// It happens in one moment: no ramp, no duration.
+    #[must_use]
+    pub fn at_once(self) -> bool {
+        matches!(self, Self::LayerShiftX | Self::LayerShiftY | Self::Knock)
+    }
 }
 
 /// One fault with its course in time.
@@ -90,6 +113,8 @@ pub struct InForce {
     pub slip: f64,
     /// Free share of the nozzle passage `[-]`.
     pub clog: f64,
+    /// Share of the melt that escapes beside the nozzle `[-]`.
+    pub leak: f64,
     /// Factor on the diameter `[-]`.
     pub diameter: f64,
     /// The filament has ended.
@@ -106,6 +131,8 @@ pub struct InForce {
     pub reading_bias_k: f64,
     /// Added to the air temperature `[K]`.
     pub ambient_offset_k: f64,
+    /// The part has come off the bed: what is extruded does not land on it.
+    pub detached: bool,
 }
 
 /// State of the thermistor circuit.
@@ -128,6 +155,7 @@ impl InForce {
     pub const NONE: Self = Self {
         slip: 0.0,
         clog: 1.0,
+        leak: 0.0,
         diameter: 1.0,
         run_out: false,
         heater_gain: 1.0,
@@ -136,6 +164,7 @@ impl InForce {
         thermistor: Thermistor::Sound,
         reading_bias_k: 0.0,
         ambient_offset_k: 0.0,
+        detached: false,
     };
 
     /// Overlays all faults that are active at `now`.
@@ -156,6 +185,10 @@ impl InForce {
         match (fault.component, fault.kind) {
             (Component::Extruder, Kind::Slip) => self.slip += share * fault.size,
             (Component::Extruder, Kind::Clog) => self.clog *= towards(fault.size),
+            // Each takes its share of what the others leave.
+            (Component::Extruder, Kind::Leak) => {
+                self.leak = 1.0 - (1.0 - self.leak) * (1.0 - share * fault.size);
+            }
             (Component::Filament, Kind::Diameter) => self.diameter *= 1.0 + share * fault.size,
             (Component::Filament, Kind::RunOut) => self.run_out = true,
             (Component::HotendHeater, Kind::Gain) => self.heater_gain *= towards(fault.size),
@@ -169,7 +202,8 @@ impl InForce {
             (Component::HotendThermistor, Kind::Stuck) => self.thermistor = Thermistor::Stuck,
             (Component::HotendThermistor, Kind::Bias) => self.reading_bias_k += share * fault.size,
             (Component::Ambient, Kind::Draught) => self.ambient_offset_k += share * fault.size,
-            // Scenario and service refuse every other pair, see `scenario::check`.
+            (Component::Part, Kind::Detached) => self.detached = true,
+            // What happens in one moment is in `toolhead`; scenario and service refuse every other pair.
             _ => {}
         }
     }

@@ -34,6 +34,7 @@ pub mod score;
 pub mod sensors;
 mod setup;
 pub mod simulator;
+pub mod toolhead;
 
 pub use output::{Output, Truth};
 pub use params::Params;

@@ -72,17 +72,18 @@ pub struct Truth {
     pub wanted_m: f64,
     /// Filament that passed the gear `[m]`.
     pub delivered_m: f64,
-    /// Filament that left the nozzle, in lengths of the actual filament `[m]`.
+    /// Filament that left the hot end, a leak's share included, in lengths of the actual filament `[m]`.
     pub outlet_m: f64,
-    /// Outlet flow as speed of the actual filament `[m/s]`: the flow is this times the gain times the nominal area.
+    /// Speed of `outlet_m` `[m/s]`: the road gets this times the gain times the nominal area.
     pub outlet_m_s: f64,
     /// Slip of the gear `[-]`; meaningful while filament is pushed.
     pub slip: f64,
-    /// Area gain of the filament, `(d / d_nominal)^2` `[-]`.
+    /// Volume into the road over that of the nominal filament: area gain `(d / d_nominal)^2` times the share of the
+    /// melt that a leak leaves to the nozzle `[-]`.
     pub gain: f64,
     /// Force on the filament `[N]`.
     pub force_n: f64,
-    /// A road is deposited.
+    /// A road is deposited; not while the part is detached, since then nothing lands on it.
     pub depositing: bool,
     /// Width of the road `[m]`; zero while none is deposited.
     pub width_m: f64,
@@ -98,6 +99,10 @@ pub struct Truth {
     pub layer: u32,
     /// Nozzle temperature that counts as right `[K]`.
     pub reference_k: f64,
+    /// How far the tool is off its commanded place in x and y `[m]`: lost steps, until the axis is homed.
+    pub layer_shift_m: [f64; 2],
+    /// The part has come off the bed: what is extruded hangs about instead of landing on it.
+    pub detached: bool,
     /// Score of the print so far.
     pub integrals: Integrals,
 }

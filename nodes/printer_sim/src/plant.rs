@@ -71,6 +71,8 @@ pub struct Plant {
     diameter_due_m: f64,
     /// Area of the filament over the nominal one, faults included `[-]`.
     gain: f64,
+    /// Share of the melt that leaves through the nozzle `[-]`; the rest leaks.
+    kept: f64,
     noise: Noise,
     mean_flow_m3_s: f64,
 }
@@ -99,6 +101,7 @@ impl Plant {
             diameter_offset_m,
             diameter_due_m: DIAMETER_STEP_M,
             gain: 1.0,
+            kept: 1.0,
             noise,
             mean_flow_m3_s: 0.0,
         };
@@ -130,12 +133,16 @@ impl Plant {
             backward => backward,
         };
         self.delivered_m += feed_m_s * dt.0;
-        let laid_m = self.pressure.step(&self.law, feed_m_s, dt);
-        self.outlet_m += laid_m;
+        // A leak of share L: dx/dt = v - u/(1-L) with the nozzle's u = law(x). In time t/(1-L) and feed (1-L) v that is
+        // the sound nozzle's equation, and the length returned is the whole that left, the leak's share included.
+        let kept = 1.0 - faults.leak;
+        let out_m = self.pressure.step(&self.law, kept * feed_m_s, Seconds(dt.0 / kept));
+        self.kept = kept;
+        self.outlet_m += out_m;
         self.vary_diameter(feed_m_s * dt.0, faults);
-        let laid_m3 = laid_m * self.melt.filament_area_m2() * self.gain;
-        self.mean_flow_m3_s = laid_m3 / dt.0;
-        self.lay(laid_m3, path_speed_m_s * dt.0, road);
+        let out_m3 = out_m * self.melt.filament_area_m2() * self.gain;
+        self.mean_flow_m3_s = out_m3 / dt.0;
+        self.lay(kept * out_m3, path_speed_m_s * dt.0, road);
     }
 
     /// The nozzle's flat spreads the melt over about its own diameter: `dA/ds = (q/v - A)/D`.
@@ -262,9 +269,9 @@ impl Plant {
             heater_w: self.heater_w,
             delivered_m: self.delivered_m,
             outlet_m: self.outlet_m,
-            outlet_m_s: outlet.speed_m_s,
+            outlet_m_s: outlet.speed_m_s / self.kept,
             slip: self.slip,
-            gain: self.gain,
+            gain: self.gain * self.kept,
             force_n: outlet.force_n,
             depositing: road.is_some(),
             width_m: road.map_or(0.0, |road| self.width_m(&road)),

@@ -3,7 +3,7 @@
 //! ```yaml
 //! description: drive gear loses 9 % from the middle of the print on
 //! faults:
-//!   - component: extruder       # extruder | filament | hotend_heater | hotend_thermistor | fan | ambient
+//!   - component: extruder       # extruder | filament | hotend_heater | hotend_thermistor | fan | ambient | motion | part
 //!     kind: slip                # see `faults::Kind` for the kinds, their units and ranges
 //!     size: 0.09                # [-]
 //!     onset: {filament_share: 0.5}   # share of the commanded filament [0, 1]; or {time_s: 120}
@@ -12,8 +12,15 @@
 //! ```
 
 use crate::faults::{Component, Fault, Kind};
+use check::{LONGEST_S, bounded, name_of, range};
 use models::units::Seconds;
 use serde::{Deserialize, Serialize};
+
+mod check;
+
+pub use check::FaultError;
+#[cfg(feature = "ros")]
+pub(crate) use check::allowed_kinds;
 
 /// Faults of one run.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
@@ -60,109 +67,24 @@ struct RawEntry {
     duration_s: Option<f64>,
 }
 
-/// Why a fault cannot be injected.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FaultError {
-    /// The component has no such fault.
-    #[error("kind = {kind}: not a fault of {component}; it can be {allowed}")]
-    Unknown {
-        /// Component asked for.
-        component: String,
-        /// Kind asked for.
-        kind: String,
-        /// Kinds of that component.
-        allowed: &'static str,
-    },
-    /// A kind that has a size came without.
-    #[error("size: {kind} needs one, see config/scenarios/README.md")]
-    NoSize {
-        /// Kind asked for.
-        kind: String,
-    },
-    /// A number outside its range.
-    #[error("{name} = {value} {unit}: must be in [{low}, {high}]")]
-    OutOfRange {
-        /// Field.
-        name: &'static str,
-        /// Value asked for.
-        value: f64,
-        /// Unit.
-        unit: &'static str,
-        /// Smallest allowed.
-        low: f64,
-        /// Largest allowed.
-        high: f64,
-    },
-}
-
-/// Longest time that a fault's fields may name `[s]`: a week.
-const LONGEST_S: f64 = 604_800.0;
-
-/// Allowed sizes by fault: `(unit, low, high)`.
-fn range(component: Component, kind: Kind) -> Result<(&'static str, f64, f64), FaultError> {
-    Ok(match (component, kind) {
-        (Component::Extruder, Kind::Slip) => ("-", 0.0, 0.95),
-        (Component::Extruder, Kind::Clog) => ("-", 0.05, 1.0),
-        (Component::Filament, Kind::Diameter) => ("-", -0.1, 0.1),
-        (Component::HotendHeater | Component::Fan, Kind::Gain)
-        | (Component::HotendThermistor, Kind::Detached) => ("-", 0.0, 1.0),
-        (Component::HotendThermistor, Kind::Bias) => ("K", -300.0, 300.0),
-        (Component::Ambient, Kind::Draught) => ("K", -30.0, 30.0),
-        (Component::Filament, Kind::RunOut)
-        | (Component::HotendHeater, Kind::StuckOn)
-        | (Component::HotendThermistor, Kind::Open | Kind::Short | Kind::Stuck) => ("-", 0.0, 1.0),
-        _ => {
-            return Err(FaultError::Unknown {
-                component: name_of(&component),
-                kind: name_of(&kind),
-                allowed: allowed_kinds(component),
-            });
-        }
-    })
-}
-
-/// Names of the kinds of a component.
-pub(crate) fn allowed_kinds(component: Component) -> &'static str {
-    match component {
-        Component::Extruder => "slip, clog",
-        Component::Filament => "diameter, run_out",
-        Component::HotendHeater => "gain, stuck_on",
-        Component::HotendThermistor => "open, short, detached, stuck, bias",
-        Component::Fan => "gain",
-        Component::Ambient => "draught",
-    }
-}
-
-fn name_of<T: std::fmt::Debug>(value: &T) -> String {
-    let mut name = String::new();
-    for letter in format!("{value:?}").chars() {
-        if letter.is_uppercase() && !name.is_empty() {
-            name.push('_');
-        }
-        name.extend(letter.to_lowercase());
-    }
-    name
-}
-
-fn bounded(
-    name: &'static str,
-    value: f64,
-    (unit, low, high): (&'static str, f64, f64),
-) -> Result<f64, FaultError> {
-    if (low..=high).contains(&value) {
-        Ok(value)
-    } else {
-        Err(FaultError::OutOfRange { name, value, unit, low, high })
-    }
-}
-
 impl RawEntry {
     /// The size, which only kinds without one may leave out.
     fn size_or_none(&self) -> Result<f64, FaultError> {
         let without =
-            matches!(self.kind, Kind::RunOut | Kind::StuckOn | Kind::Open | Kind::Short | Kind::Stuck);
+            matches!(self.kind, Kind::RunOut | Kind::StuckOn | Kind::Open | Kind::Short | Kind::Stuck)
+                || (self.component, self.kind) == (Component::Part, Kind::Detached);
         self.size.or(without.then_some(0.0)).ok_or_else(|| FaultError::NoSize { kind: name_of(&self.kind) })
+    }
+
+    /// Refuses a course in time where there is none: a skip or a knock is a moment, and a part that came off stays off.
+    fn check_course(&self) -> Result<(), FaultError> {
+        let for_good = (self.component, self.kind) == (Component::Part, Kind::Detached);
+        let refused = |name| Err(FaultError::NoCourse { name, kind: name_of(&self.kind) });
+        match self.duration_s {
+            Some(_) if self.kind.at_once() || for_good => refused("duration_s"),
+            _ if (self.kind.at_once() || for_good) && self.ramp_s != 0.0 => refused("ramp_s"),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -176,10 +98,12 @@ impl TryFrom<RawEntry> for Entry {
             Onset::TimeS(time_s) => Onset::TimeS(bounded("time_s", time_s, ("s", 0.0, LONGEST_S))?),
         };
         let duration = raw.duration_s.map(|s| bounded("duration_s", s, ("s", 0.0, LONGEST_S))).transpose()?;
+        let size = bounded("size", raw.size_or_none()?, range(raw.component, raw.kind)?)?;
+        raw.check_course()?;
         Ok(Self {
             component: raw.component,
             kind: raw.kind,
-            size: bounded("size", raw.size_or_none()?, range(raw.component, raw.kind)?)?,
+            size,
             onset,
             ramp: Seconds(bounded("ramp_s", raw.ramp_s, ("s", 0.0, LONGEST_S))?),
             duration: duration.map(Seconds),
@@ -261,6 +185,44 @@ mod tests {
         let error = entry(Component::Extruder, Kind::Slip, 1.5).unwrap_err();
         assert_eq!(error.to_string(), "size = 1.5 -: must be in [0, 0.95]");
         assert!(entry(Component::Extruder, Kind::Slip, f64::NAN).is_err());
+    }
+
+    /// Model book 1.12: lost steps, a knock and a part that came off, each with its unit and range.
+    #[test]
+    fn faults_of_motion_and_part_carry_metres_accelerations_and_nothing() {
+        let refusal = |component, kind, size| entry(component, kind, size).unwrap_err().to_string();
+        for kind in [Kind::LayerShiftX, Kind::LayerShiftY] {
+            assert!(entry(Component::Motion, kind, -8e-4).is_ok());
+            // 0.8 taken for metres by mistake is 80 cm.
+            assert_eq!(refusal(Component::Motion, kind, 0.8), "size = 0.8 m: must be in [-0.05, 0.05]");
+        }
+        assert!(entry(Component::Motion, Kind::Knock, 45.0).is_ok());
+        assert_eq!(refusal(Component::Motion, Kind::Knock, -1.0), "size = -1 m/s2: must be in [0, 200]");
+        assert_eq!(refusal(Component::Extruder, Kind::Leak, 0.95), "size = 0.95 -: must be in [0, 0.9]");
+        assert_eq!(
+            refusal(Component::Part, Kind::Knock, 1.0),
+            "kind = knock: not a fault of part; it can be detached"
+        );
+        let sized: Result<Entry, _> =
+            serde_saphyr::from_str("{component: part, kind: detached, onset: {time_s: 1}}");
+        assert!(sized.is_ok());
+        let bare: Result<Entry, _> =
+            serde_saphyr::from_str("{component: motion, kind: knock, onset: {time_s: 1}}");
+        assert!(bare.is_err());
+    }
+
+    #[test]
+    fn what_happens_in_a_moment_or_for_good_has_no_course_in_time() {
+        let lasting =
+            |component, kind, size| Entry::new((component, kind), size, 0.0, Some(1.0)).unwrap_err();
+        for kind in [Kind::LayerShiftX, Kind::Knock] {
+            let name = name_of(&kind);
+            let error = lasting(Component::Motion, kind, 0.01);
+            assert_eq!(error, FaultError::NoCourse { name: "duration_s", kind: name });
+        }
+        let error = lasting(Component::Part, Kind::Detached, 0.0);
+        assert_eq!(error.to_string(), "duration_s: detached has none, leave it out");
+        assert!(Entry::new((Component::HotendThermistor, Kind::Detached), 0.5, 0.0, Some(1.0)).is_ok());
     }
 
     #[test]

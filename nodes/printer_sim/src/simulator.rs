@@ -9,20 +9,22 @@ use crate::output::{Output, Truth};
 use crate::params::Params;
 use crate::plant::{Inputs, Plant, Push, Road};
 use crate::scenario::{Entry, Scenario};
-use crate::score::{Moment, Score};
+use crate::score::Score;
 use crate::sensors::{Noise, Pace, Thermometer, WidthGauge};
+use crate::toolhead::Toolhead;
 use models::command::{DeadMan, InForce, Mode, Permit, Refusal, Request, Trims};
 use models::motion::{MoveKind, Step};
 use models::params::ParamError;
-use models::quality::Observed;
 use models::status::JobPhase;
 use models::units::{Kelvin, Seconds};
 use std::collections::VecDeque;
 
+mod faults;
 mod sense;
 mod status;
 #[cfg(test)]
 pub(crate) mod tests;
+mod truth;
 
 /// What is to be printed.
 pub struct JobSource {
@@ -65,6 +67,7 @@ pub struct Simulator {
     done_noted: bool,
     in_force: InForce,
     motion: Motion,
+    toolhead: Toolhead,
     advance_s: f64,
     score: Score,
     truth: Truth,
@@ -113,6 +116,7 @@ impl Simulator {
                 lapsed: true,
             },
             motion: Motion::default(),
+            toolhead: Toolhead::default(),
             advance_s: host.firmware.advance_s,
             score: Score::new(params.quality),
             truth: Truth::default(),
@@ -137,11 +141,6 @@ impl Simulator {
         self.dead_man.on_permit(self.now, permit)
     }
 
-    /// Adds a fault to those of the scenario; its onset counts from the start of the simulation.
-    pub fn inject(&mut self, entry: Entry) {
-        self.entries.push(entry);
-    }
-
     /// Advances by `dt`, at most one millisecond if the figures are to count.
     pub fn step(&mut self, dt: Seconds) {
         self.now = self.now + dt;
@@ -164,13 +163,14 @@ impl Simulator {
         self.motion = self.executor.step(dt, &around, |segment, into| {
             outputs.push_back(Output::Motion { start: start + into, segment: Box::new(*segment) });
         });
+        self.toolhead.home(self.motion.homing);
         let trims = self.motion.trims.unwrap_or(self.in_force.trims);
         self.advance_s = trims.advance_s.unwrap_or(self.executor.sliced().advance_s);
         #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
         let encoder_m = self.counts() as f64 * self.params.simulator.sensors.encoder_quantum_m;
         let motor_m_s = self.drive.step(self.motion.feed, &trims, self.advance_s, (encoder_m, dt.0));
 
-        let road = self.road();
+        let road = self.road().filter(|_| !self.faults_in_force.detached);
         let push = Push { motor_m_s, path_speed_m_s: self.motion.path_speed_m_s, road };
         self.plant.push(push, &self.faults_in_force, dt);
         if self.paces.thermal.due(self.now) {
@@ -196,25 +196,7 @@ impl Simulator {
         }
     }
 
-    fn set_in_faults(&mut self) {
-        if !self.entries.is_empty() {
-            let share = if self.filament_m > 0.0 { self.executor.fed_m() / self.filament_m } else { 0.0 };
-            let now = self.now;
-            let faults = &mut self.faults;
-            self.entries.retain(|entry| match entry.due(now, share) {
-                Some(fault) => {
-                    faults.push(fault);
-                    false
-                }
-                None => true,
-            });
-        }
-        if !self.faults.is_empty() {
-            self.faults_in_force = FaultsInForce::at(self.now, &self.faults);
-        }
-    }
-
-    /// The road under the nozzle, if one is deposited.
+    /// The road that the file wants under the nozzle, if one.
     fn road(&self) -> Option<Road> {
         let segment = self.executor.segment()?;
         if segment.kind != MoveKind::Deposit || self.motion.path_speed_m_s <= 0.0 {
@@ -238,56 +220,16 @@ impl Simulator {
         self.outputs.push_back(Output::Note { stamp: self.now, text: text.to_owned() });
     }
 
-    fn note_truth(&mut self, road: Option<Road>) {
-        let before = self.truth;
-        let mut truth = self.plant.truth(road, self.params.simulator.firmware.below_bed_k);
-        truth.stamp_s = self.now.0;
-        truth.path_time_s = self.executor.path_time_s();
-        truth.wanted_m = self.drive.wanted_m();
-        truth.path_speed_m_s = self.motion.path_speed_m_s;
-        truth.layer = self.executor.layer().map_or(0, |layer| layer + 1);
-        truth.reference_k = Kelvin::from(self.executor.sliced().hotend).0 - self.params.nozzle_drop_k;
-        if road.is_some() {
-            self.score.add(&Moment {
-                bead: Observed {
-                    feature_errors: &[],
-                    width_m: truth.width_m,
-                    width_wanted_m: truth.target_width_m,
-                    temperature_error_k: truth.nozzle_k - truth.reference_k,
-                    adhesion: truth.adhesion,
-                    porosity: truth.porosity,
-                },
-                wanted_m: truth.wanted_m - before.wanted_m,
-                delivered_m: truth.delivered_m - before.delivered_m,
-                dt_s: truth.stamp_s - before.stamp_s,
-            });
-        }
-        truth.integrals = self.score.integrals();
-        self.truth = truth;
-    }
-
     /// Where the job stands.
     #[must_use]
     pub fn phase(&self) -> JobPhase {
         if self.given_up { JobPhase::Failed } else { self.executor.phase() }
     }
 
-    /// The truth now.
-    #[must_use]
-    pub fn truth(&self) -> &Truth {
-        &self.truth
-    }
-
     /// Time of the simulation.
     #[must_use]
     pub fn now(&self) -> Seconds {
         self.now
-    }
-
-    /// Onset of the first fault, once one has set in.
-    #[must_use]
-    pub fn first_onset(&self) -> Option<Seconds> {
-        self.faults.iter().map(|fault| fault.onset).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// The dead-man, for its counters.

@@ -73,6 +73,10 @@ pub struct Motion {
     pub trims: Option<Trims>,
     /// Tool speed along its path `[m/s]`, trim included.
     pub path_speed_m_s: f64,
+    /// Commanded velocity of the tool `[m/s]`: mean over the step, so that a corner's jump is spread over one.
+    pub velocity_m_s: [f64; 3],
+    /// Axes X, Y, Z that begin to home in this step.
+    pub homing: [bool; 3],
     /// The slicer's own speed at this point `[m/s]`.
     pub planned_speed_m_s: f64,
 }

@@ -1,0 +1,114 @@
+//! Which faults there are, and which numbers they may carry.
+
+use crate::faults::{Component, Kind};
+
+/// Why a fault cannot be injected.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FaultError {
+    /// The component has no such fault.
+    #[error("kind = {kind}: not a fault of {component}; it can be {allowed}")]
+    Unknown {
+        /// Component asked for.
+        component: String,
+        /// Kind asked for.
+        kind: String,
+        /// Kinds of that component.
+        allowed: &'static str,
+    },
+    /// A kind that has a size came without.
+    #[error("size: {kind} needs one, see config/scenarios/README.md")]
+    NoSize {
+        /// Kind asked for.
+        kind: String,
+    },
+    /// A course in time for what happens in one moment or for good.
+    #[error("{name}: {kind} has none, leave it out")]
+    NoCourse {
+        /// Field.
+        name: &'static str,
+        /// Kind asked for.
+        kind: String,
+    },
+    /// A number outside its range.
+    #[error("{name} = {value} {unit}: must be in [{low}, {high}]")]
+    OutOfRange {
+        /// Field.
+        name: &'static str,
+        /// Value asked for.
+        value: f64,
+        /// Unit.
+        unit: &'static str,
+        /// Smallest allowed.
+        low: f64,
+        /// Largest allowed.
+        high: f64,
+    },
+}
+
+/// Longest time that a fault's fields may name `[s]`: a week.
+pub(super) const LONGEST_S: f64 = 604_800.0;
+
+/// Allowed sizes by fault: `(unit, low, high)`.
+pub(super) fn range(component: Component, kind: Kind) -> Result<(&'static str, f64, f64), FaultError> {
+    Ok(match (component, kind) {
+        (Component::Extruder, Kind::Slip) => ("-", 0.0, 0.95),
+        (Component::Extruder, Kind::Clog) => ("-", 0.05, 1.0),
+        (Component::Extruder, Kind::Leak) => ("-", 0.0, 0.9),
+        (Component::Motion, Kind::LayerShiftX | Kind::LayerShiftY) => ("m", -0.05, 0.05),
+        (Component::Motion, Kind::Knock) => ("m/s2", 0.0, 200.0),
+        (Component::Filament, Kind::Diameter) => ("-", -0.1, 0.1),
+        (Component::HotendHeater | Component::Fan, Kind::Gain)
+        | (Component::HotendThermistor, Kind::Detached) => ("-", 0.0, 1.0),
+        (Component::HotendThermistor, Kind::Bias) => ("K", -300.0, 300.0),
+        (Component::Ambient, Kind::Draught) => ("K", -30.0, 30.0),
+        (Component::Filament, Kind::RunOut)
+        | (Component::Part, Kind::Detached)
+        | (Component::HotendHeater, Kind::StuckOn)
+        | (Component::HotendThermistor, Kind::Open | Kind::Short | Kind::Stuck) => ("-", 0.0, 1.0),
+        _ => {
+            return Err(FaultError::Unknown {
+                component: name_of(&component),
+                kind: name_of(&kind),
+                allowed: allowed_kinds(component),
+            });
+        }
+    })
+}
+
+/// Names of the kinds of a component.
+pub(crate) fn allowed_kinds(component: Component) -> &'static str {
+    match component {
+        Component::Extruder => "slip, clog, leak",
+        Component::Filament => "diameter, run_out",
+        Component::HotendHeater => "gain, stuck_on",
+        Component::HotendThermistor => "open, short, detached, stuck, bias",
+        Component::Fan => "gain",
+        Component::Ambient => "draught",
+        Component::Motion => "layer_shift_x, layer_shift_y, knock",
+        Component::Part => "detached",
+    }
+}
+
+pub(super) fn name_of<T: std::fmt::Debug>(value: &T) -> String {
+    let mut name = String::new();
+    for letter in format!("{value:?}").chars() {
+        if letter.is_uppercase() && !name.is_empty() {
+            name.push('_');
+        }
+        name.extend(letter.to_lowercase());
+    }
+    name
+}
+
+pub(super) fn bounded(
+    name: &'static str,
+    value: f64,
+    (unit, low, high): (&'static str, f64, f64),
+) -> Result<f64, FaultError> {
+    if (low..=high).contains(&value) {
+        Ok(value)
+    } else {
+        Err(FaultError::OutOfRange { name, value, unit, low, high })
+    }
+}

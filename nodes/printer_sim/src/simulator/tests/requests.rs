@@ -1,0 +1,102 @@
+//! What file, supervisor and people demand of the printer.
+
+use super::*;
+
+/// `M600`: the printer waits until the supervisor, which took the pause over, is told to resume.
+#[test]
+fn a_pause_of_the_file_ends_with_a_persons_resume() {
+    let mut simulator = Simulator::new(params(), job_of(&[Action::Pause]), &Scenario::default(), 1).unwrap();
+    simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: Some(Celsius(60.0)) });
+    run_for(&mut simulator, 1.0);
+    assert_eq!(simulator.phase(), JobPhase::Paused);
+    let permit = |sequence, request| Permit {
+        session: 1,
+        sequence,
+        validity: Seconds(0.25),
+        mode: Mode::Act,
+        request,
+        trims: Trims::NEUTRAL,
+    };
+    for (sequence, request) in [(1, Request::Pause), (2, Request::Run)] {
+        simulator.on_permit(permit(sequence, request)).unwrap();
+        run_for(&mut simulator, 0.1);
+    }
+    run_for(&mut simulator, 0.5);
+    assert_eq!(simulator.phase(), JobPhase::Printing);
+}
+
+#[test]
+fn an_emergency_stop_in_the_file_gives_the_job_up() {
+    let mut simulator = Simulator::new(params(), job_of(&[Action::Stop]), &Scenario::default(), 1).unwrap();
+    run_for(&mut simulator, 0.5);
+    assert_eq!(simulator.phase(), JobPhase::Failed);
+}
+
+#[test]
+fn a_demand_to_switch_off_gives_the_job_up_for_good() {
+    let mut simulator = Simulator::new(params(), straight_job(30), &Scenario::default(), 1).unwrap();
+    let permit = |sequence, request| Permit {
+        session: 1,
+        sequence,
+        validity: Seconds(0.25),
+        mode: Mode::SafeOff,
+        request,
+        trims: Trims::NEUTRAL,
+    };
+    simulator.on_permit(permit(1, Request::HeatersOff)).unwrap();
+    simulator.step(Seconds(1e-3));
+    assert_eq!(simulator.phase(), JobPhase::Failed);
+    simulator.on_permit(permit(2, Request::Run)).unwrap();
+    for _ in 0..1000 {
+        simulator.step(Seconds(1e-3));
+    }
+    assert_eq!(simulator.phase(), JobPhase::Failed);
+    assert_eq!(simulator.status().hotend_target, Celsius(0.0));
+    assert!(simulator.status().hotend_duty <= 0.0);
+}
+
+/// A paused move does not keep the corrections that were in force when it stopped: not its own, and not the set-point's.
+#[test]
+fn corrections_lapse_in_a_pause_too() {
+    let mut simulator = Simulator::new(params(), straight_job(30), &Scenario::default(), 1).unwrap();
+    simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: Some(Celsius(60.0)) });
+    let trims = Trims { flow: 1.1, setpoint_offset_k: 4.0, ..Trims::NEUTRAL };
+    for (sequence, request, wanted) in [(1, Request::Run, trims), (2, Request::Pause, Trims::NEUTRAL)] {
+        let permit =
+            Permit { session: 1, sequence, validity: Seconds(0.25), mode: Mode::Act, request, trims: wanted };
+        for step in 0..2000 {
+            if step % 100 == 0 {
+                let sequence = sequence * 10_000 + step;
+                simulator.on_permit(Permit { sequence, ..permit }).unwrap();
+            }
+            simulator.step(Seconds(1e-3));
+        }
+        let status = simulator.status();
+        assert_eq!(status.trims, wanted);
+        let offset_k = status.hotend_target.0 - status.hotend_sliced_target.0;
+        assert!((offset_k - wanted.setpoint_offset_k).abs() < 1e-9, "{offset_k}");
+    }
+    assert_eq!(simulator.phase(), JobPhase::Paused);
+}
+
+#[test]
+fn an_opened_mains_relay_ends_a_stuck_heater() {
+    let stuck = scenario(
+        "description: t\nfaults: [{component: hotend_heater, kind: stuck_on, onset: {time_s: 0.0}}]",
+    );
+    let mut simulator = Simulator::new(params(), straight_job(30), &stuck, 1).unwrap();
+    for _ in 0..20_000 {
+        simulator.step(Seconds(1e-3));
+    }
+    assert!(simulator.truth().heater_w > 39.0);
+    let request = Request::EmergencyStop;
+    let mode = Mode::Estop;
+    let validity = Seconds(0.25);
+    simulator
+        .on_permit(Permit { session: 1, sequence: 1, validity, mode, request, trims: Trims::NEUTRAL })
+        .unwrap();
+    for _ in 0..20 {
+        simulator.step(Seconds(1e-3));
+    }
+    assert!(simulator.truth().heater_w <= 0.0);
+}
