@@ -9,8 +9,6 @@ pub mod encoder;
 pub mod node;
 pub mod params;
 pub mod serial_line;
-#[cfg(feature = "serial")]
-pub mod serial_port;
 
 pub use encoder::{Encoder, Refusal, Refusals, Sample};
 pub use params::{Driver, Params};

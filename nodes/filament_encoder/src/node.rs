@@ -2,16 +2,16 @@
 
 use fdm_loop_msgs::FilamentReport;
 use models::units::Seconds;
+use runtime::serial::{PortEvent, SerialLine};
 use runtime::{Inlet, Node, Reason, Refused, RuntimeError, topics};
-use tokio::sync::mpsc;
 
 use crate::convert;
 use crate::encoder::Encoder;
-use crate::params::{Driver, Params, SerialParams};
-use crate::serial_line::LineError;
-use crate::serial_port::{PortEvent, SerialReader};
+use crate::params::{Driver, Params};
+use crate::serial_line::{LINE_MAX, LineError, parse};
 
-/// Events of the serial line that may wait: a second of counts at 100 Hz.
+/// Lines that may wait: a second of counts at 100 Hz. Counts are a sum: one that finds no room is made up for by the
+/// next.
 const WAITING: usize = 100;
 
 /// Runs the node to its end.
@@ -49,7 +49,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
 /// Where counts come from.
 enum Source {
     Printer { reports: Box<Inlet<FilamentReport>>, quantum_m: f64 },
-    Serial { events: mpsc::Receiver<(Seconds, PortEvent)>, refused: Refused, _reader: SerialReader },
+    Serial { line: SerialLine, refused: Refused },
 }
 
 impl Source {
@@ -62,8 +62,8 @@ impl Source {
                 Ok(Self::Printer { reports, quantum_m })
             }
             Driver::Serial => {
-                let (events, _reader) = serial(node, &params.serial)?;
-                Ok(Self::Serial { events, refused: Refused::new(node.diagnostics(), "serial"), _reader })
+                let line = node.serial_line(&params.serial, LINE_MAX, WAITING)?;
+                Ok(Self::Serial { line, refused: Refused::new(node.diagnostics(), "serial") })
             }
         }
     }
@@ -83,44 +83,23 @@ impl Source {
                 let quantum_m = *quantum_m;
                 Ok(reports.next(|wire| convert::report(wire, quantum_m)).await.ok())
             }
-            Self::Serial { events, refused, .. } => {
-                let Some((stamp, event)) = events.recv().await else {
-                    let source = std::io::Error::other("its thread is gone");
-                    return Err(RuntimeError::System { what: "the serial reader has ended", source });
-                };
-                Ok(taken(event, refused).map(|counts| (stamp, counts)))
+            Self::Serial { line, refused } => {
+                let (stamp, event) = line.recv().await?;
+                Ok(taken(&event, refused).map(|counts| (stamp, counts)))
             }
         }
     }
 }
 
-/// Starts the reader's thread; counts are dated when their line is complete.
-fn serial(
-    node: &Node,
-    params: &SerialParams,
-) -> Result<(mpsc::Receiver<(Seconds, PortEvent)>, SerialReader), RuntimeError> {
-    let (clock, diagnostics) = (node.clock(), node.diagnostics());
-    let (sender, events) = mpsc::channel(WAITING);
-    let sink = move |event| {
-        // Counts are a sum: one that finds no room is made up for by the next.
-        if sender.try_send((clock.now(), event)).is_err() {
-            diagnostics.count("serial_dropped");
-        }
-    };
-    SerialReader::spawn(params.clone(), sink)
-        .map(|reader| (events, reader))
-        .map_err(|source| RuntimeError::System { what: "cannot start the serial reader", source })
-}
-
-fn taken(event: PortEvent, refused: &mut Refused) -> Option<i64> {
+fn taken(event: &PortEvent, refused: &mut Refused) -> Option<i64> {
     match event {
-        PortEvent::Reading(counts) => return Some(counts),
-        PortEvent::Refused(LineError::Garbage) => refused.count(Reason::Malformed),
-        PortEvent::Refused(LineError::Other) => {}
-        PortEvent::Connected => tracing::info!("serial line connected"),
-        PortEvent::Lost { reason, retry_s } => {
-            tracing::warn!("serial line lost: {reason}; next try in {retry_s} s");
-        }
+        PortEvent::Line(line) => match parse(line) {
+            Ok(counts) => return Some(counts),
+            Err(LineError::Garbage) => refused.count(Reason::Malformed),
+            Err(LineError::Other) => {}
+        },
+        PortEvent::Overlong => refused.count(Reason::Malformed),
+        PortEvent::Connected | PortEvent::Lost { .. } => {}
     }
     None
 }

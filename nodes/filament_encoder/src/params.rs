@@ -1,6 +1,6 @@
 //! Every number of the node, as in `config/filament_encoder.param.yaml`.
 
-use models::params::{ParamError, in_range, ordered};
+use models::params::{ParamError, SerialParams, in_range};
 use serde::Deserialize;
 
 /// All parameters.
@@ -57,49 +57,6 @@ impl TryFrom<RawEncoderParams> for EncoderParams {
             rebase_after: in_range("rebase_after", raw.rebase_after, "-", (1.0, 100.0))?,
             stamp_future_max_s: in_range("stamp_future_max_s", raw.stamp_future_max_s, "s", (0.0, 10.0))?,
             stamp_age_max_s: in_range("stamp_age_max_s", raw.stamp_age_max_s, "s", (0.01, 60.0))?,
-        })
-    }
-}
-
-/// The serial line.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "RawSerialParams")]
-pub struct SerialParams {
-    /// Device file.
-    pub path: String,
-    /// Symbols per second `[Bd]`.
-    pub baud: u32,
-    /// First pause after a lost line `[s]`; it doubles with each try.
-    pub retry_min_s: f64,
-    /// Longest pause `[s]`.
-    pub retry_max_s: f64,
-}
-
-/// As [`SerialParams`], as it is written.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RawSerialParams {
-    /// Device file.
-    pub path: String,
-    /// Symbols per second `[Bd]`.
-    pub baud: u32,
-    /// First pause after a lost line `[s]`; it doubles with each try.
-    pub retry_min_s: f64,
-    /// Longest pause `[s]`.
-    pub retry_max_s: f64,
-}
-
-impl TryFrom<RawSerialParams> for SerialParams {
-    type Error = ParamError;
-
-    fn try_from(raw: RawSerialParams) -> Result<Self, ParamError> {
-        in_range("baud", f64::from(raw.baud), "Bd", (1200.0, 4_000_000.0))?;
-        ordered(("retry_min_s", raw.retry_min_s), ("retry_max_s", raw.retry_max_s))?;
-        Ok(Self {
-            path: raw.path,
-            baud: raw.baud,
-            retry_min_s: in_range("retry_min_s", raw.retry_min_s, "s", (0.01, 60.0))?,
-            retry_max_s: in_range("retry_max_s", raw.retry_max_s, "s", (0.01, 600.0))?,
         })
     }
 }

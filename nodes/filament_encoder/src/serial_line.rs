@@ -1,46 +1,7 @@
 //! Lines of a serial encoder: `E:<counts>`, counts since the device's start, signed.
 
 /// Longest line `[bytes]`: what is longer is no reading.
-const LINE_MAX: usize = 160;
-
-/// Cuts a stream of bytes into lines; a partial line waits for its rest, one that is too long is thrown away.
-#[derive(Debug, Clone, Default)]
-pub struct LineBuffer {
-    line: Vec<u8>,
-    skipping: bool,
-}
-
-impl LineBuffer {
-    /// Takes bytes and hands each complete line, without its end, to `take`; an overlong one as `None`.
-    pub fn push(&mut self, bytes: &[u8], mut take: impl FnMut(Option<&[u8]>)) {
-        for byte in bytes {
-            match byte {
-                b'\n' | b'\r' if self.skipping => {
-                    self.skipping = false;
-                    take(None);
-                }
-                b'\n' | b'\r' => {
-                    if !self.line.is_empty() {
-                        take(Some(&self.line));
-                    }
-                    self.line.clear();
-                }
-                _ if self.skipping => {}
-                _ if self.line.len() >= LINE_MAX => {
-                    self.line.clear();
-                    self.skipping = true;
-                }
-                _ => self.line.push(*byte),
-            }
-        }
-    }
-
-    /// Forgets a partial line: the device was connected anew.
-    pub fn clear(&mut self) {
-        self.line.clear();
-        self.skipping = false;
-    }
-}
+pub const LINE_MAX: usize = 160;
 
 /// Why a line is no reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -78,21 +39,6 @@ mod tests {
     }
 
     proptest! {
-        #[test]
-        fn any_bytes_in_any_pieces_give_the_same_lines(
-            bytes in proptest::collection::vec(any::<u8>(), 0..600), cut in 0usize..600
-        ) {
-            let lines = |pieces: [&[u8]; 2]| {
-                let (mut buffer, mut lines) = (LineBuffer::default(), Vec::new());
-                for piece in pieces {
-                    buffer.push(piece, |line| lines.push(line.map(parse)));
-                }
-                lines
-            };
-            let (first, second) = bytes.split_at(cut.min(bytes.len()));
-            prop_assert_eq!(lines([first, second]), lines([&bytes, &[]]));
-        }
-
         #[test]
         fn written_counts_are_read_back(counts in any::<i64>()) {
             prop_assert_eq!(parse(format!("E:{counts}").as_bytes()), Ok(counts));

@@ -2,6 +2,10 @@
 //!
 //! The message starts with `name = value`, so that the loader can find file and line of the field again.
 
+mod serial;
+
+pub use serial::{RawSerialParams, SerialParams};
+
 /// Why a parameter was refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -37,6 +37,7 @@
 //! | [`Publisher`] | synchronous, never waiting; drops counted |
 //! | [`Subscription`], [`RawSubscription`] | time of receipt on the node's clock, publisher, age watchdog |
 //! | [`Inlet`], [`wire`] | subscriptions that refuse and count; readers of the shared messages |
+//! | [`serial`] | serial lines of devices: read, sent, connected again |
 //! | [`Server`], [`Client`] | services; calls with a limit |
 //! | [`Clock`], [`ClockDriver`], [`Timer`] | monotonic, or `/clock` under `use_sim_time` |
 //! | [`params`] | parameter files, merged, checked, hashed |
@@ -64,6 +65,7 @@ mod publisher;
 pub mod qos;
 mod raw;
 mod self_loop;
+pub mod serial;
 mod service;
 mod shutdown;
 mod start;

@@ -12,8 +12,6 @@ mod convert;
 pub mod node;
 pub mod params;
 pub mod serial_line;
-#[cfg(feature = "serial")]
-pub mod serial_port;
 
 pub use channel::{Channel, Refusal, Refusals, Sample};
 pub use params::{Driver, Params};

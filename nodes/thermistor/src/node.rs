@@ -2,16 +2,15 @@
 
 use fdm_loop_msgs::{Temperature, TemperatureReport};
 use models::units::{Celsius, Seconds};
+use runtime::serial::{PortEvent, SerialLine};
 use runtime::{Inlet, Node, Publisher, Reason, Refused, RuntimeError, topics};
-use tokio::sync::mpsc;
 
 use crate::channel::Channel;
 use crate::convert;
-use crate::params::{Driver, Params, SerialParams};
-use crate::serial_line::{LineError, Reading};
-use crate::serial_port::{PortEvent, SerialReader};
+use crate::params::{Driver, Params};
+use crate::serial_line::{LINE_MAX, LineError, Reading, parse};
 
-/// Events of the serial line that may wait: a second of reports at 10 Hz.
+/// Lines that may wait: a second of reports at 10 Hz; an old temperature is of no use.
 const WAITING: usize = 10;
 
 /// Runs the node to its end.
@@ -41,7 +40,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
 /// Where reports come from.
 enum Source {
     Printer(Box<Inlet<TemperatureReport>>),
-    Serial { events: mpsc::Receiver<(Seconds, PortEvent)>, refused: Refused, _reader: SerialReader },
+    Serial { line: SerialLine, refused: Refused },
 }
 
 impl Source {
@@ -52,8 +51,8 @@ impl Source {
                 Ok(Self::Printer(Box::new(node.inlet(&topics::TEMPERATURE_REPORT, Seconds(oldest_s))?)))
             }
             Driver::Serial => {
-                let (events, _reader) = serial(node, &params.serial)?;
-                Ok(Self::Serial { events, refused: Refused::new(node.diagnostics(), "serial"), _reader })
+                let line = node.serial_line(&params.serial, LINE_MAX, WAITING)?;
+                Ok(Self::Serial { line, refused: Refused::new(node.diagnostics(), "serial") })
             }
         }
     }
@@ -62,44 +61,23 @@ impl Source {
     async fn next(&mut self) -> Result<Option<(Seconds, Reading)>, RuntimeError> {
         match self {
             Self::Printer(reports) => Ok(reports.next(convert::report).await.ok()),
-            Self::Serial { events, refused, .. } => {
-                let Some((stamp, event)) = events.recv().await else {
-                    let source = std::io::Error::other("its thread is gone");
-                    return Err(RuntimeError::System { what: "the serial reader has ended", source });
-                };
-                Ok(taken(event, refused).map(|reading| (stamp, reading)))
+            Self::Serial { line, refused } => {
+                let (stamp, event) = line.recv().await?;
+                Ok(taken(&event, refused).map(|reading| (stamp, reading)))
             }
         }
     }
 }
 
-/// Starts the reader's thread; a reading is dated when its line is complete.
-fn serial(
-    node: &Node,
-    params: &SerialParams,
-) -> Result<(mpsc::Receiver<(Seconds, PortEvent)>, SerialReader), RuntimeError> {
-    let (clock, diagnostics) = (node.clock(), node.diagnostics());
-    let (sender, events) = mpsc::channel(WAITING);
-    let sink = move |event| {
-        // Where the shell does not keep up: an old temperature is of no use.
-        if sender.try_send((clock.now(), event)).is_err() {
-            diagnostics.count("serial_dropped");
-        }
-    };
-    SerialReader::spawn(params.clone(), sink)
-        .map(|reader| (events, reader))
-        .map_err(|source| RuntimeError::System { what: "cannot start the serial reader", source })
-}
-
-fn taken(event: PortEvent, refused: &mut Refused) -> Option<Reading> {
+fn taken(event: &PortEvent, refused: &mut Refused) -> Option<Reading> {
     match event {
-        PortEvent::Reading(reading) => return Some(reading),
-        PortEvent::Refused(LineError::Garbage) => refused.count(Reason::Malformed),
-        PortEvent::Refused(LineError::Other) => {}
-        PortEvent::Connected => tracing::info!("serial line connected"),
-        PortEvent::Lost { reason, retry_s } => {
-            tracing::warn!("serial line lost: {reason}; next try in {retry_s} s");
-        }
+        PortEvent::Line(line) => match parse(line) {
+            Ok(reading) => return Some(reading),
+            Err(LineError::Garbage) => refused.count(Reason::Malformed),
+            Err(LineError::Other) => {}
+        },
+        PortEvent::Overlong => refused.count(Reason::Malformed),
+        PortEvent::Connected | PortEvent::Lost { .. } => {}
     }
     None
 }

@@ -1,66 +1,48 @@
-//! The serial driver on a pseudo-terminal: partial lines, garbage, a lost and a new device.
+//! The serial driver on a pseudo-terminal: partial lines, garbage, a new device.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
-use std::fs::File;
 use std::io::Write;
-use std::os::unix::fs::symlink;
-use std::path::Path;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use models::units::Celsius;
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use thermistor::params::SerialParams;
-use thermistor::serial_line::{LineError, Reading};
-use thermistor::serial_port::{PortEvent, SerialReader};
+use runtime::serial::{PortEvent, SerialReader, pty};
+use thermistor::serial_line::{LINE_MAX, LineError, Reading, parse};
 
-/// A new device behind `path`; the other end of the line.
-fn device(path: &Path) -> File {
-    let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
-    grantpt(&master).unwrap();
-    unlockpt(&master).unwrap();
-    let name = ptsname(&master, Vec::new()).unwrap();
-    drop(std::fs::remove_file(path));
-    symlink(name.to_str().unwrap(), path).unwrap();
-    File::from(master)
-}
-
-/// The next event that is not one more failed try; the bound only ends a test that hangs.
-fn next(events: &Receiver<PortEvent>) -> PortEvent {
-    events.recv_timeout(Duration::from_secs(20)).unwrap()
+/// What the node reads in the next line; the bound only ends a test that hangs.
+fn next(events: &Receiver<PortEvent>) -> Result<Reading, LineError> {
+    loop {
+        match events.recv_timeout(Duration::from_secs(20)).unwrap() {
+            PortEvent::Line(line) => return parse(&line),
+            PortEvent::Overlong => panic!("no line is too long"),
+            PortEvent::Connected | PortEvent::Lost { .. } => {}
+        }
+    }
 }
 
 #[test]
-fn lines_arrive_and_a_lost_device_is_opened_again() {
+fn lines_of_a_device_are_read_also_after_it_was_lost() {
     let path = std::env::temp_dir().join(format!("thermistor_pty_{}", std::process::id()));
     let text = format!("{{path: {:?}, baud: 115200, retry_min_s: 0.02, retry_max_s: 0.1}}", path);
-    let params: SerialParams = serde_saphyr::from_str(&text).unwrap();
-    let mut line = device(&path);
+    let params = serde_saphyr::from_str(&text).unwrap();
+    let mut line = pty::device(&path).unwrap();
     let (sink, events) = channel();
-    let reader = SerialReader::spawn(params, move |event| drop(sink.send(event))).unwrap();
+    let reader = SerialReader::spawn(params, LINE_MAX, move |event| drop(sink.send(event))).unwrap();
 
-    assert_eq!(next(&events), PortEvent::Connected);
+    let both = Ok(Reading { hotend: Some(Celsius(21.3)), bed: Some(Celsius(22.0)) });
     line.write_all(b"ok ").unwrap();
     line.write_all(b"T:21.3 /0 B:22.0 /0\n").unwrap();
-    assert_eq!(
-        next(&events),
-        PortEvent::Reading(Reading { hotend: Some(Celsius(21.3)), bed: Some(Celsius(22.0)) })
-    );
+    assert_eq!(next(&events), both);
     line.write_all(b"T:nan\n").unwrap();
-    assert_eq!(next(&events), PortEvent::Refused(LineError::Garbage));
+    assert_eq!(next(&events), Err(LineError::Garbage));
 
     drop(line);
-    assert!(matches!(next(&events), PortEvent::Lost { .. }));
-    let mut line = device(&path);
-    while next(&events) != PortEvent::Connected {}
+    let mut line = pty::device(&path).unwrap();
+    while events.recv_timeout(Duration::from_secs(20)).unwrap() != PortEvent::Connected {}
     line.write_all(b"ok T:21.3 /0 B:22.0 /0\r\n").unwrap();
-    assert_eq!(
-        next(&events),
-        PortEvent::Reading(Reading { hotend: Some(Celsius(21.3)), bed: Some(Celsius(22.0)) })
-    );
+    assert_eq!(next(&events), both);
 
     drop(reader);
-    assert!(events.recv().is_err(), "the thread has ended");
     drop(std::fs::remove_file(&path));
 }
