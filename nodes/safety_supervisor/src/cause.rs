@@ -73,6 +73,13 @@ causes! {
         "check that the thermistor sits in the block, then acknowledge";
     FilamentSlip, "P6", "the filament does not follow the motor", "load filament if it has run out, else clear nozzle and drive gear; then resume";
     RunOut, "P7", "no filament", "load filament, then resume";
+    LayerShift, "P8", "what was laid lies elsewhere than it was laid", "stop and print anew: the lost steps are not made up for";
+    Spaghetti, "P9", "the camera sees loose strands: the print may have come off", "look at the print, then resume or stop";
+    UnderExtrusion, "P5", "the camera sees thin roads and gaps", "check nozzle and filament for a clog, then resume";
+    OverExtrusion, "P5", "the camera sees too much material", "check flow and first layer, then resume";
+    StaleImu, "S7", "no accelerations", "restart the imu node";
+    StaleVision, "S7", "no report of the camera's judge", "restart the camera and defect_classifier nodes";
+    VisionBlind, "S8", "no frame could be judged for long", "clean and light the camera";
     Envelope, "K6", "several commands outside of their limits within a second", "see the controller's log";
     SecondPublisher, "C8", "a second publisher of commands", "stop one of the controllers";
     Confidence, "1.6", "the fused confidence of a defect is high", "look at the print, then resume or stop";

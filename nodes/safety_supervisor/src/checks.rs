@@ -1,12 +1,15 @@
 //! One fault, one file: each check takes what it needs, keeps its own state and answers on demand.
 
 pub mod bad_values;
+pub mod defect;
 pub mod detached;
 pub mod drive_history;
 pub mod filament;
 pub mod frozen;
 pub mod heater;
 pub mod heater_start;
+pub mod impulse;
 pub mod range;
 pub mod run_out;
+pub mod shift;
 pub mod stale;

@@ -1,14 +1,14 @@
 //! Between messages and the brain's types.
 
 use fdm_loop_msgs::{
-    ControlCommand, FilamentMotion, Header, PrintEvent, PrinterState, SafetyState as StateMessage,
-    StateEstimate, Temperature,
+    ControlCommand, DefectReport, FilamentMotion, Header, ImuBatch, PrintEvent, PrinterState,
+    SafetyState as StateMessage, StateEstimate, Temperature,
 };
 use models::command::Mode;
 use models::units::Seconds;
 use runtime::wire::{self, WireError};
 
-use crate::event::{Decision, Event, Operator, PrinterReport, SafetyState, What};
+use crate::event::{Decision, Defect, Event, Operator, PrinterReport, SafetyState, VisionReport, What};
 
 pub(crate) fn hotend(message: &Temperature) -> Result<(Seconds, Event), WireError> {
     let (stamp, temp) = wire::temperature_from_wire(message)?;
@@ -57,6 +57,31 @@ pub(crate) fn estimate(message: &StateEstimate) -> Result<(Seconds, Event), Wire
     Ok((stamp, Event::EstimateHeartbeat { stamp }))
 }
 
+pub(crate) fn imu(message: &ImuBatch) -> Result<(Seconds, Event), WireError> {
+    let read = wire::imu_from_wire(message)?;
+    Ok((read.first, Event::Imu { first: read.first, period: read.period, samples: read.samples }))
+}
+
+pub(crate) fn vision(message: &DefectReport) -> Result<(Seconds, Event), WireError> {
+    let read = wire::defects_from_wire(message)?;
+    let report = VisionReport {
+        usable: read.usable,
+        confidence: read.confidence,
+        confirmed: read.confirmed.then(|| defect(&read.cause)),
+        offset_m: read.offset_m,
+    };
+    Ok((read.exposed, Event::Vision(report)))
+}
+
+fn defect(cause: &str) -> Defect {
+    match cause {
+        "under" => Defect::Under,
+        "over" => Defect::Over,
+        "spaghetti" => Defect::Spaghetti,
+        _ => Defect::Other,
+    }
+}
+
 /// A mode that a person may set.
 pub(crate) fn set_mode(value: u8) -> Option<Mode> {
     [Mode::Observe, Mode::Advise, Mode::Act].into_iter().find(|mode| *mode as u8 == value)
@@ -100,9 +125,11 @@ fn severity(decision: &Decision) -> u8 {
             PrintEvent::SEVERITY_WARN
         }
         What::ModeChanged | What::CauseChanged | What::Granted(_) => PrintEvent::SEVERITY_INFO,
-        What::CommandClamped | What::CommandRefused(_) | What::Denied(_) | What::StoodStill => {
-            PrintEvent::SEVERITY_WARN
-        }
+        What::CommandClamped
+        | What::CommandRefused(_)
+        | What::Denied(_)
+        | What::Impulse
+        | What::StoodStill => PrintEvent::SEVERITY_WARN,
     }
 }
 
@@ -114,6 +141,7 @@ fn what(what: What) -> String {
         What::CommandRefused(refusal) => format!("command_refused_{}", refusal.name()),
         What::Granted(request) => format!("{}_granted", operator_name(request)),
         What::Denied(request) => format!("{}_denied", operator_name(request)),
+        What::Impulse => "impulse".to_owned(),
         What::StoodStill => "stood_still".to_owned(),
     }
 }

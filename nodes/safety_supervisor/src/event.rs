@@ -22,6 +22,36 @@ pub enum Stream {
     Command,
     /// State estimate.
     Estimate,
+    /// Accelerations of the tool.
+    Imu,
+    /// What the camera's judge says.
+    Vision,
+}
+
+/// A defect that the camera's judge names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Defect {
+    /// Too little material.
+    Under,
+    /// Too much material.
+    Over,
+    /// Loose strands.
+    Spaghetti,
+    /// Anything else: shown, not acted upon. An offset is judged by its own measure.
+    Other,
+}
+
+/// What one frame says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VisionReport {
+    /// The frame could be judged; nothing else counts where not.
+    pub usable: bool,
+    /// Fused confidence of a defect, `[0, 1]`.
+    pub confidence: f64,
+    /// The defect on which enough frames agree.
+    pub confirmed: Option<Defect>,
+    /// Offset of what was laid before, x and y `[m]`, where the frame tells.
+    pub offset_m: Option<[f64; 2]>,
 }
 
 /// What a person asks for.
@@ -79,7 +109,7 @@ pub struct PrinterReport {
 }
 
 /// What goes in.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Event {
     /// Hot end temperature.
     Hotend {
@@ -111,11 +141,17 @@ pub enum Event {
         /// Time of validity on the node's clock.
         stamp: Seconds,
     },
-    /// Fused confidence of a defect, `[0, 1]`.
-    Confidence {
-        /// The value.
-        confidence: f64,
+    /// Accelerations of the tool, evenly spaced.
+    Imu {
+        /// Time of the first sample on the node's clock.
+        first: Seconds,
+        /// Time between two samples.
+        period: Seconds,
+        /// Samples, gravity included `[m/s2]`.
+        samples: Vec<[f64; 3]>,
     },
+    /// What one frame says.
+    Vision(VisionReport),
     /// A person asks.
     Operator(Operator),
     /// The shell refused a value of this stream: NaN, out of range or stale.
@@ -145,6 +181,8 @@ pub enum What {
     Granted(Operator),
     /// A person's request was refused.
     Denied(Operator),
+    /// An impulse at the tool that no move commands; the camera decides what came of it.
+    Impulse,
     /// The supervisor itself stood still; the silence of others in the meantime is not counted.
     StoodStill,
 }
@@ -183,6 +221,8 @@ pub struct SafetyState {
     pub refused_commands: u64,
     /// Commands so far that lay outside of their limits.
     pub clamped_commands: u64,
+    /// Impulses at the tool so far.
+    pub impulses: u64,
     /// Power balance of the hot end `[W]`, positive for heat that nobody ordered.
     pub hotend_excess_w: f64,
     /// Slip over the encoder check's window `[-]`.

@@ -37,7 +37,9 @@ pub mod params;
 pub mod supervisor;
 
 pub use cause::{Cause, Reaction};
-pub use event::{Decision, Event, Operator, Output, PrinterReport, SafetyState, Stream, What};
+pub use event::{
+    Decision, Defect, Event, Operator, Output, PrinterReport, SafetyState, Stream, VisionReport, What,
+};
 pub use modes::Latch;
 pub use params::Params;
 pub use supervisor::Supervisor;

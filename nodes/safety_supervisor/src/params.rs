@@ -2,6 +2,7 @@
 
 mod rest;
 mod thermal;
+mod vision;
 
 use models::command::{Limits, Mode};
 use models::params::{ParamError, in_range};
@@ -14,6 +15,9 @@ pub use rest::{
 pub use thermal::{
     DetachedParams, FrozenParams, HeaterParams, ObserverParams, RangeParams, RawDetachedParams,
     RawFrozenParams, RawHeaterParams, RawObserverParams, RawRangeParams,
+};
+pub use vision::{
+    DefectParams, ImpulseParams, RawDefectParams, RawImpulseParams, RawShiftParams, ShiftParams,
 };
 
 /// Mode after the start.
@@ -66,6 +70,10 @@ pub struct Stales {
     pub command: StaleParams,
     /// State estimate.
     pub estimate: StaleParams,
+    /// Accelerations.
+    pub imu: StaleParams,
+    /// Reports of the camera's judge.
+    pub vision: StaleParams,
 }
 
 /// All parameters. Built only from valid [`RawParams`].
@@ -112,6 +120,12 @@ pub struct RawParams {
     pub filament: FilamentParams,
     /// Run-out switch.
     pub run_out: RunOutParams,
+    /// Impulses at the tool.
+    pub impulse: ImpulseParams,
+    /// Offset of what was laid.
+    pub shift: ShiftParams,
+    /// What the camera's judge confirms.
+    pub defect: DefectParams,
     /// Soft and hard states.
     pub attention: AttentionParams,
 }

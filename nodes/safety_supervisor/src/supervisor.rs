@@ -2,63 +2,18 @@
 
 mod observe;
 mod operate;
+mod parts;
 
 use models::command::{Limits, Mode, Permit, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
 
-use crate::attention::Attention;
 use crate::cause::Cause;
-use crate::checks::bad_values::Burst;
-use crate::checks::detached::DetachedCheck;
-use crate::checks::filament::FilamentCheck;
-use crate::checks::frozen::FrozenCheck;
-use crate::checks::heater::HeaterCheck;
-use crate::checks::range::RangeCheck;
-use crate::checks::run_out::RunOutCheck;
-use crate::checks::stale::StaleCheck;
 use crate::envelope::{Envelope, Verdict};
 use crate::event::{Decision, Event, Output, PrinterReport, SafetyState, Stream, What};
 use crate::modes::{Latch, Modes};
 use crate::params::Params;
-
-/// Ages of the streams.
-#[derive(Debug, Clone)]
-struct Ages {
-    hotend: StaleCheck,
-    bed: StaleCheck,
-    encoder: StaleCheck,
-    printer: StaleCheck,
-    command: StaleCheck,
-    estimate: StaleCheck,
-}
-
-impl Ages {
-    fn all_mut(&mut self) -> [&mut StaleCheck; 6] {
-        [
-            &mut self.hotend,
-            &mut self.bed,
-            &mut self.encoder,
-            &mut self.printer,
-            &mut self.command,
-            &mut self.estimate,
-        ]
-    }
-}
-
-/// The checks beside ages and commands.
-#[derive(Debug, Clone)]
-struct Checks {
-    hotend_range: RangeCheck,
-    bed_range: RangeCheck,
-    frozen: FrozenCheck,
-    detached: DetachedCheck,
-    heater: HeaterCheck,
-    filament: FilamentCheck,
-    run_out: RunOutCheck,
-    bad_values: Burst,
-    attention: Attention,
-}
+use parts::{Ages, Checks};
 
 /// Guards one printer. Knows no clock and no middleware.
 #[derive(Debug, Clone)]
@@ -89,31 +44,13 @@ impl Supervisor {
     /// former run left behind.
     #[must_use]
     pub fn new(params: Params, session: u64, restored: Option<Latch>) -> Self {
-        let stale = &params.stale;
         Self {
             limits: params.limits,
             session,
             sequence: 0,
             modes: Modes::new(params.modes, params.start_mode.into(), restored),
-            ages: Ages {
-                hotend: StaleCheck::new(stale.hotend),
-                bed: StaleCheck::new(stale.bed),
-                encoder: StaleCheck::new(stale.encoder),
-                printer: StaleCheck::new(stale.printer),
-                command: StaleCheck::new(stale.command),
-                estimate: StaleCheck::new(stale.estimate),
-            },
-            checks: Checks {
-                hotend_range: RangeCheck::new(params.hotend_range),
-                bed_range: RangeCheck::new(params.bed_range),
-                frozen: FrozenCheck::new(params.frozen),
-                detached: DetachedCheck::new(params.detached),
-                heater: HeaterCheck::new(params.heater),
-                filament: FilamentCheck::new(params.filament),
-                run_out: RunOutCheck::new(params.run_out),
-                bad_values: Burst::new(params.bad_values),
-                attention: Attention::new(params.attention),
-            },
+            ages: Ages::new(&params),
+            checks: Checks::new(&params),
             envelope: Envelope::new(params.envelope, params.limits),
             hotend: None,
             printer: None,
@@ -140,7 +77,8 @@ impl Supervisor {
             }
             Event::Command(command) => self.on_command(now, command),
             Event::Refused { .. } => self.checks.bad_values.note(now),
-            Event::Confidence { confidence } => self.on_confidence(now, confidence),
+            Event::Imu { first, period, samples } => self.on_imu(now, (first, period), &samples),
+            Event::Vision(report) => self.on_vision(now, &report),
             Event::Hotend { stamp, temp } => self.on_hotend(now, stamp, temp),
             Event::Bed { temp, .. } => self.on_bed(now, temp),
             Event::Encoder { position_m, .. } => self.on_encoder(now, position_m),
@@ -159,15 +97,7 @@ impl Supervisor {
     /// Whether a stream has been heard of.
     #[must_use]
     pub fn is_seen(&self, stream: Stream) -> bool {
-        match stream {
-            Stream::Hotend => &self.ages.hotend,
-            Stream::Bed => &self.ages.bed,
-            Stream::Encoder => &self.ages.encoder,
-            Stream::Printer => &self.ages.printer,
-            Stream::Command => &self.ages.command,
-            Stream::Estimate => &self.ages.estimate,
-        }
-        .is_seen()
+        self.ages.of(stream).is_seen()
     }
 
     fn on_command(&mut self, now: Seconds, command: models::command::Command) {
@@ -190,11 +120,7 @@ impl Supervisor {
 
     /// After a pause or a trip the filters start anew.
     fn forget(&mut self) {
-        self.checks.heater.reset();
-        self.checks.frozen.reset();
-        self.checks.detached.reset();
-        self.checks.filament.reset();
-        self.checks.attention.reset();
+        self.checks.forget();
     }
 
     fn on_tick(&mut self, now: Seconds) -> Output {
@@ -204,6 +130,10 @@ impl Supervisor {
             self.on_stall(now, Seconds(dt_s));
         }
         let before = self.modes.mode();
+        if self.checks.impulse.take() {
+            let why = "a knock or lost steps: the camera tells which";
+            self.decisions.push(Decision { what: What::Impulse, why, before, after: before });
+        }
         self.initialise(now);
         let raised = self.raised(now);
         let job_runs = self.printer.is_some_and(|printer| {
@@ -291,6 +221,7 @@ impl Supervisor {
                 refused_values: self.checks.bad_values.total(),
                 refused_commands: self.envelope.refused(),
                 clamped_commands: self.envelope.clamped(),
+                impulses: self.checks.impulse.total(),
                 hotend_excess_w: self.checks.heater.excess_w(),
                 slip: self.checks.filament.slip(),
             },

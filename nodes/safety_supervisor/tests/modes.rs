@@ -9,7 +9,7 @@ use models::command::{Command, Mode, Request, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
 use proptest::prelude::*;
-use safety_supervisor::{Cause, Event, Latch, Operator, Stream, Supervisor, What};
+use safety_supervisor::{Cause, Event, Latch, Operator, Stream, Supervisor, VisionReport, What};
 
 #[test]
 fn observe_is_the_default_and_sends_nothing() {
@@ -271,7 +271,12 @@ proptest! {
                 3 => print.wish.flow = value,
                 4 => print.slip = if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 },
                 5 => print.report.hotend_duty = value,
-                6 => print.event(Event::Confidence { confidence: value }),
+                6 => print.event(Event::Vision(VisionReport {
+                    usable: true,
+                    confidence: value,
+                    confirmed: None,
+                    offset_m: Some([value, 0.0]),
+                })),
                 7 => drop(print.ask(Operator::Resume)),
                 8 => drop(print.ask(Operator::Stop)),
                 9 => print.printer = !print.printer,

@@ -1,6 +1,8 @@
 //! What the supervisor listens to. What is refused of a stream reaches the brain as that.
 
-use fdm_loop_msgs::{ControlCommand, FilamentMotion, PrinterState, StateEstimate, Temperature};
+use fdm_loop_msgs::{
+    ControlCommand, DefectReport, FilamentMotion, ImuBatch, PrinterState, StateEstimate, Temperature,
+};
 use models::units::Seconds;
 use runtime::{Inlet, Node, Reason, Refused, RuntimeError, topics};
 
@@ -17,6 +19,8 @@ pub(super) struct Inlets {
     printer: Inlet<PrinterState>,
     command: Inlet<ControlCommand>,
     estimate: Inlet<StateEstimate>,
+    imu: Inlet<ImuBatch>,
+    vision: Inlet<DefectReport>,
 }
 
 impl Inlets {
@@ -31,6 +35,8 @@ impl Inlets {
             printer: node.inlet(&topics::PRINTER_STATE, oldest(&stale.printer))?,
             command: node.inlet(&topics::CONTROL_COMMAND, oldest(&stale.command))?,
             estimate: node.inlet(&topics::ESTIMATE, oldest(&stale.estimate))?,
+            imu: node.inlet(&topics::IMU_BATCH, oldest(&stale.imu))?,
+            vision: node.inlet(&topics::DEFECTS, oldest(&stale.vision))?,
         })
     }
 
@@ -43,6 +49,8 @@ impl Inlets {
             taken = self.printer.next(convert::printer) => (taken, Stream::Printer),
             taken = self.command.next(convert::command) => (taken, Stream::Command),
             taken = self.estimate.next(convert::estimate) => (taken, Stream::Estimate),
+            taken = self.imu.next(convert::imu) => (taken, Stream::Imu),
+            taken = self.vision.next(convert::vision) => (taken, Stream::Vision),
         };
         taken.unwrap_or(Event::Refused { stream })
     }
@@ -54,13 +62,15 @@ impl Inlets {
 
     /// Refused messages of all streams.
     pub(super) fn totals(&self) -> Totals {
-        let all: [&Refused; 6] = [
+        let all: [&Refused; 8] = [
             &self.hotend.refused,
             &self.bed.refused,
             &self.encoder.refused,
             &self.printer.refused,
             &self.command.refused,
             &self.estimate.refused,
+            &self.imu.refused,
+            &self.vision.refused,
         ];
         let sum = |reason| all.iter().map(|refused| refused.total(reason)).sum::<u64>();
         Totals {

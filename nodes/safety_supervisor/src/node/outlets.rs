@@ -93,6 +93,7 @@ impl Outlets {
         self.diagnostics.set("refused_commands", state.refused_commands);
         self.diagnostics.set("clamped_commands", state.clamped_commands);
         self.diagnostics.set("hotend_excess_w", format_args!("{:.2}", state.hotend_excess_w));
+        self.diagnostics.set("impulses", state.impulses);
         if let Some(slip) = state.slip {
             self.diagnostics.set("slip", format_args!("{slip:.3}"));
         }

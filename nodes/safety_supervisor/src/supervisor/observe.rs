@@ -8,7 +8,7 @@ use super::Supervisor;
 use crate::attention::Level;
 use crate::cause::{Cause, Reaction};
 use crate::checks::heater::{Drive, HeaterFault};
-use crate::event::PrinterReport;
+use crate::event::{Defect, PrinterReport, VisionReport};
 use crate::modes::Raised;
 
 impl Supervisor {
@@ -42,11 +42,27 @@ impl Supervisor {
         self.checks.filament.on_encoder(position_m);
     }
 
-    pub(super) fn on_confidence(&mut self, now: Seconds, confidence: f64) {
-        if (0.0..=1.0).contains(&confidence) {
-            self.checks.attention.on_confidence(confidence);
-        } else {
-            self.checks.bad_values.note(now);
+    pub(super) fn on_imu(&mut self, now: Seconds, (first, period): (Seconds, Seconds), samples: &[[f64; 3]]) {
+        let finite = samples.iter().flatten().all(|value| value.is_finite());
+        if !(finite && first.0.is_finite() && period.0 > 0.0) {
+            return self.checks.bad_values.note(now);
+        }
+        self.ages.imu.note(now);
+        self.checks.impulse.on_samples(first, period, samples);
+    }
+
+    pub(super) fn on_vision(&mut self, now: Seconds, report: &VisionReport) {
+        let offset_sound =
+            report.offset_m.is_none_or(|offset_m| offset_m.iter().all(|part| part.is_finite()));
+        if !((0.0..=1.0).contains(&report.confidence) && offset_sound) {
+            return self.checks.bad_values.note(now);
+        }
+        self.ages.vision.note(now);
+        self.checks.defect.on_report(now, report);
+        if report.usable {
+            self.checks.attention.on_confidence(report.confidence);
+            let impulse = self.checks.impulse.recent(now, self.checks.shift.memory());
+            self.checks.shift.on_offset(report.offset_m, impulse);
         }
     }
 
@@ -101,6 +117,8 @@ impl Supervisor {
         set(Cause::StaleEncoder, self.ages.encoder.reaction(now));
         set(Cause::StalePrinter, self.ages.printer.reaction(now));
         set(Cause::StaleEstimate, self.ages.estimate.reaction(now));
+        set(Cause::StaleImu, self.ages.imu.reaction(now));
+        set(Cause::StaleVision, self.ages.vision.reaction(now));
         set(Cause::StaleCommand, self.ages.command.reaction(now).filter(|_| acting && printing));
 
         let checks = &self.checks;
@@ -116,10 +134,21 @@ impl Supervisor {
 
         set(Cause::FilamentSlip, (printing && checks.filament.tripped()).then_some(Reaction::Pause));
         set(Cause::RunOut, checks.run_out.tripped(now).then_some(Reaction::Pause));
+        set(Cause::LayerShift, (printing && checks.shift.tripped()).then_some(Reaction::Pause));
+        let defect = checks.defect.tripped(now).filter(|_| printing);
+        for (cause, wanted) in [
+            (Cause::Spaghetti, Defect::Spaghetti),
+            (Cause::UnderExtrusion, Defect::Under),
+            (Cause::OverExtrusion, Defect::Over),
+        ] {
+            set(cause, (defect == Some(wanted)).then_some(Reaction::Pause));
+        }
+        set(Cause::VisionBlind, (printing && checks.defect.is_blind(now)).then_some(Reaction::Degrade));
         set(Cause::BadValues, checks.bad_values.tripped(now).then_some(Reaction::Degrade));
         set(Cause::Envelope, self.envelope.is_outside(now).then_some(Reaction::Degrade));
         set(Cause::SecondPublisher, self.envelope.has_rival(now).then_some(Reaction::Degrade));
-        set(Cause::Confidence, (checks.attention.level() == Level::Hard).then_some(Reaction::Pause));
+        let hard = printing && checks.attention.level() == Level::Hard;
+        set(Cause::Confidence, hard.then_some(Reaction::Pause));
         set(Cause::PrinterFailed, self.printer_failed.then_some(Reaction::SafeOff));
         let alone = self.paused_alone_since.is_some_and(|since| now.0 - since.0 > self.params.modes.adopt_s);
         set(Cause::PrinterPaused, alone.then_some(Reaction::Pause));

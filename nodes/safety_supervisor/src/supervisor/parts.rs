@@ -1,0 +1,118 @@
+//! What the supervisor is made of beside its modes: ages of streams and checks.
+
+use crate::attention::Attention;
+use crate::checks::bad_values::Burst;
+use crate::checks::defect::DefectCheck;
+use crate::checks::detached::DetachedCheck;
+use crate::checks::filament::FilamentCheck;
+use crate::checks::frozen::FrozenCheck;
+use crate::checks::heater::HeaterCheck;
+use crate::checks::impulse::ImpulseCheck;
+use crate::checks::range::RangeCheck;
+use crate::checks::run_out::RunOutCheck;
+use crate::checks::shift::ShiftCheck;
+use crate::checks::stale::StaleCheck;
+use crate::event::Stream;
+use crate::params::Params;
+
+/// Ages of the streams.
+#[derive(Debug, Clone)]
+pub(super) struct Ages {
+    pub(super) hotend: StaleCheck,
+    pub(super) bed: StaleCheck,
+    pub(super) encoder: StaleCheck,
+    pub(super) printer: StaleCheck,
+    pub(super) command: StaleCheck,
+    pub(super) estimate: StaleCheck,
+    pub(super) imu: StaleCheck,
+    pub(super) vision: StaleCheck,
+}
+
+impl Ages {
+    pub(super) fn new(params: &Params) -> Self {
+        let stale = &params.stale;
+        Self {
+            hotend: StaleCheck::new(stale.hotend),
+            bed: StaleCheck::new(stale.bed),
+            encoder: StaleCheck::new(stale.encoder),
+            printer: StaleCheck::new(stale.printer),
+            command: StaleCheck::new(stale.command),
+            estimate: StaleCheck::new(stale.estimate),
+            imu: StaleCheck::new(stale.imu),
+            vision: StaleCheck::new(stale.vision),
+        }
+    }
+
+    pub(super) fn of(&self, stream: Stream) -> &StaleCheck {
+        match stream {
+            Stream::Hotend => &self.hotend,
+            Stream::Bed => &self.bed,
+            Stream::Encoder => &self.encoder,
+            Stream::Printer => &self.printer,
+            Stream::Command => &self.command,
+            Stream::Estimate => &self.estimate,
+            Stream::Imu => &self.imu,
+            Stream::Vision => &self.vision,
+        }
+    }
+
+    pub(super) fn all_mut(&mut self) -> [&mut StaleCheck; 8] {
+        [
+            &mut self.hotend,
+            &mut self.bed,
+            &mut self.encoder,
+            &mut self.printer,
+            &mut self.command,
+            &mut self.estimate,
+            &mut self.imu,
+            &mut self.vision,
+        ]
+    }
+}
+
+/// The checks beside ages and commands.
+#[derive(Debug, Clone)]
+pub(super) struct Checks {
+    pub(super) hotend_range: RangeCheck,
+    pub(super) bed_range: RangeCheck,
+    pub(super) frozen: FrozenCheck,
+    pub(super) detached: DetachedCheck,
+    pub(super) heater: HeaterCheck,
+    pub(super) filament: FilamentCheck,
+    pub(super) run_out: RunOutCheck,
+    pub(super) impulse: ImpulseCheck,
+    pub(super) shift: ShiftCheck,
+    pub(super) defect: DefectCheck,
+    pub(super) bad_values: Burst,
+    pub(super) attention: Attention,
+}
+
+impl Checks {
+    pub(super) fn new(params: &Params) -> Self {
+        Self {
+            hotend_range: RangeCheck::new(params.hotend_range),
+            bed_range: RangeCheck::new(params.bed_range),
+            frozen: FrozenCheck::new(params.frozen),
+            detached: DetachedCheck::new(params.detached),
+            heater: HeaterCheck::new(params.heater),
+            filament: FilamentCheck::new(params.filament),
+            run_out: RunOutCheck::new(params.run_out),
+            impulse: ImpulseCheck::new(params.impulse),
+            shift: ShiftCheck::new(params.shift),
+            defect: DefectCheck::new(params.defect),
+            bad_values: Burst::new(params.bad_values),
+            attention: Attention::new(params.attention),
+        }
+    }
+
+    /// After a pause or a trip the filters start anew.
+    pub(super) fn forget(&mut self) {
+        self.heater.reset();
+        self.frozen.reset();
+        self.detached.reset();
+        self.filament.reset();
+        self.shift.reset();
+        self.defect.reset();
+        self.attention.reset();
+    }
+}
