@@ -9,7 +9,7 @@
 //! | [`command`] | trims, permits, validity, clamping and the dead-man |
 //! | [`printer`] | the nominal printer of a parameter file |
 //! | [`status`] | what a printer says of itself |
-//! | [`wire`] | System 3 of the model book: metal wire |
+//! | [`wire`] [`hybrid`] | Systems 3 and 4 of the model book: metal wire, five-axis machine |
 //!
 //! SI units throughout; a field that has a unit carries it in its name. Millimetres exist in [`gcode`] alone.
 
@@ -25,6 +25,7 @@ pub mod extruder;
 pub mod gcode;
 pub mod heater;
 pub mod hotend;
+pub mod hybrid;
 pub mod latent;
 pub mod material;
 pub mod melt;
