@@ -105,14 +105,20 @@ impl Quality {
 /// Class probabilities from logits; `None` where a logit is not finite or there is none.
 #[must_use]
 pub fn softmax<const CLASSES: usize>(logits: [f64; CLASSES]) -> Option<[f64; CLASSES]> {
-    if CLASSES == 0 || logits.iter().any(|logit| !logit.is_finite()) {
+    softmax_of(&logits)?.try_into().ok()
+}
+
+/// [`softmax`] of as many logits as a network read from a file has classes.
+#[must_use]
+pub fn softmax_of(logits: &[f64]) -> Option<Vec<f64>> {
+    if logits.is_empty() || logits.iter().any(|logit| !logit.is_finite()) {
         return None;
     }
     // Shifted by the largest: no overflow, same ratios.
     let largest = logits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let powers = logits.map(|logit| (logit - largest).exp());
+    let powers: Vec<f64> = logits.iter().map(|logit| (logit - largest).exp()).collect();
     let sum: f64 = powers.iter().sum();
-    Some(powers.map(|power| power / sum))
+    Some(powers.iter().map(|power| power / sum).collect())
 }
 
 /// Fused confidence in a defect `c = beta min(1, a/tau_a) + (1 - beta) p_det` `[-]`, in `[0, 1]`, never falling in
