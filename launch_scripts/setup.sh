@@ -32,6 +32,7 @@ need_rust() {
   . "$HOME/.cargo/env"
 }
 
-# A C compiler links the Rust binaries and builds zstd for the bags.
-need_packages gcc libc6-dev
+# The compiler links the Rust binaries and builds zstd for the bags and the bindings of OpenCV; those are made from
+# its headers with clang's library. videoio brings core, imgproc and imgcodecs with it.
+need_packages g++ clang libopencv-videoio-dev
 need_rust
