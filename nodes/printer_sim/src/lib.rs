@@ -14,12 +14,14 @@
 
 #![forbid(unsafe_code)]
 
+pub mod camera;
 #[cfg(feature = "ros")]
 mod convert;
 pub mod drive;
 pub mod executor;
 pub mod faults;
 mod heaters;
+pub mod imu;
 pub mod job;
 #[cfg(feature = "ros")]
 pub mod load;
@@ -34,6 +36,7 @@ pub mod score;
 pub mod sensors;
 mod setup;
 pub mod simulator;
+pub mod structure;
 pub mod toolhead;
 
 pub use output::{Output, Truth};
