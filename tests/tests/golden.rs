@@ -8,20 +8,22 @@
 mod golden {
     pub(crate) mod control;
     pub(crate) mod estimation;
+    pub(crate) mod hybrid;
     pub(crate) mod physics;
     pub(crate) mod safety;
     pub(crate) mod vector;
+    pub(crate) mod wire;
 }
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use golden::vector::{Handler, Outcome, Set, check};
-use golden::{control, estimation, physics, safety};
+use golden::{control, estimation, hybrid, physics, safety, wire};
 use serde_json::json;
 
 /// Systems whose every function must be known.
-const BUILT: [&str; 1] = ["s1_closed_loop"];
+const BUILT: [&str; 3] = ["s1_closed_loop", "s3_metal_wire", "s4_hybrid_machine"];
 
 fn handler(system: &str, function: &str) -> Option<Handler> {
     match system {
@@ -29,6 +31,8 @@ fn handler(system: &str, function: &str) -> Option<Handler> {
             .or_else(|| estimation::handler(function))
             .or_else(|| control::handler(function))
             .or_else(|| safety::handler(function)),
+        "s3_metal_wire" => wire::handler(function),
+        "s4_hybrid_machine" => hybrid::handler(function),
         _ => None,
     }
 }
