@@ -29,6 +29,12 @@ pub enum RuntimeError {
         /// Why not.
         reason: String,
     },
+    /// Simulated time was demanded of a node that acts on the world.
+    #[error("use_sim_time = true: {what} runs on the host's clock; leave it out")]
+    SimulatedTime {
+        /// Who refuses.
+        what: &'static str,
+    },
     /// A system call failed.
     #[error("{what}")]
     System {
@@ -49,6 +55,6 @@ impl RuntimeError {
     /// Whether the person who started the node has to change something: exit code 2.
     #[must_use]
     pub fn is_usage(&self) -> bool {
-        matches!(self, Self::Args(_) | Self::Parameters(_) | Self::Name { .. })
+        matches!(self, Self::Args(_) | Self::Parameters(_) | Self::Name { .. } | Self::SimulatedTime { .. })
     }
 }
