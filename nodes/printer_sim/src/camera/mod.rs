@@ -16,6 +16,7 @@
 //! | [`Deposit`] | height field in tiles; stamps roads and loose strands |
 //! | [`Look`] | one draw of the ranges of a [`Style`]: the same seed gives the same camera |
 //! | [`Renderer`] | normals, Lambert and Blinn-Phong, occlusion, blur, head, noise |
+//! | [`Rig`] | the camera on the printer: roads in, frames out, once a period |
 //! | [`synthesize`] | labelled frames of random parts, for training |
 //! | [`Tangle`] | filament that missed the part: curves that grow with the extruded volume |
 //!
@@ -32,6 +33,7 @@ mod look;
 mod params;
 mod part;
 mod render;
+mod rig;
 mod shade;
 mod strands;
 mod synthesize;
@@ -43,6 +45,7 @@ pub use image::Frame;
 pub use look::Look;
 pub use params::{CameraParams, FieldParams, RawCamera, Span, Style, StyleRanges, TextureKind};
 pub use render::{Renderer, View};
+pub use rig::{Moment, Rig, Shot};
 pub use strands::{Tangle, blob, string};
 pub use synthesize::{Class, Example, synthesize};
 

@@ -132,6 +132,7 @@ pub struct FieldParams {
     pub squish_from: f64,
     pub squish_full: f64,
     pub strand_m: f64,
+    pub piece_m: f64,
 }
 
 /// The camera. Built only from a valid [`RawCamera`].
@@ -187,6 +188,7 @@ impl TryFrom<RawCamera> for CameraParams {
         in_range("squish_from", field.squish_from, "-", (1.0, 10.0))?;
         in_range("squish_full", field.squish_full, "-", (field.squish_from + 0.1, 20.0))?;
         in_range("strand_m", field.strand_m, "m", (5e-5, 2e-3))?;
+        in_range("piece_m", field.piece_m, "m", (1e-5, 2e-3))?;
         Ok(Self {
             enabled: raw.enabled,
             period_s: in_range("period_s", raw.period_s, "s", (0.01, 60.0))?,
