@@ -1,0 +1,126 @@
+//! Decisions and changes, equal ones as one line.
+
+use super::super::decode::short;
+use fdm_loop_msgs::PrintEvent;
+use std::collections::BTreeMap;
+
+/// Different lines that are kept; a hostile bag may hold millions.
+const LINES_MAX: usize = 500;
+/// Times that are kept of each line.
+const TIMES_MAX: usize = 20;
+/// Longest text of a field.
+const TEXT_MAX: usize = 200;
+
+/// How much an event matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) enum Severity {
+    Info,
+    Warn,
+    Error,
+}
+
+impl Severity {
+    /// An unknown value is taken for the worst.
+    fn of(value: u8) -> Self {
+        match value {
+            PrintEvent::SEVERITY_INFO => Self::Info,
+            PrintEvent::SEVERITY_WARN => Self::Warn,
+            _ => Self::Error,
+        }
+    }
+
+    /// Name for people.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Info => "info",
+            Self::Warn => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+/// Who decided what, why.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Text {
+    pub(crate) who: String,
+    pub(crate) what: String,
+    pub(crate) why: String,
+    pub(crate) before: String,
+    pub(crate) after: String,
+}
+
+/// One line of the table.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Line {
+    pub(crate) severity: Severity,
+    pub(crate) text: Text,
+    /// First ones.
+    pub(crate) times_s: Vec<f64>,
+    pub(crate) last_s: f64,
+    pub(crate) count: u64,
+}
+
+/// All events.
+#[derive(Debug, Default)]
+pub(crate) struct Events {
+    lines: Vec<Line>,
+    index: BTreeMap<Text, usize>,
+    /// Events by severity: info, warning, error.
+    pub(crate) counts: [u64; 3],
+    /// Events for which there was no line left.
+    pub(crate) beyond: u64,
+}
+
+impl Events {
+    /// Takes an event in.
+    pub(crate) fn take(&mut self, at: f64, event: &PrintEvent) {
+        let severity = Severity::of(event.severity);
+        self.counts[severity as usize] += 1;
+        let cut = |text: &str| short(text, TEXT_MAX);
+        let text = Text {
+            who: cut(&event.who),
+            what: cut(&event.what),
+            why: cut(&event.why),
+            before: cut(&event.before),
+            after: cut(&event.after),
+        };
+        if let Some(line) = self.index.get(&text).and_then(|index| self.lines.get_mut(*index)) {
+            line.count += 1;
+            line.last_s = line.last_s.max(at);
+            line.severity = line.severity.max(severity);
+            if line.times_s.len() < TIMES_MAX {
+                line.times_s.push(at);
+            }
+        } else if self.lines.len() < LINES_MAX {
+            self.index.insert(text.clone(), self.lines.len());
+            self.lines.push(Line { severity, text, times_s: vec![at], last_s: at, count: 1 });
+        } else {
+            self.beyond += 1;
+        }
+    }
+
+    /// Lines in the order of their first time.
+    pub(crate) fn lines(&self) -> Vec<&Line> {
+        let mut lines: Vec<&Line> = self.lines.iter().collect();
+        lines.sort_by(|a, b| first(a).total_cmp(&first(b)));
+        lines
+    }
+
+    /// The worst ones, the first of them first.
+    pub(crate) fn worst(&self, count: usize) -> Vec<&Line> {
+        let mut lines = self.lines();
+        lines.retain(|line| line.severity > Severity::Info);
+        lines.sort_by_key(|line| std::cmp::Reverse(line.severity));
+        lines.truncate(count);
+        lines
+    }
+
+    /// The worst severity.
+    pub(crate) fn severity(&self) -> Option<Severity> {
+        self.lines.iter().map(|line| line.severity).max()
+    }
+}
+
+fn first(line: &Line) -> f64 {
+    line.times_s.first().copied().unwrap_or(0.0)
+}

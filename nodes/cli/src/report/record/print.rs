@@ -1,0 +1,136 @@
+//! What was printed, how far it came, and under which mode of the supervisor.
+
+use super::super::decode::short;
+use crate::up::words::mode_name;
+use fdm_loop_msgs::{PrintInfo, PrinterState, SafetyState};
+use std::collections::BTreeMap;
+
+/// Longest text of a field.
+const TEXT_MAX: usize = 200;
+/// Longest configuration that is shown `[byte]`.
+const CONFIG_MAX: usize = 80_000;
+/// Changes of mode that are kept.
+const MODES_MAX: usize = 400;
+/// Filament where the configuration does not say `[m]`.
+const FILAMENT_DIAMETER_M: f64 = 1.75e-3;
+
+/// The print as a whole.
+#[derive(Debug, Default)]
+pub(crate) struct Print {
+    /// Names and values of the newest description: from the topic, or from the recorder's note.
+    pub(crate) described: BTreeMap<&'static str, String>,
+    pub(crate) config: String,
+    /// Material, control level, host and mode at the start by the configuration.
+    pub(crate) configured: BTreeMap<&'static str, String>,
+    diameter_m: Option<f64>,
+    /// When recording began, wall clock `[s]` since 1970.
+    pub(crate) began_wall_s: Option<u64>,
+    pub(crate) last: Option<PrinterState>,
+    pub(crate) last_s: f64,
+    /// First deposit on the axis.
+    pub(crate) first_road_s: Option<f64>,
+    pub(crate) last_road_s: f64,
+    /// Modes of the supervisor with the time each was entered.
+    pub(crate) modes: Vec<(f64, u8)>,
+    pub(crate) safety: Option<SafetyState>,
+    pub(crate) descriptions: u64,
+}
+
+/// Fields of a description by their names in the recorder's note.
+const DESCRIBED: [&str; 6] = ["print_id", "gcode_file", "gcode_sha256", "config_sha256", "build", "scenario"];
+
+impl Print {
+    /// Takes the description of a print in.
+    pub(crate) fn info(&mut self, _at: f64, info: &PrintInfo) {
+        let values =
+            [&info.print_id, &info.gcode_file, &info.gcode_sha256, &info.config_sha256, &info.build, &info.scenario];
+        self.described = DESCRIBED.into_iter().zip(values.map(|value| short(value, TEXT_MAX))).collect();
+        self.descriptions += 1;
+        self.configuration(&info.config);
+    }
+
+    /// Takes a note of the recorder in.
+    pub(crate) fn note(&mut self, values: &BTreeMap<String, String>) {
+        for name in DESCRIBED {
+            if let Some(value) = values.get(name) {
+                self.described.entry(name).or_insert_with(|| short(value, TEXT_MAX));
+            }
+        }
+        if self.config.is_empty()
+            && let Some(config) = values.get("config")
+        {
+            self.configuration(config);
+        }
+        let wall_ns = values.get("start_wall_ns").and_then(|text| text.parse::<u64>().ok());
+        self.began_wall_s = self.began_wall_s.or(wall_ns.map(|ns| ns / 1_000_000_000));
+    }
+
+    fn configuration(&mut self, text: &str) {
+        const WANTED: [(&str, &str); 5] = [
+            ("material.name", "material"),
+            ("control", "control"),
+            ("simulator.host", "host"),
+            ("start_mode", "start_mode"),
+            ("printer.extruder.filament_diameter_m", "filament"),
+        ];
+        for line in text.lines() {
+            let Some((key, value)) = line.split_once(": ") else { continue };
+            let Some((_, name)) = WANTED.iter().find(|(wanted, _)| *wanted == key) else { continue };
+            let value = value.trim().trim_matches('"');
+            if *name == "filament" {
+                self.diameter_m = value.parse().ok().filter(|m: &f64| (1e-4..1e-2).contains(m));
+            } else {
+                self.configured.insert(name, short(value, TEXT_MAX));
+            }
+        }
+        let mut config = text.get(..CONFIG_MAX).unwrap_or_default().to_owned();
+        if text.len() <= CONFIG_MAX {
+            text.clone_into(&mut config);
+        }
+        self.config = config;
+    }
+
+    /// Section of the filament `[m2]`.
+    pub(crate) fn filament_area_m2(&self) -> f64 {
+        let diameter_m = self.diameter_m.unwrap_or(FILAMENT_DIAMETER_M);
+        std::f64::consts::FRAC_PI_4 * diameter_m * diameter_m
+    }
+
+    /// Takes the state of the printer in.
+    pub(crate) fn state(&mut self, at: f64, state: &PrinterState) {
+        if at >= self.last_s {
+            self.last_s = at;
+            self.last = Some(state.clone());
+        }
+        if state.depositing {
+            self.first_road_s.get_or_insert(at);
+            self.last_road_s = self.last_road_s.max(at);
+        }
+    }
+
+    /// Takes the supervisor's state in.
+    pub(crate) fn safety(&mut self, at: f64, state: &SafetyState) {
+        let changed = self.modes.last().is_none_or(|(_, mode)| *mode != state.mode);
+        if changed && self.modes.len() < MODES_MAX {
+            self.modes.push((at, state.mode));
+        }
+        self.safety = Some(state.clone());
+    }
+
+    /// Time in each mode until `end_s`, by name.
+    pub(crate) fn time_in_modes(&self, end_s: f64) -> BTreeMap<&'static str, f64> {
+        let mut times = BTreeMap::new();
+        let ends = self.modes.iter().skip(1).map(|(at, _)| *at).chain([end_s]);
+        for ((from, mode), to) in self.modes.iter().zip(ends) {
+            *times.entry(mode_name(*mode)).or_insert(0.0) += (to - from).max(0.0);
+        }
+        times
+    }
+
+    /// Phase of the job at the end, as a name.
+    pub(crate) fn phase(&self) -> Option<&'static str> {
+        const NAMES: [&str; 6] = ["idle", "preparing", "printing", "paused", "done", "failed"];
+        let phase = self.last.as_ref()?.phase;
+        Some(NAMES.get(usize::from(phase)).copied().unwrap_or("unknown"))
+    }
+}

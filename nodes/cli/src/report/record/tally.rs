@@ -1,0 +1,81 @@
+//! Messages by topic, and what could not be read of them.
+
+use super::super::decode::short;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Topics that are told apart; a bag may name any number.
+const TOPICS_MAX: usize = 400;
+/// Longest name that is kept.
+const NAME_MAX: usize = 120;
+
+/// Counts of one topic.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Counts {
+    pub(crate) type_name: String,
+    pub(crate) messages: u64,
+    /// Bytes that are no message of the type.
+    pub(crate) undecodable: u64,
+    /// Messages of another type than the topic's.
+    pub(crate) other_type: u64,
+    /// Messages whose stamp does not fit to the others.
+    pub(crate) misplaced: u64,
+}
+
+/// Counts of all topics.
+#[derive(Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) topics: BTreeMap<String, Counts>,
+    /// Messages of topics beyond the ones told apart.
+    pub(crate) beyond: u64,
+    pub(crate) messages: u64,
+    /// Topics that are none of this printer's.
+    pub(crate) foreign: BTreeSet<String>,
+}
+
+impl Tally {
+    /// A message of a topic.
+    pub(crate) fn count(&mut self, topic: &str, type_name: &str) {
+        self.messages += 1;
+        if let Some(counts) = self.topics.get_mut(topic) {
+            counts.messages += 1;
+        } else if self.topics.len() < TOPICS_MAX && topic.len() <= NAME_MAX {
+            let counts = Counts { type_name: short(type_name, NAME_MAX), messages: 1, ..Counts::default() };
+            self.topics.insert(topic.to_owned(), counts);
+        } else {
+            self.beyond += 1;
+        }
+    }
+
+    /// A topic that the report does not know.
+    pub(crate) fn foreign(&mut self, topic: &str) {
+        if self.foreign.len() < TOPICS_MAX && !self.foreign.contains(topic) {
+            self.foreign.insert(short(topic, NAME_MAX));
+        }
+    }
+
+    /// A message that is none of its type.
+    pub(crate) fn undecodable(&mut self, topic: &str) {
+        self.change(topic, |counts| counts.undecodable += 1);
+    }
+
+    /// A message of another type.
+    pub(crate) fn other_type(&mut self, topic: &str) {
+        self.change(topic, |counts| counts.other_type += 1);
+    }
+
+    /// A message whose time does not fit.
+    pub(crate) fn misplaced(&mut self, topic: &str) {
+        self.change(topic, |counts| counts.misplaced += 1);
+    }
+
+    fn change(&mut self, topic: &str, how: impl FnOnce(&mut Counts)) {
+        if let Some(counts) = self.topics.get_mut(topic) {
+            how(counts);
+        }
+    }
+
+    /// Messages that could not be read.
+    pub(crate) fn unread(&self) -> u64 {
+        self.topics.values().map(|counts| counts.undecodable + counts.other_type).sum()
+    }
+}

@@ -1,0 +1,276 @@
+//! Plots against time, once for wide and once for narrow screens.
+
+use super::ink::{Ink, styled};
+use crate::report::record::signals::Estimated;
+use crate::report::series::{Column, Series};
+use maud::{Markup, PreEscaped, html};
+use plotters::prelude::*;
+
+/// Size of a plot `[px]`, columns that it shows, and labels on its axes.
+struct Size {
+    class: &'static str,
+    width: u32,
+    height: u32,
+    columns: usize,
+    labels: (usize, usize),
+}
+
+const SIZES: [Size; 2] = [
+    Size { class: "wide", width: 920, height: 250, columns: 420, labels: (10, 6) },
+    Size { class: "narrow", width: 380, height: 230, columns: 170, labels: (5, 5) },
+];
+/// Size of letters, as the library counts.
+const LETTERS: u32 = 15;
+/// Share of the columns whose extremes may lie beyond the value axis.
+const BEYOND: f64 = 0.02;
+
+/// An event on the time axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Marker {
+    pub(crate) at: f64,
+    /// Number in the table of events.
+    pub(crate) number: usize,
+    pub(crate) ink: Ink,
+}
+
+/// One signal of a plot.
+pub(crate) struct Trace<'a> {
+    name: &'a str,
+    ink: Ink,
+    series: &'a Series,
+    band: Option<(&'a Series, &'a Series)>,
+    dots: bool,
+}
+
+impl<'a> Trace<'a> {
+    /// A line of the mean with a shade from the smallest to the largest value.
+    pub(crate) fn line(name: &'a str, ink: Ink, series: &'a Series) -> Self {
+        Self { name, ink, series, band: None, dots: false }
+    }
+
+    /// A line with the band of its uncertainty.
+    pub(crate) fn estimated(name: &'a str, ink: Ink, estimated: &'a Estimated) -> Self {
+        let band = Some((&estimated.low, &estimated.high));
+        Self { name, ink, series: &estimated.value, band, dots: false }
+    }
+
+    /// Single values.
+    pub(crate) fn dots(name: &'a str, ink: Ink, series: &'a Series) -> Self {
+        Self { name, ink, series, band: None, dots: true }
+    }
+}
+
+/// A plot.
+pub(crate) struct Plot<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) unit: &'a str,
+    /// Length of the time axis `[s]`.
+    pub(crate) span_s: f64,
+    pub(crate) traces: Vec<Trace<'a>>,
+    pub(crate) markers: &'a [Marker],
+    /// What the axis shows at least.
+    pub(crate) shows: Option<(f64, f64)>,
+    /// Where values belong: from, to.
+    pub(crate) band: Option<(f64, f64)>,
+    /// The values are logarithms to base 10.
+    pub(crate) logarithm: bool,
+}
+
+impl Plot<'_> {
+    /// The plot with its legend; nothing where no signal holds anything.
+    pub(crate) fn draw(&self) -> Markup {
+        let drawn: Vec<&Trace> = self.traces.iter().filter(|trace| !trace.series.is_empty()).collect();
+        if drawn.is_empty() {
+            return html! {};
+        }
+        let drawings = SIZES.iter().map(|size| (size.class, self.drawing(size, &drawn)));
+        html! {
+            figure.plot {
+                figcaption {
+                    b { (self.title) } " " span.unit { "[" (self.unit) "]" }
+                    @for trace in &drawn {
+                        span.key { i style=(format!("background:var(--{})", trace.ink.style())) {} (trace.name) }
+                    }
+                }
+                @for (class, drawing) in drawings {
+                    div class=(class) role="img" aria-label=(self.title) { (PreEscaped(drawing)) }
+                }
+            }
+        }
+    }
+
+    fn drawing(&self, size: &Size, traces: &[&Trace]) -> String {
+        let mut text = String::new();
+        match self.draw_into(&mut text, size, traces) {
+            Ok(()) => styled(&text),
+            // The library fails only where its output does; here that is a string.
+            Err(error) => maud::html! { p { "not drawn: " (error) } }.into_string(),
+        }
+    }
+
+    fn draw_into(&self, text: &mut String, size: &Size, traces: &[&Trace]) -> anyhow::Result<()> {
+        let (unit_s, unit) = time_unit(self.span_s);
+        let (low, high) = self.range(size, traces);
+        let root = SVGBackend::with_string(text, (size.width, size.height)).into_drawing_area();
+        let failed = |error: &dyn std::fmt::Display| anyhow::anyhow!("{error}");
+        let mut chart = ChartBuilder::on(&root)
+            .margin_right(8)
+            .margin_top(14)
+            .x_label_area_size(38)
+            .y_label_area_size(46)
+            .build_cartesian_2d(0.0..(self.span_s / unit_s).max(1e-3), low..high)
+            .map_err(|error| failed(&error))?;
+        let letters = ("sans-serif", LETTERS).into_font().color(&Ink::Text.stand_in());
+        let number = |value: &f64| number(if self.logarithm { 10_f64.powf(*value) } else { *value }, high - low);
+        chart
+            .configure_mesh()
+            .x_labels(size.labels.0)
+            .y_labels(size.labels.1)
+            .max_light_lines(0)
+            .bold_line_style(Ink::Grid.stand_in().mix(0.5))
+            .axis_style(Ink::Grid.stand_in())
+            .label_style(letters.clone())
+            .axis_desc_style(letters)
+            .x_desc(unit)
+            .y_label_formatter(&number)
+            .draw()
+            .map_err(|error| failed(&error))?;
+        let clip = |value: f64| value.clamp(low, high);
+        let place = |column: &Column, value: f64| (column.at / unit_s, clip(value));
+        let mut elements: Vec<Shape> = Vec::new();
+        if let Some((from, to)) = self.band {
+            let end = self.span_s / unit_s;
+            elements.push(Shape::Filled(Ink::Good, vec![(0.0, clip(from)), (end, clip(from)), (end, clip(to)), (0.0, clip(to))]));
+        }
+        for trace in traces {
+            trace.shapes(size.columns, self.span_s, &place, &mut elements);
+        }
+        for marker in self.markers.iter().filter(|marker| marker.at <= self.span_s) {
+            let at = marker.at / unit_s;
+            elements.push(Shape::Marker(*marker, [(at, low), (at, high)]));
+        }
+        for shape in elements {
+            shape.draw_on(&mut chart).map_err(|error| failed(&error))?;
+        }
+        drop(chart);
+        root.present().map_err(|error| failed(&error))?;
+        drop(root);
+        Ok(())
+    }
+
+    /// Range of the value axis: all but the few furthest extremes, and what it has to show.
+    fn range(&self, size: &Size, traces: &[&Trace]) -> (f64, f64) {
+        let (mut lows, mut highs) = (Vec::new(), Vec::new());
+        for trace in traces {
+            for column in trace.series.columns(size.columns, self.span_s) {
+                lows.push(column.cell.low);
+                highs.push(column.cell.high);
+            }
+        }
+        lows.sort_by(f64::total_cmp);
+        highs.sort_by(f64::total_cmp);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a part of a length
+        let cut = (lows.len() as f64 * BEYOND) as usize;
+        let mut low = lows.get(cut).copied().unwrap_or(0.0);
+        let mut high = highs.iter().rev().nth(cut).copied().unwrap_or(1.0);
+        if let Some((from, to)) = self.shows {
+            (low, high) = (low.min(from), high.max(to));
+        }
+        // Numbers as large as a float takes have no differences that could be drawn.
+        (low, high) = (low.clamp(-1e12, 1e12), high.clamp(-1e12, 1e12));
+        let room = ((high - low) * 0.06).max(low.abs().max(high.abs()) * 1e-6).max(1e-9);
+        (low - room, high + room)
+    }
+}
+
+impl Trace<'_> {
+    fn shapes(
+        &self,
+        columns: usize,
+        span_s: f64,
+        place: &impl Fn(&Column, f64) -> (f64, f64),
+        into: &mut Vec<Shape>,
+    ) {
+        if self.dots {
+            let points = self.series.columns(columns, span_s);
+            into.push(Shape::Dots(self.ink, points.iter().map(|column| place(column, column.cell.mean())).collect()));
+            return;
+        }
+        let (low, high) = self.band.unwrap_or((self.series, self.series));
+        for (low, high) in low.runs(columns, span_s).iter().zip(high.runs(columns, span_s)) {
+            let below = low.iter().map(|column| place(column, column.cell.low));
+            let above = high.iter().rev().map(|column| place(column, column.cell.high));
+            into.push(Shape::Filled(self.ink, below.chain(above).collect()));
+        }
+        for run in self.series.runs(columns, span_s) {
+            let line: Vec<_> = run.iter().map(|column| place(column, column.cell.mean())).collect();
+            match line[..] {
+                [_] => into.push(Shape::Dots(self.ink, line)),
+                _ => into.push(Shape::Line(self.ink, line)),
+            }
+        }
+    }
+}
+
+/// What is drawn.
+enum Shape {
+    Filled(Ink, Vec<(f64, f64)>),
+    Line(Ink, Vec<(f64, f64)>),
+    Dots(Ink, Vec<(f64, f64)>),
+    Marker(Marker, [(f64, f64); 2]),
+}
+
+type Coordinates = Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>;
+
+impl Shape {
+    fn draw_on(self, chart: &mut ChartContext<'_, SVGBackend<'_>, Coordinates>) -> anyhow::Result<()> {
+        let failed = |error: &dyn std::fmt::Display| anyhow::anyhow!("{error}");
+        match self {
+            Self::Filled(ink, points) => {
+                let style = ink.stand_in().mix(0.16).filled();
+                chart.draw_series([Polygon::new(points, style)]).map_err(|error| failed(&error))?;
+            }
+            Self::Line(ink, points) => {
+                let style = ink.stand_in().stroke_width(2);
+                chart.draw_series([PathElement::new(points, style)]).map_err(|error| failed(&error))?;
+            }
+            Self::Dots(ink, points) => {
+                let style = ink.stand_in().filled();
+                let dots = points.into_iter().map(|point| Circle::new(point, 2, style));
+                chart.draw_series(dots).map_err(|error| failed(&error))?;
+            }
+            Self::Marker(marker, ends) => {
+                let style = marker.ink.stand_in().stroke_width(1);
+                chart.draw_series([PathElement::new(ends, style)]).map_err(|error| failed(&error))?;
+                let number = Text::new(marker.number.to_string(), (-4, -13), number_style(&marker));
+                let above = EmptyElement::at(ends[1]) + number;
+                chart.draw_series([above]).map_err(|error| failed(&error))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn number_style(marker: &Marker) -> TextStyle<'static> {
+    ("sans-serif", LETTERS).into_font().color(&marker.ink.stand_in())
+}
+
+/// Unit of a time axis of this length: its seconds and its name.
+fn time_unit(span_s: f64) -> (f64, &'static str) {
+    match span_s {
+        s if s <= 180.0 => (1.0, "time [s]"),
+        s if s <= 3.0 * 3600.0 => (60.0, "time [min]"),
+        _ => (3600.0, "time [h]"),
+    }
+}
+
+/// A number with the digits that an axis of this length needs.
+fn number(value: f64, length: f64) -> String {
+    let digits = match length {
+        l if l > 20.0 => 0,
+        l if l > 2.0 => 1,
+        l if l > 0.2 => 2,
+        _ => 3,
+    };
+    format!("{value:.digits$}")
+}

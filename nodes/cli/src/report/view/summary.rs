@@ -1,0 +1,158 @@
+//! Top of the page: what was printed and what came of it.
+
+use super::View;
+use super::words::{bytes, clock, date, percent};
+use crate::report::record::events::Severity;
+use crate::up::words::mode_name;
+use fdm_loop_msgs::{PrinterState, SafetyState};
+use maud::{Markup, html};
+
+/// Worst events that are named at the top.
+const WORST: usize = 5;
+
+/// Name of the print.
+pub(crate) fn title(view: &View) -> String {
+    described(view, "gcode_file").unwrap_or_else(|| view.bag.name.clone())
+}
+
+fn described(view: &View, name: &str) -> Option<String> {
+    view.record.print.described.get(name).filter(|value| !value.is_empty()).cloned()
+}
+
+/// Title, verdict, what is missing.
+pub(crate) fn head(view: &View) -> Markup {
+    let (class, verdict, why) = verdict(view);
+    html! {
+        p.kind { "Print report" @if let Some(at) = view.record.print.began_wall_s { " · " (date(at)) } }
+        h1 { (title(view)) }
+        @if !view.torn.is_empty() {
+            div.verdict.warn { div {
+                b { "This bag is not whole." } " The report shows what is there."
+                ul { @for line in view.torn { li { (line) } } }
+            } }
+        }
+        div class=(format!("verdict {class}")) { div { b { (verdict) } " " (why) } }
+    }
+}
+
+/// Class, verdict and its reason.
+fn verdict(view: &View) -> (&'static str, &'static str, String) {
+    let print = &view.record.print;
+    let Some(state) = &print.last else {
+        return ("warn", "Unknown.", "The bag does not say what the printer did.".to_owned());
+    };
+    let cause = print.safety.as_ref().map(|safety| safety.cause.as_str()).filter(|cause| !cause.is_empty());
+    let because = cause.map_or(String::new(), |cause| format!(" {}", super::super::decode::short(cause, 200)));
+    let stopped = print.safety.as_ref().is_some_and(|safety| safety.mode >= SafetyState::MODE_SAFE_OFF);
+    let [_, warnings, errors] = view.record.events.counts;
+    let far = percent(state.progress, 0);
+    match state.phase {
+        _ if stopped => ("error", "Stopped by the supervisor", format!("at {far}.{because}")),
+        PrinterState::PHASE_FAILED => ("error", "Failed", format!("at {far}.{because}")),
+        PrinterState::PHASE_PAUSED => ("error", "Paused", format!("at {far}, and not gone on.{because}")),
+        PrinterState::PHASE_DONE if errors > 0 => ("error", "Printed to its end", format!("with {errors} errors.")),
+        PrinterState::PHASE_DONE if warnings > 0 => {
+            ("warn", "Printed to its end", format!("with {warnings} warnings: see the events."))
+        }
+        PrinterState::PHASE_DONE => ("ok", "Printed to its end", "without a warning.".to_owned()),
+        _ => ("info", "Not ended", format!("where the bag ends: {far} of the filament.{because}")),
+    }
+}
+
+/// Figures of the print, the worst events.
+pub(crate) fn cards(view: &View) -> Markup {
+    let worst = view.record.events.worst(WORST);
+    let figures = figures(view);
+    html! {
+        dl.cards {
+            @for (name, value, more) in &figures {
+                div { dt { (name) } dd { (value) @if !more.is_empty() { small { (more) } } } }
+            }
+        }
+        @if !worst.is_empty() {
+            h3 { "Worst events" }
+            ul {
+                @for line in worst {
+                    li {
+                        span class=(format!("tag {}", line.severity.name())) { (line.severity.name()) } " "
+                        (clock(line.times_s.first().copied().unwrap_or(0.0))) ": " (line.text.what)
+                        @if !line.text.after.is_empty() { " → " b { (line.text.after) } }
+                        @if !line.text.why.is_empty() { ", " (line.text.why) }
+                        @if line.count > 1 { " (" (line.count) " times)" }
+                    }
+                }
+            }
+        }
+        @if let Some(todo) = view.record.print.safety.as_ref().map(|safety| &safety.what_to_do).filter(|todo| !todo.is_empty()) {
+            p { b { "What to do: " } (super::super::decode::short(todo, 300)) }
+        }
+    }
+}
+
+/// Name, value and a remark of each figure.
+fn figures(view: &View) -> Vec<(&'static str, String, String)> {
+    let print = &view.record.print;
+    let unknown = || "not known".to_owned();
+    let configured = |name: &str| print.configured.get(name).cloned().unwrap_or_else(unknown);
+    let layers = view.record.layers.layers.len();
+    let modes = print.time_in_modes(view.span_s);
+    let set = print.safety.as_ref().map_or_else(unknown, |safety| mode_name(safety.set_mode).to_owned());
+    let in_modes: Vec<String> = modes.iter().map(|(name, time_s)| format!("{name} {}", clock(*time_s))).collect();
+    let deposit = print.first_road_s.map_or(String::new(), |from| {
+        format!("roads from {} to {}", clock(from), clock(print.last_road_s))
+    });
+    let [infos, warnings, errors] = view.record.events.counts;
+    let severity = view.record.events.severity().map_or("no event", Severity::name);
+    let counts = view.bag.counts.as_ref();
+    let recorder = counts.map_or_else(
+        || format!("{} read", view.record.tally.messages),
+        |counts| format!("{} recorded", counts.messages),
+    );
+    let lost = counts.map_or(String::new(), |counts| {
+        format!("{} dropped by the recorder, {} did not arrive", counts.run.dropped, counts.run.missed)
+    });
+    let mut figures = vec![
+        ("File", title(view), described(view, "print_id").unwrap_or_default()),
+        ("Material", configured("material"), host(view)),
+        ("Control", configured("control"), format!("mode as set: {set}")),
+        ("Duration", clock(view.span_s), deposit),
+        ("Phase at the end", print.phase().map_or_else(unknown, str::to_owned), progress(view)),
+        ("Layers", layers.to_string(), last_layer(view)),
+        ("Modes", modes.len().to_string(), in_modes.join(", ")),
+        ("Events", format!("{errors} errors"), format!("{warnings} warnings, {infos} infos; worst: {severity}")),
+        ("Messages", recorder, lost),
+        ("Bag", bytes(view.bag.bytes()), format!("{} file(s)", view.bag.files.len())),
+    ];
+    if let Some(scenario) = described(view, "scenario") {
+        figures.push(("Scenario", scenario, "simulated printer".to_owned()));
+    }
+    figures
+}
+
+fn host(view: &View) -> String {
+    view.record.print.configured.get("host").map_or(String::new(), |host| format!("host {host}"))
+}
+
+fn progress(view: &View) -> String {
+    view.record.print.last.as_ref().map_or(String::new(), |state| percent(state.progress, 1))
+}
+
+fn last_layer(view: &View) -> String {
+    let last = view.record.layers.layers.keys().next_back();
+    last.map_or(String::new(), |last| format!("last one: {}", u64::from(*last) + 1))
+}
+
+/// Origin of page and print.
+pub(crate) fn foot(view: &View) -> Markup {
+    html! {
+        p {
+            "Made by " code { "fdm report" } " " (env!("CARGO_PKG_VERSION")) " from " code { (view.bag.name) } ". "
+            @if let Some(build) = described(view, "build") { "Printed with build " code { (build) } ". " }
+            @if let Some(hash) = described(view, "config_sha256") { "Configuration " code { (hash) } ". " }
+            @if let Some(hash) = described(view, "gcode_sha256") { "File " code { (hash) } "." }
+        }
+        @if !view.record.print.config.is_empty() {
+            details { summary { "Configuration" } pre { (view.record.print.config) } }
+        }
+    }
+}
