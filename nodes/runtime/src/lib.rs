@@ -36,6 +36,7 @@
 //! | [`topics`], [`qos`] | every topic and service with type and quality of service at both ends |
 //! | [`Publisher`] | synchronous, never waiting; drops counted |
 //! | [`Subscription`], [`RawSubscription`] | time of receipt on the node's clock, publisher, age watchdog |
+//! | [`Presence`] | sources that are lost and found again, as events |
 //! | [`Inlet`], [`wire`] | subscriptions that refuse and count; readers of the shared messages |
 //! | [`serial`] | serial lines of devices: read, sent, connected again |
 //! | [`Server`], [`Client`] | services; calls with a limit |
@@ -61,6 +62,7 @@ mod names;
 mod node;
 pub mod params;
 mod participants;
+mod presence;
 mod publisher;
 pub mod qos;
 mod raw;
@@ -84,6 +86,7 @@ pub use heartbeat::Work;
 pub use inlet::{Inlet, Reason, Refused};
 pub use node::Node;
 pub use params::{NodePath, ParamFileError, Parameters};
+pub use presence::Presence;
 pub use publisher::Publisher;
 pub use raw::{RawMessage, RawSubscription};
 pub use self_loop::SelfLoopAge;
