@@ -5,6 +5,7 @@ pub mod gcode;
 pub mod job;
 pub mod operate;
 pub mod output;
+pub mod report;
 pub mod sim;
 pub mod up;
 
@@ -42,6 +43,8 @@ enum Command {
     Acknowledge(operate::AskArgs),
     /// Simulate the whole loop in one process and virtual time.
     Sim(sim::SimArgs),
+    /// Make an HTML page out of a bag: plots, events, pictures, layers.
+    Report(report::ReportArgs),
     /// Parse and plan a file: layers, moves, filament, time, oddities.
     Gcode(gcode::GcodeArgs),
 }
@@ -58,6 +61,7 @@ pub fn main() -> ExitCode {
         Command::Estop(args) => operate::ask(Ask::Estop, &args),
         Command::Acknowledge(args) => operate::ask(Ask::Acknowledge, &args),
         Command::Sim(args) => sim::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Gcode(args) => gcode::run(&args),
     };
     match done {
