@@ -65,6 +65,10 @@ pub(crate) struct Flow {
 #[derive(Debug, Default)]
 pub(crate) struct Signals {
     pub(crate) hotend_degc: Series,
+    /// Measured less set-point, while a road is laid `[K]`.
+    pub(crate) hotend_error_k: Series,
+    /// Set-point in force while a road is laid.
+    laying_at_degc: Option<f64>,
     pub(crate) nozzle_sensor_degc: Series,
     pub(crate) bed_degc: Series,
     pub(crate) hotend_target_degc: Series,
@@ -97,6 +101,9 @@ pub(crate) struct Signals {
 impl Signals {
     pub(crate) fn hotend(&mut self, at: f64, message: &Temperature) {
         self.hotend_degc.add(at, message.temperature);
+        if let Some(target_degc) = self.laying_at_degc {
+            self.hotend_error_k.add(at, message.temperature - target_degc);
+        }
     }
 
     pub(crate) fn nozzle_sensor(&mut self, at: f64, message: &Temperature) {
@@ -108,6 +115,7 @@ impl Signals {
     }
 
     pub(crate) fn state(&mut self, at: f64, state: &PrinterState) {
+        self.laying_at_degc = state.depositing.then_some(state.hotend_target_degc);
         self.hotend_target_degc.add(at, state.hotend_target_degc);
         self.bed_target_degc.add(at, state.bed_target_degc);
         if state.depositing && state.target_width_known {

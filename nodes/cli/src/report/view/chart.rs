@@ -21,6 +21,8 @@ const SIZES: [Size; 2] = [
 ];
 /// Size of letters, as the library counts.
 const LETTERS: u32 = 15;
+/// Width that the number of an event takes `[px]`: one that finds no room is left out.
+const NUMBER_PX: f64 = 20.0;
 /// Share of the columns whose extremes may lie beyond the value axis.
 const BEYOND: f64 = 0.02;
 
@@ -39,24 +41,38 @@ pub(crate) struct Trace<'a> {
     ink: Ink,
     series: &'a Series,
     band: Option<(&'a Series, &'a Series)>,
-    dots: bool,
+    form: Form,
+}
+
+/// How a signal is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Line,
+    /// Seen beside a line on top of it.
+    Broad,
+    Dots,
 }
 
 impl<'a> Trace<'a> {
     /// A line of the mean with a shade from the smallest to the largest value.
     pub(crate) fn line(name: &'a str, ink: Ink, series: &'a Series) -> Self {
-        Self { name, ink, series, band: None, dots: false }
+        Self { name, ink, series, band: None, form: Form::Line }
     }
 
     /// A line with the band of its uncertainty.
     pub(crate) fn estimated(name: &'a str, ink: Ink, estimated: &'a Estimated) -> Self {
         let band = Some((&estimated.low, &estimated.high));
-        Self { name, ink, series: &estimated.value, band, dots: false }
+        Self { name, ink, series: &estimated.value, band, form: Form::Line }
     }
 
     /// Single values.
     pub(crate) fn dots(name: &'a str, ink: Ink, series: &'a Series) -> Self {
-        Self { name, ink, series, band: None, dots: true }
+        Self { name, ink, series, band: None, form: Form::Dots }
+    }
+
+    /// A broad line of the mean, for what another one follows.
+    pub(crate) fn broad(name: &'a str, ink: Ink, series: &'a Series) -> Self {
+        Self { name, ink, series, band: None, form: Form::Broad }
     }
 }
 
@@ -121,7 +137,7 @@ impl Plot<'_> {
             .build_cartesian_2d(0.0..(self.span_s / unit_s).max(1e-3), low..high)
             .map_err(|error| failed(&error))?;
         let letters = ("sans-serif", LETTERS).into_font().color(&Ink::Text.stand_in());
-        let number = |value: &f64| number(if self.logarithm { 10_f64.powf(*value) } else { *value }, high - low);
+        let number = |value: &f64| if self.logarithm { power(*value) } else { number(*value, high - low) };
         chart
             .configure_mesh()
             .x_labels(size.labels.0)
@@ -132,6 +148,7 @@ impl Plot<'_> {
             .label_style(letters.clone())
             .axis_desc_style(letters)
             .x_desc(unit)
+            .x_label_formatter(&|at| self::number(*at, self.span_s / unit_s))
             .y_label_formatter(&number)
             .draw()
             .map_err(|error| failed(&error))?;
@@ -145,9 +162,13 @@ impl Plot<'_> {
         for trace in traces {
             trace.shapes(size.columns, self.span_s, &place, &mut elements);
         }
+        let mut numbered = f64::NEG_INFINITY;
         for marker in self.markers.iter().filter(|marker| marker.at <= self.span_s) {
             let at = marker.at / unit_s;
-            elements.push(Shape::Marker(*marker, [(at, low), (at, high)]));
+            let apart_px = (marker.at - numbered) / self.span_s * f64::from(size.width);
+            let free = apart_px > NUMBER_PX;
+            numbered = if free { marker.at } else { numbered };
+            elements.push(Shape::Marker(*marker, free, [(at, low), (at, high)]));
         }
         for shape in elements {
             shape.draw_on(&mut chart).map_err(|error| failed(&error))?;
@@ -191,7 +212,7 @@ impl Trace<'_> {
         place: &impl Fn(&Column, f64) -> (f64, f64),
         into: &mut Vec<Shape>,
     ) {
-        if self.dots {
+        if self.form == Form::Dots {
             let points = self.series.columns(columns, span_s);
             into.push(Shape::Dots(self.ink, points.iter().map(|column| place(column, column.cell.mean())).collect()));
             return;
@@ -202,11 +223,12 @@ impl Trace<'_> {
             let above = high.iter().rev().map(|column| place(column, column.cell.high));
             into.push(Shape::Filled(self.ink, below.chain(above).collect()));
         }
+        let thickness = if self.form == Form::Broad { 6 } else { 2 };
         for run in self.series.runs(columns, span_s) {
             let line: Vec<_> = run.iter().map(|column| place(column, column.cell.mean())).collect();
             match line[..] {
                 [_] => into.push(Shape::Dots(self.ink, line)),
-                _ => into.push(Shape::Line(self.ink, line)),
+                _ => into.push(Shape::Line(self.ink, thickness, line)),
             }
         }
     }
@@ -215,9 +237,9 @@ impl Trace<'_> {
 /// What is drawn.
 enum Shape {
     Filled(Ink, Vec<(f64, f64)>),
-    Line(Ink, Vec<(f64, f64)>),
+    Line(Ink, u32, Vec<(f64, f64)>),
     Dots(Ink, Vec<(f64, f64)>),
-    Marker(Marker, [(f64, f64); 2]),
+    Marker(Marker, bool, [(f64, f64); 2]),
 }
 
 type Coordinates = Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>;
@@ -230,8 +252,9 @@ impl Shape {
                 let style = ink.stand_in().mix(0.16).filled();
                 chart.draw_series([Polygon::new(points, style)]).map_err(|error| failed(&error))?;
             }
-            Self::Line(ink, points) => {
-                let style = ink.stand_in().stroke_width(2);
+            Self::Line(ink, thickness, points) => {
+                let shade = if thickness > 2 { 0.45 } else { 1.0 };
+                let style = ink.stand_in().mix(shade).stroke_width(thickness);
                 chart.draw_series([PathElement::new(points, style)]).map_err(|error| failed(&error))?;
             }
             Self::Dots(ink, points) => {
@@ -239,9 +262,12 @@ impl Shape {
                 let dots = points.into_iter().map(|point| Circle::new(point, 2, style));
                 chart.draw_series(dots).map_err(|error| failed(&error))?;
             }
-            Self::Marker(marker, ends) => {
-                let style = marker.ink.stand_in().stroke_width(1);
+            Self::Marker(marker, numbered, ends) => {
+                let style = marker.ink.stand_in().mix(0.7).stroke_width(1);
                 chart.draw_series([PathElement::new(ends, style)]).map_err(|error| failed(&error))?;
+                if !numbered {
+                    return Ok(());
+                }
                 let number = Text::new(marker.number.to_string(), (-4, -13), number_style(&marker));
                 let above = EmptyElement::at(ends[1]) + number;
                 chart.draw_series([above]).map_err(|error| failed(&error))?;
@@ -267,10 +293,16 @@ fn time_unit(span_s: f64) -> (f64, &'static str) {
 /// A number with the digits that an axis of this length needs.
 fn number(value: f64, length: f64) -> String {
     let digits = match length {
-        l if l > 20.0 => 0,
-        l if l > 2.0 => 1,
-        l if l > 0.2 => 2,
-        _ => 3,
+        l if l > 5.5 => 0,
+        l if l > 0.55 => 1,
+        l if l > 0.055 => 2,
+        _ => 4,
     };
     format!("{value:.digits$}")
+}
+
+/// A power of 10 with the digits that tell it from its neighbours.
+fn power(exponent: f64) -> String {
+    let value = 10_f64.powf(exponent);
+    if value > 9.5 || (value - 1.0).abs() < 0.01 { format!("{value:.0}") } else { format!("{value:.1}") }
 }

@@ -8,6 +8,8 @@ use std::fmt::Write;
 const PIECES_MAX: usize = 6000;
 /// A long road is coloured in pieces of this length `[mm]`.
 const PIECE_MM: f32 = 2.0;
+/// A piece shorter than an estimate's period takes the nearest one within this time `[s]`.
+const NEAR_S: f64 = 0.06;
 /// Upper ends of the classes of the relative width error; the last class has none.
 pub(crate) const ERRORS: [f64; 6] = [-0.15, -0.07, -0.03, 0.03, 0.07, 0.15];
 /// Classes of the speed where no error is known.
@@ -44,7 +46,9 @@ pub(crate) fn draw(layers: &Layers, number: u32) -> Option<Map> {
     let error = |road: &Road, share: (f32, f32)| {
         let length_s = road.end_s - road.start_s;
         let at = |share: f32| road.start_s + length_s * f64::from(share);
-        layers.error_rel.mean_between(at(share.0), at(share.1))
+        let (from, to) = (at(share.0), at(share.1));
+        let near = || layers.error_rel.mean_between((from - NEAR_S).max(0.0), to + NEAR_S);
+        layers.error_rel.mean_between(from, to).or_else(near)
     };
     let fastest = roads.iter().map(|road| road.speed_mm_s).fold(1.0_f32, f32::max);
     let known = roads.iter().filter(|road| error(road, (0.0, 1.0)).is_some()).count();

@@ -50,7 +50,7 @@ pub(crate) fn page(bag: &Bag, record: &Record, torn: &[String]) -> String {
             }
             body {
                 header { (summary::head(&view)) }
-                nav { div { @for (id, name, _) in &sections { a href=(format!("#{id}")) { (name) } } } }
+                nav { div { @for (id, name, ..) in &sections { a href=(format!("#{id}")) { (if *id == "truth" { "Truth" } else { name.split(' ').next().unwrap_or(name) }) } } } }
                 main {
                     @for (id, name, content) in &sections {
                         h2 id=(id) { (name) }
@@ -71,12 +71,12 @@ fn sections(view: &View) -> Vec<(&'static str, &'static str, Markup)> {
         ("events", "Events", tables::events(view)),
         ("temperatures", "Temperatures", plots::temperatures(view)),
         ("slip", "Slip and gain", plots::slip(view)),
-        ("width", "Road width", plots::width(view)),
+        ("width", "Width of the road", plots::width(view)),
         ("commands", "Commands", plots::commands(view)),
         ("quality", "Quality by layer", plots::quality(view)),
         ("confidence", "Defects", plots::confidence(view)),
         ("pictures", "Pictures", frames::pictures(view)),
-        ("layers", "Layer map", frames::layers(view)),
+        ("layers", "Layers from above", frames::layers(view)),
         ("consistency", "Consistency", plots::consistency(view)),
         ("vibration", "Vibration", plots::vibration(view)),
     ];

@@ -38,8 +38,11 @@ pub(crate) fn temperatures(view: &View) -> Markup {
         Trace::line("set-point", Ink::Target, &signals.bed_target_degc),
         Trace::line("bed, measured", Ink::Measured, &signals.bed_degc),
     ];
+    let error = vec![Trace::line("measured less set-point", Ink::Measured, &signals.hotend_error_k)];
+    let error = Plot { shows: Some((-2.0, 2.0)), ..view.plot("Hot end while roads are laid", "K", error) };
     html! {
         (view.plot("Hot end", "°C", hot).draw())
+        (error.draw())
         (view.plot("Bed", "°C", bed).draw())
         (missing(&[
             (&signals.hotend_degc, "Hot end", topics::HOTEND_TEMPERATURE.name()),
@@ -102,7 +105,7 @@ pub(crate) fn width(view: &View) -> Markup {
 pub(crate) fn commands(view: &View) -> Markup {
     let (wish, permit) = (&view.record.signals.wish, &view.record.signals.permit);
     let pair = |wished, permitted| {
-        vec![Trace::line("wished", Ink::Measured, wished), Trace::line("permitted", Ink::Estimated, permitted)]
+        vec![Trace::broad("permitted", Ink::Estimated, permitted), Trace::line("wished", Ink::Measured, wished)]
     };
     let plots = [
         ("Flow", "%", pair(&wish.flow_percent, &permit.flow_percent), (98.0, 102.0)),

@@ -20,7 +20,7 @@ pub(crate) fn events(view: &View) -> Markup {
     let beyond = lines.len().saturating_sub(EVENTS_MAX) as u64 + view.record.events.beyond;
     html! {
         p.note { "Equal events share a line. The numbers stand on the time axes below, the worst " (super::MARKERS_MAX) " of them." }
-        div.scroll { table {
+        div.scroll { table.events {
             thead { tr { th { "no." } th { "time" } th { "severity" } th { "who" } th { "what" } th { "cause" } th { "before → after" } } }
             tbody { @for (index, line) in lines.iter().enumerate().take(EVENTS_MAX) { (event(index + 1, line)) } }
         } }
