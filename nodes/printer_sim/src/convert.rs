@@ -1,13 +1,20 @@
 //! Between the simulator and the wire.
 
 use crate::faults::{Component, Kind};
+use crate::imu::Batch;
 use crate::output::Truth;
 use crate::scenario::{Entry, FaultError};
 use fdm_loop_msgs::{
-    BeadWidth, FilamentReport, Header, InjectFaultRequest, PrintEvent, SimTruth, TemperatureReport,
+    BeadWidth, CompressedImage, FilamentReport, Header, ImuBatch, InjectFaultRequest, PrintEvent, SimTruth,
+    TemperatureReport,
 };
 use models::units::{Celsius, Kelvin, Seconds};
+use runtime::wire::{self, ImuReading, JpegFrame};
 
+/// Frame of the inertial unit.
+const IMU_FRAME: &str = "imu";
+/// Optical frame of the camera.
+const CAMERA_FRAME: &str = "camera_optical";
 /// Source that a width measurement states until it is made from camera frames.
 const STAND_IN: &str = "stand-in";
 
@@ -21,6 +28,15 @@ pub(crate) fn filament(stamp: Seconds, counts: i64, quantum_m: f64) -> FilamentR
 
 pub(crate) fn width(exposed: Seconds, width_m: f64, sigma_m: f64) -> BeadWidth {
     BeadWidth { header: Header::at(exposed.0), width_m, sigma_m, source: STAND_IN.into() }
+}
+
+pub(crate) fn imu(batch: Batch) -> ImuBatch {
+    let Batch { first, first_sequence, period, range_m_s2, samples } = batch;
+    wire::imu_to_wire(&ImuReading { first, first_sequence, period, range_m_s2, samples }, IMU_FRAME)
+}
+
+pub(crate) fn frame(exposed: Seconds, jpeg: Vec<u8>) -> CompressedImage {
+    wire::frame_to_wire(JpegFrame { exposed, jpeg }, CAMERA_FRAME)
 }
 
 pub(crate) fn note(who: &str, stamp: Seconds, text: String) -> PrintEvent {

@@ -5,8 +5,9 @@ use crate::load::{self, LoadError, Loaded};
 use crate::output::Output;
 use crate::simulator::Simulator;
 use fdm_loop_msgs::{
-    BeadWidth, Clock, ControlCommand, FilamentReport, InjectFault, InjectFaultResponse, MotionSegment,
-    PrintEvent, PrintInfo, PrinterState, SimTruth, TemperatureReport, Time,
+    BeadWidth, Clock, CompressedImage, ControlCommand, FilamentReport, ImuBatch, InjectFault,
+    InjectFaultResponse, MotionSegment, PrintEvent, PrintInfo, PrinterState, SimTruth, TemperatureReport,
+    Time,
 };
 use models::units::Seconds;
 use runtime::{Asked, Node, Publisher, Reason, Refused, Server, Subscription, topics, wire};
@@ -30,6 +31,8 @@ struct Outlets {
     temperatures: Publisher<TemperatureReport>,
     filament: Publisher<FilamentReport>,
     width: Publisher<BeadWidth>,
+    imu: Publisher<ImuBatch>,
+    frames: Publisher<CompressedImage>,
     state: Publisher<PrinterState>,
     motion: Publisher<MotionSegment>,
     truth: Publisher<SimTruth>,
@@ -99,6 +102,8 @@ impl Outlets {
             temperatures: node.publish_on(&topics::TEMPERATURE_REPORT)?,
             filament: node.publish_on(&topics::FILAMENT_REPORT)?,
             width: node.publish_on(&topics::BEAD_WIDTH)?,
+            imu: node.publish_on(&topics::IMU_REPORT)?,
+            frames: node.publish_on(&topics::CAMERA_REPORT)?,
             state: node.publish_on(&topics::PRINTER_STATE)?,
             motion: node.publish_on(&topics::PRINTER_MOTION)?,
             truth: node.publish_on(&topics::SIM_TRUTH)?,
@@ -159,6 +164,8 @@ impl Shell {
             Output::Width { exposed, width_m, sigma_m } => {
                 outlets.width.send(convert::width(exposed, width_m, sigma_m))
             }
+            Output::Imu(batch) => outlets.imu.send(convert::imu(*batch)),
+            Output::Frame { exposed, jpeg } => outlets.frames.send(convert::frame(exposed, jpeg)),
             Output::Status(status) => outlets.state.send(wire::status_to_wire(&status)),
             Output::Motion { start, segment } => {
                 self.segments += 1;

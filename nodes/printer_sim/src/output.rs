@@ -1,5 +1,6 @@
 //! What leaves the simulator: what a real printer would show, and the truth.
 
+use crate::imu::Batch;
 use crate::score::Integrals;
 use models::motion::Segment;
 use models::status::PrinterStatus;
@@ -32,6 +33,15 @@ pub enum Output {
         width_m: f64,
         /// Its stated standard deviation `[m]`.
         sigma_m: f64,
+    },
+    /// Samples of the inertial unit since its last batch.
+    Imu(Box<Batch>),
+    /// A frame of the camera.
+    Frame {
+        /// When it was exposed; it arrives later.
+        exposed: Seconds,
+        /// The picture.
+        jpeg: Vec<u8>,
     },
     /// State of printer and job.
     Status(Box<PrinterStatus>),

@@ -1,7 +1,8 @@
 //! Parameters: the plant's file (`config/plants/`) and the simulated host, firmware and sensors
 //! (`config/printer_sim.param.yaml`).
 
-use crate::{drive, executor, sensors};
+use crate::structure::{ImpactParams, StructureParams};
+use crate::{drive, executor, imu, sensors};
 use models::bed::Bed;
 use models::command::{DeadManParams, Limits};
 use models::extruder::{Extruder, Filament, SlipParams};
@@ -37,6 +38,10 @@ pub struct PlantParams {
     pub filament: Filament,
     /// The spool's material against what the estimator believes.
     pub material_deviation: Deviation,
+    /// Resonances of the tool head.
+    pub structure: StructureParams,
+    /// Blows to the tool head.
+    pub impact: ImpactParams,
     /// Room and incoming filament `[K]`.
     pub ambient_temp_k: f64,
 }
@@ -72,6 +77,8 @@ pub struct SimulatorParams {
     pub firmware: Firmware,
     /// Sensors.
     pub sensors: sensors::Settings,
+    /// Inertial unit.
+    pub imu: imu::Settings,
 }
 
 /// The `simulator` block as it is written.
@@ -102,6 +109,7 @@ pub struct RawSimulator {
     pub width_period_s: f64,
     pub width_delay_s: f64,
     pub width_sigma_m: f64,
+    pub imu: imu::Settings,
 }
 
 /// Host profile as it is written.
@@ -163,6 +171,7 @@ impl TryFrom<RawSimulator> for SimulatorParams {
                 width_delay_s: in_range("width_delay_s", raw.width_delay_s, "s", (0.0, 10.0))?,
                 width_sigma_m: in_range("width_sigma_m", raw.width_sigma_m, "m", (0.0, 1e-3))?,
             },
+            imu: raw.imu,
         })
     }
 }

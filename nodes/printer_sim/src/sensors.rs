@@ -4,7 +4,7 @@
 
 use crate::faults::{InForce, Thermistor};
 use models::units::{Celsius, Kelvin, Seconds};
-use rand::{SeedableRng, rngs::StdRng};
+use rand::{Rng, SeedableRng, rngs::StdRng};
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::VecDeque;
 
@@ -46,6 +46,11 @@ impl Noise {
     /// Next number.
     pub fn draw(&mut self) -> f64 {
         StandardNormal.sample(&mut self.0)
+    }
+
+    /// A number that is equally likely anywhere between two, `low < high`.
+    pub fn between(&mut self, (low, high): (f64, f64)) -> f64 {
+        low + (high - low) * self.0.random::<f64>()
     }
 }
 

@@ -4,6 +4,7 @@ use crate::drive::Drive;
 use crate::executor::{Executor, Motion, Sliced, Surroundings};
 use crate::faults::{Fault, InForce as FaultsInForce};
 use crate::heaters::Heaters;
+use crate::imu::Imu;
 use crate::job::Preheat;
 use crate::output::{Output, Truth};
 use crate::params::Params;
@@ -68,6 +69,7 @@ pub struct Simulator {
     in_force: InForce,
     motion: Motion,
     toolhead: Toolhead,
+    imu: Option<Imu>,
     advance_s: f64,
     score: Score,
     truth: Truth,
@@ -117,6 +119,10 @@ impl Simulator {
             },
             motion: Motion::default(),
             toolhead: Toolhead::default(),
+            imu: host.imu.fitted().then(|| {
+                let noises = (Noise::new(seed, 5), Noise::new(seed, 6));
+                Imu::new(host.imu, (plant.structure, plant.impact), noises)
+            }),
             advance_s: host.firmware.advance_s,
             score: Score::new(params.quality),
             truth: Truth::default(),
@@ -164,6 +170,11 @@ impl Simulator {
             outputs.push_back(Output::Motion { start: start + into, segment: Box::new(*segment) });
         });
         self.toolhead.home(self.motion.homing);
+        if let Some(imu) = &mut self.imu
+            && let Some(batch) = imu.step(self.now, self.motion.velocity_m_s, dt)
+        {
+            self.outputs.push_back(Output::Imu(Box::new(batch)));
+        }
         let trims = self.motion.trims.unwrap_or(self.in_force.trims);
         self.advance_s = trims.advance_s.unwrap_or(self.executor.sliced().advance_s);
         #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]

@@ -142,7 +142,7 @@ impl Printing {
                 self.controller.on_event(mpc_controller::Event::Printer(**status));
                 self.supervisor.on_event(now, Safety::Printer(report_of(status)));
             }
-            Output::Motion { .. } | Output::Note { .. } => {}
+            Output::Motion { .. } | Output::Imu(_) | Output::Frame { .. } | Output::Note { .. } => {}
         }
     }
 

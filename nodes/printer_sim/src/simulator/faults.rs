@@ -34,9 +34,23 @@ impl Simulator {
     /// What a fault does in the moment in which it sets in.
     fn happen(&mut self, fault: &Fault) {
         match fault.kind {
-            Kind::LayerShiftX => self.toolhead.lose_steps([fault.size, 0.0]),
-            Kind::LayerShiftY => self.toolhead.lose_steps([0.0, fault.size]),
+            Kind::LayerShiftX => self.skip(0, fault.size),
+            Kind::LayerShiftY => self.skip(1, fault.size),
+            Kind::Knock => {
+                if let Some(imu) = &mut self.imu {
+                    imu.knock(fault.onset, fault.size);
+                }
+            }
             _ => {}
+        }
+    }
+
+    fn skip(&mut self, axis: usize, lost_m: f64) {
+        let mut lost = [0.0; 2];
+        lost[axis] = lost_m;
+        self.toolhead.lose_steps(lost);
+        if let Some(imu) = &mut self.imu {
+            imu.skip(self.now, axis);
         }
     }
 

@@ -13,6 +13,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 mod figures;
+mod imu;
 mod mishaps;
 mod requests;
 
@@ -157,4 +158,15 @@ fn warm(job: JobSource, faults: &Scenario) -> Simulator {
 /// One fault that sets in at this time of the simulation.
 fn fault_at(time_s: f64, fault: &str) -> Scenario {
     scenario(&format!("description: t\nfaults: [{{{fault}, onset: {{time_s: {time_s}}}}}]"))
+}
+
+/// The first layers of a cube as a slicer gives it.
+fn cube(layers: u32) -> JobSource {
+    let path =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/gcode/prusa_cube_pla_marlin_relE.gcode");
+    let bytes: std::sync::Arc<[u8]> = std::fs::read(path).unwrap().into();
+    let tail = &bytes[bytes.len() - 65_536..];
+    let header = models::gcode::Header::scan(&bytes[..65_536], tail);
+    let wishes = crate::job::Wishes { layers: Some(layers), set_points: None };
+    JobSource::from_gcode(&bytes, &header, &motion(), wishes)
 }

@@ -60,14 +60,7 @@ fn a_warm_printer_begins_to_print_at_once() {
 /// The whole Prusa cube: conserved, ended, in about the slicer's own time.
 #[test]
 fn a_real_file_is_printed_to_its_end() {
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/gcode/prusa_cube_pla_marlin_relE.gcode");
-    let bytes: std::sync::Arc<[u8]> = std::fs::read(path).unwrap().into();
-    let tail = &bytes[bytes.len() - 65_536..];
-    let header = models::gcode::Header::scan(&bytes[..65_536], tail);
-    let wishes = crate::job::Wishes { layers: Some(10), set_points: None };
-    let job = JobSource::from_gcode(&bytes, &header, &motion(), wishes);
-    let mut simulator = Simulator::new(params(), job, &Scenario::default(), 1).unwrap();
+    let mut simulator = Simulator::new(params(), cube(10), &Scenario::default(), 1).unwrap();
     run_to_end(&mut simulator);
     let truth = simulator.truth();
     let figures = truth.integrals.since(&Default::default()).unwrap();
