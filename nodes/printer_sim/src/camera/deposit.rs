@@ -49,7 +49,9 @@ struct Stamp {
     base: f32,
     height: f32,
     squish: f32,
+    /// Way along all roads at the piece's start, its own length, and the way within which a road is the same `[m]`.
     path: f32,
+    length: f32,
     same: f32,
 }
 
@@ -100,7 +102,6 @@ impl Deposit {
             return;
         }
         let length_m = (to_m[0] - from_m[0]).hypot(to_m[1] - from_m[1]);
-        self.path_m += length_m;
         let (cell_m, radius_m) = (self.cell_m, width_m / 2.0);
         let low = [0, 1].map(|axis| floor((from_m[axis].min(to_m[axis]) - radius_m) / cell_m));
         let high = [0, 1].map(|axis| floor((from_m[axis].max(to_m[axis]) + radius_m) / cell_m));
@@ -121,7 +122,8 @@ impl Deposit {
             height: single(height_m),
             squish: single(squished.clamp(0.0, 1.0)),
             path: single(self.path_m),
-            same: SAME_ROAD * single(width_m) + single(length_m),
+            length: single(length_m),
+            same: SAME_ROAD * single(width_m),
         };
         let tile_of = |cell: i32| cell.div_euclid(signed(SIDE));
         for row in tile_of(low[1])..=tile_of(high[1]) {
@@ -129,6 +131,7 @@ impl Deposit {
                 self.stamp_tile((column, row), &stamp, (low, high));
             }
         }
+        self.path_m += length_m;
     }
 
     fn stamp_tile(&mut self, key: (i32, i32), stamp: &Stamp, (low, high): ([i32; 2], [i32; 2])) {
@@ -142,12 +145,12 @@ impl Deposit {
             let off_y = number(y - low[1]) - stamp.from[1];
             for x in first..=last {
                 let off_x = number(x - low[0]) - stamp.from[0];
-                let Some(crest) = stamp.crest(off_x, off_y) else { continue };
+                let Some((crest, path)) = stamp.crest(off_x, off_y) else { continue };
                 let at = row + index(x - corner[0]);
-                if stamp.path - recent.path[at] > stamp.same {
+                if path - recent.path[at] > stamp.same {
                     recent.below[at] = tile[at];
                 }
-                recent.path[at] = stamp.path;
+                recent.path[at] = path;
                 let below = recent.below[at] - stamp.base;
                 let mut joined = crest;
                 if below > 0.0 {
@@ -235,12 +238,13 @@ impl Deposit {
 }
 
 impl Stamp {
-    /// Height of the road over its base at a cell, if the cell is under it.
-    fn crest(&self, off_x: f32, off_y: f32) -> Option<f32> {
+    /// Height of the road over its base at a cell and the way along it, if the cell is under it.
+    fn crest(&self, off_x: f32, off_y: f32) -> Option<(f32, f32)> {
         let share = (off_x * self.along[0] + off_y * self.along[1]) * self.inverse_length2;
         let share = share.clamp(0.0, 1.0);
         let (x, y) = (off_x - share * self.along[0], off_y - share * self.along[1]);
         let u = (x * x + y * y) * self.inverse_radius2;
-        (u < 1.0).then(|| self.height * (1.0 - u * (1.0 - self.squish + self.squish * u)).sqrt())
+        let crest = || self.height * (1.0 - u * (1.0 - self.squish + self.squish * u)).sqrt();
+        (u < 1.0).then(|| (crest(), self.path + share * self.length))
     }
 }
