@@ -6,10 +6,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Nodes with a brain.
-const NODES: [&str; 7] = [
+const NODES: [&str; 8] = [
     "bag_recorder",
     "filament_encoder",
     "mpc_controller",
+    "printer_bridge",
     "printer_sim",
     "safety_supervisor",
     "state_estimator",
@@ -104,8 +105,8 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
 /// Files of a brain: everything in `src` but the shell and the tests.
 fn brain_files(node: &str) -> Vec<PathBuf> {
     // The last ones are the recorder's: its work is files and a thread that writes them.
-    const SHELL: [&str; 10] =
-        ["node", "convert", "main", "load", "serial_port", "writer", "file", "folder", "recovery", "tests"];
+    const SHELL: [&str; 9] =
+        ["node", "convert", "main", "load", "writer", "file", "folder", "recovery", "tests"];
     let source = root().join("nodes").join(node).join("src");
     let shell = |path: &PathBuf| {
         let inside = path.strip_prefix(&source).unwrap().with_extension("");
