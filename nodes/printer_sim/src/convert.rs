@@ -104,3 +104,50 @@ pub(crate) fn fault(now: Seconds, asked: &InjectFaultRequest) -> Result<Entry, F
     let duration_s = (asked.duration_s != 0.0).then_some(asked.duration_s);
     Entry::new((component, kind), asked.size, now.0 + asked.start_s, duration_s)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn asked(component: &str, kind: &str, size: f64) -> InjectFaultRequest {
+        InjectFaultRequest { component: component.into(), kind: kind.into(), size, ..Default::default() }
+    }
+
+    #[test]
+    fn the_service_takes_what_a_scenario_file_may_ask_for() {
+        for (component, kind, size) in [
+            ("motion", "layer_shift_x", 8e-4),
+            ("motion", "layer_shift_y", -8e-4),
+            ("motion", "knock", 45.0),
+            ("part", "detached", 0.0),
+            ("extruder", "leak", 0.2),
+        ] {
+            assert!(fault(Seconds(1.0), &asked(component, kind, size)).is_ok(), "{component} {kind}");
+        }
+    }
+
+    #[test]
+    fn the_service_says_what_there_is() {
+        let refusal = |component, kind, size| {
+            fault(Seconds(1.0), &asked(component, kind, size)).unwrap_err().to_string()
+        };
+        assert!(refusal("bed", "knock", 1.0).contains("ambient, motion or part"));
+        assert!(refusal("motion", "slip", 1.0).contains("layer_shift_x, layer_shift_y, knock"));
+        assert_eq!(refusal("motion", "layer_shift_x", 0.8), "size = 0.8 m: must be in [-0.05, 0.05]");
+    }
+
+    #[test]
+    fn a_batch_goes_out_whole_and_says_how_much_was_saturated() {
+        let samples = vec![[156.9, 0.0, 9.81], [0.1, 0.2, 9.7]];
+        let batch = Batch {
+            first: Seconds(0.051),
+            first_sequence: 50,
+            period: Seconds(1e-3),
+            range_m_s2: 156.9,
+            samples,
+        };
+        let wire = imu(batch);
+        assert_eq!((wire.first_sequence, wire.saturated, wire.x_m_s2.len()), (50, 1, 2));
+        assert!((wire.z_m_s2[1] - 9.7).abs() < 1e-12);
+    }
+}

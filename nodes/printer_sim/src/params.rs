@@ -1,6 +1,7 @@
 //! Parameters: the plant's file (`config/plants/`) and the simulated host, firmware and sensors
 //! (`config/printer_sim.param.yaml`).
 
+use crate::camera::CameraParams;
 use crate::structure::{ImpactParams, StructureParams};
 use crate::{drive, executor, imu, sensors};
 use models::bed::Bed;
@@ -126,6 +127,7 @@ impl TryFrom<RawSimulator> for SimulatorParams {
     type Error = ParamError;
     fn try_from(raw: RawSimulator) -> Result<Self, ParamError> {
         let period = |name, value| in_range(name, value, "s", (1e-3, 10.0));
+        let period_or_none = |name, value| if value == 0.0 { Ok(0.0) } else { period(name, value) };
         Ok(Self {
             executor: executor::Settings {
                 host: match raw.host {
@@ -167,7 +169,7 @@ impl TryFrom<RawSimulator> for SimulatorParams {
                 )?,
                 encoder_period_s: period("encoder_period_s", raw.encoder_period_s)?,
                 encoder_quantum_m: in_range("encoder_quantum_m", raw.encoder_quantum_m, "m", (1e-7, 1e-2))?,
-                width_period_s: period("width_period_s", raw.width_period_s)?,
+                width_period_s: period_or_none("width_period_s", raw.width_period_s)?,
                 width_delay_s: in_range("width_delay_s", raw.width_delay_s, "s", (0.0, 10.0))?,
                 width_sigma_m: in_range("width_sigma_m", raw.width_sigma_m, "m", (0.0, 1e-3))?,
             },
@@ -185,6 +187,8 @@ pub struct Params {
     pub material: Material,
     /// Host, firmware, sensors.
     pub simulator: SimulatorParams,
+    /// Camera on the tool head.
+    pub camera: CameraParams,
     /// What follows the supervisor's silence.
     pub dead_man: DeadManParams,
     /// The printer's own limits on trims.

@@ -24,7 +24,7 @@ pub struct Settings {
     pub encoder_period_s: f64,
     /// Length of filament per count `[m]`.
     pub encoder_quantum_m: f64,
-    /// Period of the width stand-in `[s]`.
+    /// Period of the width stand-in `[s]`; 0 for none, where widths come from pictures.
     pub width_period_s: f64,
     /// Time from exposure to result `[s]`.
     pub width_delay_s: f64,

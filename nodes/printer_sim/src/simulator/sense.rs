@@ -37,7 +37,8 @@ impl Simulator {
             let counts = self.counts();
             self.outputs.push_back(Output::Encoder { stamp: self.now, counts });
         }
-        if self.paces.width.due(self.now) && road.is_some() {
+        let stand_in = self.params.simulator.sensors.width_period_s > 0.0;
+        if stand_in && self.paces.width.due(self.now) && road.is_some() {
             self.width_gauge.expose(self.now, self.truth.width_m);
         }
         while let Some((exposed, width_m)) = self.width_gauge.ready(self.now) {

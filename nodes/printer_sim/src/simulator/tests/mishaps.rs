@@ -88,6 +88,17 @@ fn a_missing_road_has_no_width_to_measure() {
     assert!(!exposures.is_empty() && exposures.iter().all(|exposed_s| *exposed_s < 3.0), "{exposures:?}");
 }
 
+#[test]
+fn a_printer_without_the_stand_in_gives_no_widths() {
+    let mut params = params();
+    params.simulator.sensors.width_period_s = 0.0;
+    let mut simulator = Simulator::new(params, straight_job(5), &Scenario::default(), 1).unwrap();
+    simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: Some(Celsius(60.0)) });
+    run_for(&mut simulator, 4.0);
+    let shown = std::iter::from_fn(|| simulator.poll()).filter(|o| matches!(o, Output::Width { .. }));
+    assert_eq!(shown.count(), 0);
+}
+
 /// Under-extrusion that no sensor of the filament sees: 20 % of the melt escapes beside the nozzle.
 #[test]
 fn a_leak_thins_the_road_by_its_share_and_leaves_the_encoder_alone() {
