@@ -40,6 +40,19 @@ pub struct Choice {
     pub control: Level,
     /// Host profile of the simulated printer.
     pub host: String,
+    /// Frames are rendered and judged, accelerations sampled; else the simulator's stand-in gives the width.
+    pub camera: bool,
+}
+
+/// What of the simulated printer's sensors a choice switches.
+#[must_use]
+pub fn sensor_overrides(camera: bool) -> Vec<(String, String)> {
+    let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+    if camera {
+        vec![pair("camera.enabled", "true"), pair("simulator.width_period_s", "0.0")]
+    } else {
+        vec![pair("camera.enabled", "false"), pair("simulator.imu.period_s", "0.0")]
+    }
 }
 
 impl ConfigDir {
@@ -163,7 +176,9 @@ impl ConfigDir {
         let nominal = ["printer", "material"];
         let estimator = read("state_estimator", &[])?;
         let controller = read("mpc_controller", &[])?;
-        let simulator = read("printer_sim", &[("simulator.host".into(), choice.host.clone())])?;
+        let mut simulated = sensor_overrides(choice.camera);
+        simulated.push(("simulator.host".into(), choice.host.clone()));
+        let simulator = read("printer_sim", &simulated)?;
         let printer: Printer = estimator.block("printer")?;
         let material: Material = estimator.block("material")?;
         let simulated = printer_sim::load::simulator_params(&simulator, &printer, &material)?;

@@ -50,6 +50,9 @@ pub struct SimArgs {
     /// Folder with the parameter files.
     #[arg(long)]
     config: Option<PathBuf>,
+    /// Render the camera's frames and judge them, sample accelerations; else a stand-in gives the road's width.
+    #[arg(long)]
+    camera: bool,
     /// Write the figures to a file, or to standard output with `-`.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -83,7 +86,7 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     let mut groups = Vec::new();
     let mut fault_free: BTreeMap<u64, WidthTrace> = BTreeMap::new();
     let progress = output::bar((levels.len() * seeds.len()) as u64, "runs");
-    let choice = Choice { material, control: levels[0], host: args.host.clone() };
+    let choice = Choice { material, control: levels[0], host: args.host.clone(), camera: args.camera };
     let setup = config.load(&choice)?;
     let file = if args.material.is_some() { file.with_set_points(&setup) } else { file };
     let names = Names { scenario: args.scenario.clone(), host: args.host.clone() };

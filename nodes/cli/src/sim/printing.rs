@@ -142,7 +142,11 @@ impl Printing {
                 self.controller.on_event(mpc_controller::Event::Printer(**status));
                 self.supervisor.on_event(now, Safety::Printer(report_of(status)));
             }
-            Output::Motion { .. } | Output::Imu(_) | Output::Frame { .. } | Output::Note { .. } => {}
+            Output::Imu(batch) => {
+                let (first, period, samples) = (batch.first, batch.period, batch.samples.clone());
+                self.supervisor.on_event(now, Safety::Imu { first, period, samples });
+            }
+            Output::Motion { .. } | Output::Frame { .. } | Output::Note { .. } => {}
         }
     }
 
