@@ -32,6 +32,7 @@ struct Blocks {
     quality: Option<models::quality::Quality>,
     printer_motion: Option<models::motion::MotionParams>,
     simulator: Option<SimulatorParams>,
+    camera: Option<printer_sim::camera::CameraParams>,
     dead_man: Option<models::command::DeadManParams>,
     limits: Option<models::command::Limits>,
 }
@@ -89,6 +90,7 @@ fn params(root: &Path) -> Result<Params, Box<dyn Error>> {
         plant: blocks(root, "plants/ender3.yaml")?.plant.ok_or("plant")?,
         material: blocks(root, "materials/pla.yaml")?.material.ok_or("material")?,
         simulator: simulated.simulator.ok_or("simulator")?,
+        camera: simulated.camera.ok_or("camera")?,
         dead_man: simulated.dead_man.ok_or("dead_man")?,
         limits: simulated.limits.ok_or("limits")?,
         quality: blocks(root, "quality.yaml")?.quality.ok_or("quality")?,

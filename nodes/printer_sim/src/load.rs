@@ -104,6 +104,7 @@ pub fn simulator_params(
         plant,
         material: material.clone(),
         simulator,
+        camera: parameters.block("camera")?,
         dead_man: parameters.block("dead_man")?,
         limits: parameters.block("limits")?,
         quality: parameters.block("quality")?,

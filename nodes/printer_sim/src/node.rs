@@ -165,7 +165,7 @@ impl Shell {
                 outlets.width.send(convert::width(exposed, width_m, sigma_m))
             }
             Output::Imu(batch) => outlets.imu.send(convert::imu(*batch)),
-            Output::Frame { exposed, jpeg } => outlets.frames.send(convert::frame(exposed, jpeg)),
+            Output::Frame { exposed, jpeg, .. } => outlets.frames.send(convert::frame(exposed, jpeg)),
             Output::Status(status) => outlets.state.send(wire::status_to_wire(&status)),
             Output::Motion { start, segment } => {
                 self.segments += 1;

@@ -40,7 +40,9 @@ pub enum Output {
     Frame {
         /// When it was exposed; it arrives later.
         exposed: Seconds,
-        /// The picture.
+        /// Frames exposed before it; a gap is a frame that was lost.
+        sequence: u64,
+        /// The picture, grey.
         jpeg: Vec<u8>,
     },
     /// State of printer and job.

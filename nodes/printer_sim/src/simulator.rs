@@ -1,5 +1,6 @@
 //! The simulated printer as a whole: job, drive, plant, firmware's heaters, sensors, dead-man.
 
+use crate::camera::Rig;
 use crate::drive::Drive;
 use crate::executor::{Executor, Motion, Sliced, Surroundings};
 use crate::faults::{Fault, InForce as FaultsInForce};
@@ -20,6 +21,7 @@ use models::status::JobPhase;
 use models::units::{Kelvin, Seconds};
 use std::collections::VecDeque;
 
+mod camera;
 mod faults;
 mod sense;
 mod status;
@@ -70,6 +72,7 @@ pub struct Simulator {
     motion: Motion,
     toolhead: Toolhead,
     imu: Option<Imu>,
+    camera: Option<Box<Rig>>,
     advance_s: f64,
     score: Score,
     truth: Truth,
@@ -123,6 +126,7 @@ impl Simulator {
                 let noises = (Noise::new(seed, 5), Noise::new(seed, 6));
                 Imu::new(host.imu, (plant.structure, plant.impact), noises)
             }),
+            camera: params.camera.enabled.then(|| Box::new(Rig::new(&params.camera, seed))),
             advance_s: host.firmware.advance_s,
             score: Score::new(params.quality),
             truth: Truth::default(),
@@ -187,7 +191,9 @@ impl Simulator {
         if self.paces.thermal.due(self.now) {
             self.heat();
         }
+        let outlet_before_m = self.truth.outlet_m;
         self.note_truth(road);
+        self.photograph(road, outlet_before_m);
         self.sense(road);
     }
 

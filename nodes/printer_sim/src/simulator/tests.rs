@@ -1,6 +1,7 @@
 //! A printer of the shipped parameters that lays straight lines at constant speed, and what the tests ask of it.
 
 use super::*;
+use crate::camera::CameraParams;
 use crate::params::{PlantParams, SimulatorParams};
 use models::bead::stadium;
 use models::command::{DeadManParams, Limits};
@@ -12,6 +13,7 @@ use serde::de::DeserializeOwned;
 use std::collections::HashMap;
 use std::path::Path;
 
+mod camera;
 mod figures;
 mod imu;
 mod mishaps;
@@ -41,6 +43,7 @@ struct QualityFile {
 #[derive(Deserialize)]
 struct SimulatorFile {
     simulator: SimulatorParams,
+    camera: CameraParams,
     dead_man: DeadManParams,
     limits: Limits,
 }
@@ -68,6 +71,7 @@ fn params() -> Params {
         plant: load::<PlantFile>("plants/ender3.yaml").plant,
         material: load::<MaterialFile>("materials/pla.yaml").material,
         simulator: simulated.simulator,
+        camera: simulated.camera,
         dead_man: simulated.dead_man,
         limits: simulated.limits,
         quality: load::<QualityFile>("quality.yaml").quality,
