@@ -1,6 +1,8 @@
 //! `fdm`: starts, watches, simulates and reports. Every figure the project states is printed by one of its commands.
 
+pub mod classify;
 pub mod config;
+pub mod doctor;
 pub mod gcode;
 pub mod job;
 pub mod operate;
@@ -43,8 +45,12 @@ enum Command {
     Acknowledge(operate::AskArgs),
     /// Simulate the whole loop in one process and virtual time.
     Sim(sim::SimArgs),
+    /// Check this machine and say what to do: packages, DDS, clock, disk, cameras, serial ports.
+    Doctor(doctor::DoctorArgs),
     /// Make an HTML page out of a bag: plots, events, pictures, layers.
     Report(report::ReportArgs),
+    /// Judge pictures; train the networks that do.
+    Classify(classify::ClassifyArgs),
     /// Parse and plan a file: layers, moves, filament, time, oddities.
     Gcode(gcode::GcodeArgs),
 }
@@ -61,14 +67,17 @@ pub fn main() -> ExitCode {
         Command::Estop(args) => operate::ask(Ask::Estop, &args),
         Command::Acknowledge(args) => operate::ask(Ask::Acknowledge, &args),
         Command::Sim(args) => sim::run(&args),
+        Command::Doctor(args) => doctor::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Classify(args) => classify::run(&args),
         Command::Gcode(args) => gcode::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             output::complain(&error);
-            ExitCode::from(if error.is::<up::PrintFailed>() { FAILED } else { USAGE })
+            let failed = error.is::<up::PrintFailed>() || error.is::<doctor::Unfit>();
+            ExitCode::from(if failed { FAILED } else { USAGE })
         }
     }
 }

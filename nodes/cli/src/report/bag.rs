@@ -97,7 +97,8 @@ mod tests {
         let mut places: Vec<_> =
             ["p_10.mcap", "p_2.mcap.active", "p_2.mcap", "metadata.yaml", "p_0.mcap"].map(place).into();
         places.sort();
-        let numbers: Vec<_> = places.into_iter().flatten().map(|(number, _, order)| (number, order)).collect();
+        let numbers: Vec<_> =
+            places.into_iter().flatten().map(|(number, _, order)| (number, order)).collect();
         assert_eq!(numbers, [(0, 0), (2, 0), (2, 1), (10, 0)]);
     }
 }

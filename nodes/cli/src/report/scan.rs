@@ -58,7 +58,8 @@ struct Seen {
 pub(crate) fn scan(path: &Path, visitor: &mut impl Visitor) -> anyhow::Result<Ended> {
     let failed = || path.display().to_string();
     let mut file = BufReader::with_capacity(BUFFER, File::open(path).with_context(failed)?);
-    let options = LinearReaderOptions::default().with_skip_end_magic(true).with_record_length_limit(RECORD_MAX);
+    let options =
+        LinearReaderOptions::default().with_skip_end_magic(true).with_record_length_limit(RECORD_MAX);
     let mut reader = LinearReader::new_with_options(options);
     let mut seen = Seen::default();
     while let Some(event) = reader.next_event() {
@@ -74,7 +75,11 @@ pub(crate) fn scan(path: &Path, visitor: &mut impl Visitor) -> anyhow::Result<En
             Err(error) => return Ok(Ended::Torn(format!("the middle of a record: {error}"))),
         }
     }
-    Ok(if seen.footer { Ended::Whole } else { Ended::Torn("a whole record, but was never closed".to_owned()) })
+    Ok(if seen.footer {
+        Ended::Whole
+    } else {
+        Ended::Torn("a whole record, but was never closed".to_owned())
+    })
 }
 
 impl Seen {

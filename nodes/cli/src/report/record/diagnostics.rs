@@ -57,7 +57,8 @@ impl Component {
             self.worst = status.level;
             self.worst_message.clone_from(&self.message);
         }
-        let pair = |value: &fdm_loop_msgs::KeyValue| (short(&value.key, TEXT_MAX), short(&value.value, TEXT_MAX));
+        let pair =
+            |value: &fdm_loop_msgs::KeyValue| (short(&value.key, TEXT_MAX), short(&value.value, TEXT_MAX));
         self.values = status.values.iter().take(VALUES_MAX).map(pair).collect();
     }
 }

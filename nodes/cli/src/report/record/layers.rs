@@ -112,7 +112,8 @@ impl Layers {
 
     /// Takes the state of the printer in.
     pub(crate) fn state(&mut self, at: f64, state: &PrinterState) {
-        let known = state.depositing && state.layer_known && state.target_width_known && state.layer_height_known;
+        let known =
+            state.depositing && state.layer_known && state.target_width_known && state.layer_height_known;
         let sane = state.target_width_m > 0.0 && state.layer_height_m > 0.0;
         let road = (known && sane).then_some((state.target_width_m, state.layer_height_m));
         let speed_m_s = state.path_speed_m_s;
@@ -156,7 +157,9 @@ impl Layers {
     /// A measured width.
     pub(crate) fn measured(&mut self, at: f64, width_m: f64) {
         let road = self.moment(at, SEEN_S).and_then(|moment| moment.road);
-        let Some(error) = road.map(|(target_m, _)| width_m / target_m - 1.0).filter(|error| error.is_finite()) else {
+        let Some(error) =
+            road.map(|(target_m, _)| width_m / target_m - 1.0).filter(|error| error.is_finite())
+        else {
             return;
         };
         let (count, sum, squares) = &mut self.measured_rel;
@@ -194,7 +197,8 @@ impl Layers {
 
     /// Takes a move in.
     pub(crate) fn motion(&mut self, segment: &MotionSegment) {
-        if segment.kind != MotionSegment::KIND_DEPOSIT || !segment.layer_known || !segment.target_width_known {
+        if segment.kind != MotionSegment::KIND_DEPOSIT || !segment.layer_known || !segment.target_width_known
+        {
             return;
         }
         let place = |m: f64| (m.is_finite() && m.abs() < BED_MAX_M).then_some(m);

@@ -67,7 +67,8 @@ impl Record {
             }
             // `printer/state` also ends `/x/printer/state` of another namespace: the longest namespace is not sought,
             // the first one found counts.
-            let Some(namespace) = topic.strip_suffix(known.name).and_then(|front| front.strip_suffix('/')) else {
+            let Some(namespace) = topic.strip_suffix(known.name).and_then(|front| front.strip_suffix('/'))
+            else {
                 continue;
             };
             match &self.namespace {

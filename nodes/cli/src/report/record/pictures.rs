@@ -167,7 +167,8 @@ impl Pictures {
 
     fn choose(&mut self, picture: Picture) {
         self.chosen.push(picture);
-        while self.chosen.len() > PICTURES_MAX || self.chosen.iter().map(|kept| kept.data.len()).sum::<usize>() > TOTAL_MAX
+        while self.chosen.len() > PICTURES_MAX
+            || self.chosen.iter().map(|kept| kept.data.len()).sum::<usize>() > TOTAL_MAX
         {
             let lightest = self.chosen.iter().enumerate().min_by(|a, b| a.1.weight.total_cmp(&b.1.weight));
             let Some((index, _)) = lightest else { return };

@@ -42,8 +42,14 @@ const DESCRIBED: [&str; 6] = ["print_id", "gcode_file", "gcode_sha256", "config_
 impl Print {
     /// Takes the description of a print in.
     pub(crate) fn info(&mut self, _at: f64, info: &PrintInfo) {
-        let values =
-            [&info.print_id, &info.gcode_file, &info.gcode_sha256, &info.config_sha256, &info.build, &info.scenario];
+        let values = [
+            &info.print_id,
+            &info.gcode_file,
+            &info.gcode_sha256,
+            &info.config_sha256,
+            &info.build,
+            &info.scenario,
+        ];
         self.described = DESCRIBED.into_iter().zip(values.map(|value| short(value, TEXT_MAX))).collect();
         self.descriptions += 1;
         self.configuration(&info.config);

@@ -144,7 +144,8 @@ impl Signals {
             ("gain", 100.0, 0.0, &mut self.gain_percent),
         ] {
             let Some(index) = message.names.iter().position(|known| known == name) else { continue };
-            let variance = message.covariance.get(index * (message.names.len() + 1)).copied().unwrap_or(f64::NAN);
+            let variance =
+                message.covariance.get(index * (message.names.len() + 1)).copied().unwrap_or(f64::NAN);
             let value = message.x.get(index).copied().unwrap_or(f64::NAN) * scale + offset;
             let reach = SIGMAS * variance.sqrt() * scale;
             into.value.add(at, value);
@@ -221,6 +222,7 @@ impl Shaking {
             ((x - rest[0]).powi(2) + (y - rest[1]).powi(2) + (z - rest[2]).powi(2)).sqrt()
         };
         let peak = batch.x_m_s2.iter().zip(batch.y_m_s2.iter().zip(&batch.z_m_s2)).map(deviation);
-        self.peak_m_s2.add(at, peak.fold(0.0, |peak, next| if next > peak || next.is_nan() { next } else { peak }));
+        self.peak_m_s2
+            .add(at, peak.fold(0.0, |peak, next| if next > peak || next.is_nan() { next } else { peak }));
     }
 }

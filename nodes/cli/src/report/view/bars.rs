@@ -89,7 +89,9 @@ fn draw_into(text: &mut String, bars: &[Bar], size: (u32, u32), labels: usize) -
         .label_style(letters.clone())
         .axis_desc_style(letters)
         .x_desc("layer")
-        .x_label_formatter(&|layer| if layer.fract().abs() < 1e-6 { format!("{layer:.0}") } else { String::new() })
+        .x_label_formatter(&|layer| {
+            if layer.fract().abs() < 1e-6 { format!("{layer:.0}") } else { String::new() }
+        })
         .draw()
         .map_err(|error| failed(&error))?;
     for bar in bars {

@@ -1,8 +1,8 @@
 //! Plots against time, once for wide and once for narrow screens.
 
 use super::ink::{Ink, styled};
-use crate::report::record::signals::Estimated;
-use crate::report::series::{Column, Series};
+use super::trace::{LETTERS, Marker, Shape, Trace};
+use crate::report::series::Column;
 use maud::{Markup, PreEscaped, html};
 use plotters::prelude::*;
 
@@ -19,62 +19,10 @@ const SIZES: [Size; 2] = [
     Size { class: "wide", width: 920, height: 250, columns: 420, labels: (10, 6) },
     Size { class: "narrow", width: 380, height: 230, columns: 170, labels: (5, 5) },
 ];
-/// Size of letters, as the library counts.
-const LETTERS: u32 = 15;
 /// Width that the number of an event takes `[px]`: one that finds no room is left out.
 const NUMBER_PX: f64 = 20.0;
 /// Share of the columns whose extremes may lie beyond the value axis.
 const BEYOND: f64 = 0.02;
-
-/// An event on the time axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Marker {
-    pub(crate) at: f64,
-    /// Number in the table of events.
-    pub(crate) number: usize,
-    pub(crate) ink: Ink,
-}
-
-/// One signal of a plot.
-pub(crate) struct Trace<'a> {
-    name: &'a str,
-    ink: Ink,
-    series: &'a Series,
-    band: Option<(&'a Series, &'a Series)>,
-    form: Form,
-}
-
-/// How a signal is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Form {
-    Line,
-    /// Seen beside a line on top of it.
-    Broad,
-    Dots,
-}
-
-impl<'a> Trace<'a> {
-    /// A line of the mean with a shade from the smallest to the largest value.
-    pub(crate) fn line(name: &'a str, ink: Ink, series: &'a Series) -> Self {
-        Self { name, ink, series, band: None, form: Form::Line }
-    }
-
-    /// A line with the band of its uncertainty.
-    pub(crate) fn estimated(name: &'a str, ink: Ink, estimated: &'a Estimated) -> Self {
-        let band = Some((&estimated.low, &estimated.high));
-        Self { name, ink, series: &estimated.value, band, form: Form::Line }
-    }
-
-    /// Single values.
-    pub(crate) fn dots(name: &'a str, ink: Ink, series: &'a Series) -> Self {
-        Self { name, ink, series, band: None, form: Form::Dots }
-    }
-
-    /// A broad line of the mean, for what another one follows.
-    pub(crate) fn broad(name: &'a str, ink: Ink, series: &'a Series) -> Self {
-        Self { name, ink, series, band: None, form: Form::Broad }
-    }
-}
 
 /// A plot.
 pub(crate) struct Plot<'a> {
@@ -157,7 +105,10 @@ impl Plot<'_> {
         let mut elements: Vec<Shape> = Vec::new();
         if let Some((from, to)) = self.band {
             let end = self.span_s / unit_s;
-            elements.push(Shape::Filled(Ink::Good, vec![(0.0, clip(from)), (end, clip(from)), (end, clip(to)), (0.0, clip(to))]));
+            elements.push(Shape::Filled(
+                Ink::Good,
+                vec![(0.0, clip(from)), (end, clip(from)), (end, clip(to)), (0.0, clip(to))],
+            ));
         }
         for trace in traces {
             trace.shapes(size.columns, self.span_s, &place, &mut elements);
@@ -202,83 +153,6 @@ impl Plot<'_> {
         let room = ((high - low) * 0.06).max(low.abs().max(high.abs()) * 1e-6).max(1e-9);
         (low - room, high + room)
     }
-}
-
-impl Trace<'_> {
-    fn shapes(
-        &self,
-        columns: usize,
-        span_s: f64,
-        place: &impl Fn(&Column, f64) -> (f64, f64),
-        into: &mut Vec<Shape>,
-    ) {
-        if self.form == Form::Dots {
-            let points = self.series.columns(columns, span_s);
-            into.push(Shape::Dots(self.ink, points.iter().map(|column| place(column, column.cell.mean())).collect()));
-            return;
-        }
-        let (low, high) = self.band.unwrap_or((self.series, self.series));
-        for (low, high) in low.runs(columns, span_s).iter().zip(high.runs(columns, span_s)) {
-            let below = low.iter().map(|column| place(column, column.cell.low));
-            let above = high.iter().rev().map(|column| place(column, column.cell.high));
-            into.push(Shape::Filled(self.ink, below.chain(above).collect()));
-        }
-        let thickness = if self.form == Form::Broad { 6 } else { 2 };
-        for run in self.series.runs(columns, span_s) {
-            let line: Vec<_> = run.iter().map(|column| place(column, column.cell.mean())).collect();
-            match line[..] {
-                [_] => into.push(Shape::Dots(self.ink, line)),
-                _ => into.push(Shape::Line(self.ink, thickness, line)),
-            }
-        }
-    }
-}
-
-/// What is drawn.
-enum Shape {
-    Filled(Ink, Vec<(f64, f64)>),
-    Line(Ink, u32, Vec<(f64, f64)>),
-    Dots(Ink, Vec<(f64, f64)>),
-    Marker(Marker, bool, [(f64, f64); 2]),
-}
-
-type Coordinates = Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>;
-
-impl Shape {
-    fn draw_on(self, chart: &mut ChartContext<'_, SVGBackend<'_>, Coordinates>) -> anyhow::Result<()> {
-        let failed = |error: &dyn std::fmt::Display| anyhow::anyhow!("{error}");
-        match self {
-            Self::Filled(ink, points) => {
-                let style = ink.stand_in().mix(0.16).filled();
-                chart.draw_series([Polygon::new(points, style)]).map_err(|error| failed(&error))?;
-            }
-            Self::Line(ink, thickness, points) => {
-                let shade = if thickness > 2 { 0.45 } else { 1.0 };
-                let style = ink.stand_in().mix(shade).stroke_width(thickness);
-                chart.draw_series([PathElement::new(points, style)]).map_err(|error| failed(&error))?;
-            }
-            Self::Dots(ink, points) => {
-                let style = ink.stand_in().filled();
-                let dots = points.into_iter().map(|point| Circle::new(point, 2, style));
-                chart.draw_series(dots).map_err(|error| failed(&error))?;
-            }
-            Self::Marker(marker, numbered, ends) => {
-                let style = marker.ink.stand_in().mix(0.7).stroke_width(1);
-                chart.draw_series([PathElement::new(ends, style)]).map_err(|error| failed(&error))?;
-                if !numbered {
-                    return Ok(());
-                }
-                let number = Text::new(marker.number.to_string(), (-4, -13), number_style(&marker));
-                let above = EmptyElement::at(ends[1]) + number;
-                chart.draw_series([above]).map_err(|error| failed(&error))?;
-            }
-        }
-        Ok(())
-    }
-}
-
-fn number_style(marker: &Marker) -> TextStyle<'static> {
-    ("sans-serif", LETTERS).into_font().color(&marker.ink.stand_in())
 }
 
 /// Unit of a time axis of this length: its seconds and its name.

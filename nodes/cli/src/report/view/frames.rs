@@ -88,12 +88,16 @@ fn figures(layer: &Layer) -> Markup {
 /// First, last, worst and flagged layers, each with the reason.
 fn of_interest(view: &View) -> Vec<(u32, String)> {
     let layers = &view.record.layers.layers;
-    let badness = |layer: &Layer| layer.quality.as_ref().map(|quality| quality.quality).or_else(|| layer.width_rms());
+    let badness =
+        |layer: &Layer| layer.quality.as_ref().map(|quality| quality.quality).or_else(|| layer.width_rms());
     let mut by_badness: Vec<(u32, f64)> =
         layers.iter().filter_map(|(number, layer)| Some((*number, badness(layer)?))).collect();
     by_badness.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut flagged: Vec<(u32, u64)> =
-        layers.iter().filter(|(_, layer)| layer.flagged > 0).map(|(number, layer)| (*number, layer.flagged)).collect();
+    let mut flagged: Vec<(u32, u64)> = layers
+        .iter()
+        .filter(|(_, layer)| layer.flagged > 0)
+        .map(|(number, layer)| (*number, layer.flagged))
+        .collect();
     flagged.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     let named = |number: Option<u32>, why: &str| number.map(|number| (number, why.to_owned()));
     let known: Vec<u32> = layers.keys().copied().collect();

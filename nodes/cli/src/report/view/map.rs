@@ -99,7 +99,8 @@ fn error_class(error: f64) -> usize {
 
 fn speed_class(speed_mm_s: f32, fastest_mm_s: f32) -> usize {
     let share = (speed_mm_s / fastest_mm_s).clamp(0.0, 0.999);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)] // below SPEEDS
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
+    // below SPEEDS
     let class = (share * SPEEDS as f32) as usize;
     class
 }
@@ -123,7 +124,8 @@ struct Paths {
 
 impl Paths {
     fn add(&mut self, road: &Road, share: (f32, f32), class: Option<usize>) {
-        let at = |share: f32, axis: usize| road.from_mm[axis] + (road.to_mm[axis] - road.from_mm[axis]) * share;
+        let at =
+            |share: f32, axis: usize| road.from_mm[axis] + (road.to_mm[axis] - road.from_mm[axis]) * share;
         let (from, to) = ([at(share.0, 0), at(share.0, 1)], [at(share.1, 0), at(share.1, 1)]);
         let class = class.unwrap_or(ERRORS.len() + 1).min(ERRORS.len() + 1);
         let near = |last: [f32; 2]| (last[0] - from[0]).abs() + (last[1] - from[1]).abs() < 0.01;

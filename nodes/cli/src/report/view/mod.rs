@@ -8,14 +8,15 @@ pub(crate) mod map;
 pub(crate) mod plots;
 pub(crate) mod summary;
 pub(crate) mod tables;
+pub(crate) mod trace;
 pub(crate) mod words;
 
 use super::bag::Bag;
 use super::record::Record;
-use chart::Marker;
+use super::record::events::Severity;
 use ink::Ink;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use super::record::events::Severity;
+use trace::Marker;
 
 /// Markers on the time axes.
 const MARKERS_MAX: usize = 24;

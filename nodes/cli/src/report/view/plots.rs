@@ -1,7 +1,8 @@
 //! The plots, each with what it is made from and what is missing.
 
-use super::chart::{Plot, Trace};
+use super::chart::Plot;
 use super::ink::Ink;
+use super::trace::Trace;
 use super::words::percent;
 use super::{View, absent, bars};
 use crate::report::series::Series;
@@ -62,7 +63,10 @@ pub(crate) fn slip(view: &View) -> Markup {
     let slip = vec![Trace::estimated("slip ±2σ", Ink::Estimated, &signals.slip_percent)];
     let gain = vec![Trace::estimated("gain ±2σ", Ink::Fifth, &signals.gain_percent)];
     let slip = Plot { shows: Some((0.0, 5.0)), ..view.plot("Filament lost in the drive gear", "%", slip) };
-    let gain = Plot { shows: Some((95.0, 105.0)), ..view.plot("Section of the road over the nominal one", "%", gain) };
+    let gain = Plot {
+        shows: Some((95.0, 105.0)),
+        ..view.plot("Section of the road over the nominal one", "%", gain)
+    };
     html! {
         (slip.draw())
         (gain.draw())
@@ -105,7 +109,10 @@ pub(crate) fn width(view: &View) -> Markup {
 pub(crate) fn commands(view: &View) -> Markup {
     let (wish, permit) = (&view.record.signals.wish, &view.record.signals.permit);
     let pair = |wished, permitted| {
-        vec![Trace::broad("permitted", Ink::Estimated, permitted), Trace::line("wished", Ink::Measured, wished)]
+        vec![
+            Trace::broad("permitted", Ink::Estimated, permitted),
+            Trace::line("wished", Ink::Measured, wished),
+        ]
     };
     let plots = [
         ("Flow", "%", pair(&wish.flow_percent, &permit.flow_percent), (98.0, 102.0)),
@@ -168,10 +175,12 @@ pub(crate) fn consistency(view: &View) -> Markup {
     }
     let inks = INKS.into_iter().cycle();
     let traces = signals.channels.iter().zip(inks);
-    let traces = traces.map(|(channel, ink)| Trace::line(&channel.name, ink, &channel.windowed_log)).collect();
+    let traces =
+        traces.map(|(channel, ink)| Trace::line(&channel.name, ink, &channel.windowed_log)).collect();
     let (low, high) = band(signals.window);
     let plot = view.plot("NIS, mean over the window", "-", traces);
-    let plot = Plot { band: Some((low.log10(), high.log10())), shows: Some((-1.0, 1.0)), logarithm: true, ..plot };
+    let plot =
+        Plot { band: Some((low.log10(), high.log10())), shows: Some((-1.0, 1.0)), logarithm: true, ..plot };
     html! {
         (plot.draw())
         p.note { "95 % of a consistent filter's windows of " (signals.window) " updates lie between "

@@ -42,7 +42,8 @@ fn verdict(view: &View) -> (&'static str, &'static str, String) {
         return ("warn", "Unknown.", "The bag does not say what the printer did.".to_owned());
     };
     let cause = print.safety.as_ref().map(|safety| safety.cause.as_str()).filter(|cause| !cause.is_empty());
-    let because = cause.map_or(String::new(), |cause| format!(" {}", super::super::decode::short(cause, 200)));
+    let because =
+        cause.map_or(String::new(), |cause| format!(" {}", super::super::decode::short(cause, 200)));
     let stopped = print.safety.as_ref().is_some_and(|safety| safety.mode >= SafetyState::MODE_SAFE_OFF);
     let [_, warnings, errors] = view.record.events.counts;
     let far = percent(state.progress, 0);
@@ -50,7 +51,9 @@ fn verdict(view: &View) -> (&'static str, &'static str, String) {
         _ if stopped => ("error", "Stopped by the supervisor", format!("at {far}.{because}")),
         PrinterState::PHASE_FAILED => ("error", "Failed", format!("at {far}.{because}")),
         PrinterState::PHASE_PAUSED => ("error", "Paused", format!("at {far}, and not gone on.{because}")),
-        PrinterState::PHASE_DONE if errors > 0 => ("error", "Printed to its end", format!("with {errors} errors.")),
+        PrinterState::PHASE_DONE if errors > 0 => {
+            ("error", "Printed to its end", format!("with {errors} errors."))
+        }
         PrinterState::PHASE_DONE if warnings > 0 => {
             ("warn", "Printed to its end", format!("with {warnings} warnings: see the events."))
         }
@@ -97,10 +100,11 @@ fn figures(view: &View) -> Vec<(&'static str, String, String)> {
     let layers = view.record.layers.layers.len();
     let modes = print.time_in_modes(view.span_s);
     let set = print.safety.as_ref().map_or_else(unknown, |safety| mode_name(safety.set_mode).to_owned());
-    let in_modes: Vec<String> = modes.iter().map(|(name, time_s)| format!("{name} {}", clock(*time_s))).collect();
-    let deposit = print.first_road_s.map_or(String::new(), |from| {
-        format!("roads from {} to {}", clock(from), clock(print.last_road_s))
-    });
+    let in_modes: Vec<String> =
+        modes.iter().map(|(name, time_s)| format!("{name} {}", clock(*time_s))).collect();
+    let deposit = print
+        .first_road_s
+        .map_or(String::new(), |from| format!("roads from {} to {}", clock(from), clock(print.last_road_s)));
     let [infos, warnings, errors] = view.record.events.counts;
     let severity = view.record.events.severity().map_or("no event", Severity::name);
     let counts = view.bag.counts.as_ref();
@@ -119,7 +123,11 @@ fn figures(view: &View) -> Vec<(&'static str, String, String)> {
         ("Phase at the end", print.phase().map_or_else(unknown, str::to_owned), progress(view)),
         ("Layers", layers.to_string(), last_layer(view)),
         ("Modes", modes.len().to_string(), in_modes.join(", ")),
-        ("Events", format!("{errors} errors"), format!("{warnings} warnings, {infos} infos; worst: {severity}")),
+        (
+            "Events",
+            format!("{errors} errors"),
+            format!("{warnings} warnings, {infos} infos; worst: {severity}"),
+        ),
         ("Messages", recorder, lost),
         ("Bag", bytes(view.bag.bytes()), format!("{} file(s)", view.bag.files.len())),
     ];
