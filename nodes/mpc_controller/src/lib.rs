@@ -5,6 +5,7 @@
 //! | [`qp`] | receding-horizon problem on Clarabel (model book 1.7) |
 //! | [`trims`] | integral action on the measured width between solves ([QC] (23)) |
 //! | [`reference`] | what the slicer's set-point means for the nozzle |
+//! | [`wire`] | profile of the wire process: feed and head speed from layer heights |
 //! | [`params`] | `config/mpc_controller.param.yaml` |
 //!
 //! A plan is made at every tick; a command leaves with every estimate, since a slip must act within 0.1 s. When an
@@ -25,6 +26,7 @@ pub mod params;
 pub mod qp;
 pub mod reference;
 pub mod trims;
+pub mod wire;
 
 pub use controller::{Controller, Report};
 pub use input::{Estimate, Event, Refusals, Refused};

@@ -38,6 +38,7 @@ mod setup;
 pub mod simulator;
 pub mod structure;
 pub mod toolhead;
+pub mod wire;
 
 pub use output::{Output, Truth};
 pub use params::Params;

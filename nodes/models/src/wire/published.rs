@@ -1,6 +1,14 @@
-//! Rows of the paper's Tables 1 and 2, as `config/wire/published.yaml` holds them: data to compare with, not parameters.
+//! Rows of the paper's Tables 1 and 2, as `config/wire/published.yaml` holds them: data to compare with, no parameters.
 
 use serde::Deserialize;
+
+/// The rows of both tables.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Published {
+    /// Dip first, then bump.
+    pub rows: Vec<Row>,
+}
 
 /// One row of Table 1 or 2.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
