@@ -5,11 +5,14 @@ pub mod config;
 pub mod doctor;
 pub mod gcode;
 pub mod job;
+pub mod kinematics;
 pub mod operate;
 pub mod output;
+pub mod process;
 pub mod report;
 pub mod sim;
 pub mod up;
+pub mod wire;
 
 use clap::{Parser, Subcommand};
 use operate::Ask;
@@ -53,6 +56,10 @@ enum Command {
     Classify(classify::ClassifyArgs),
     /// Parse and plan a file: layers, moves, filament, time, oddities.
     Gcode(gcode::GcodeArgs),
+    /// Metal wire laid drop by drop: plan, correct, simulate.
+    Wire(wire::WireArgs),
+    /// Errors of a five-axis machine of hybrid layout: tables, map, synthesis.
+    Kinematics(kinematics::KinematicsArgs),
 }
 
 /// Runs the command line of this process.
@@ -71,6 +78,8 @@ pub fn main() -> ExitCode {
         Command::Report(args) => report::run(&args),
         Command::Classify(args) => classify::run(&args),
         Command::Gcode(args) => gcode::run(&args),
+        Command::Wire(args) => wire::run(&args),
+        Command::Kinematics(args) => kinematics::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

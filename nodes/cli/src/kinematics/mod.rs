@@ -1,0 +1,78 @@
+//! `fdm kinematics`: what wrong axes of a five-axis machine do to the surface.
+
+pub mod error;
+pub mod map;
+mod picture;
+pub mod stl;
+pub mod synthesize;
+
+use crate::config::ConfigDir;
+use crate::process;
+use anyhow::bail;
+use clap::{Args, Subcommand};
+use models::hybrid::Geometry;
+use models::hybrid::synthesis::Choices;
+use std::path::PathBuf;
+
+/// Kinematic errors of a machine of hybrid layout.
+#[derive(Debug, Args)]
+pub struct KinematicsArgs {
+    #[command(subcommand)]
+    command: KinematicsCommand,
+}
+
+#[derive(Debug, Subcommand)]
+enum KinematicsCommand {
+    /// Error over height and motor angle; the paper's Tables 1 and 2 beside ours.
+    Error(error::ErrorArgs),
+    /// Error over a whole part: an STL file, or the paper's hemisphere.
+    Map(map::MapArgs),
+    /// Motor step, microsteps and lead for a wanted accuracy, and whether a carriage needs an encoder.
+    Synthesize(synthesize::SynthesizeArgs),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line that says what is wrong and where.
+pub fn run(args: &KinematicsArgs) -> anyhow::Result<()> {
+    match &args.command {
+        KinematicsCommand::Error(args) => error::run(args),
+        KinematicsCommand::Map(args) => map::run(args),
+        KinematicsCommand::Synthesize(args) => synthesize::run(args),
+    }
+}
+
+/// Which machine, and where its files are.
+#[derive(Debug, Args)]
+pub struct MachineArgs {
+    /// Machine: a file of config/machines.
+    #[arg(long, default_value = "g1")]
+    machine: String,
+    /// Folder with the parameter files.
+    #[arg(long)]
+    config: Option<PathBuf>,
+}
+
+impl MachineArgs {
+    fn config(&self) -> anyhow::Result<ConfigDir> {
+        ConfigDir::find(self.config.as_deref())
+    }
+
+    fn file(&self, config: &ConfigDir) -> anyhow::Result<String> {
+        let known: Vec<String> =
+            config.names_in("machines").into_iter().filter(|name| name != "published").collect();
+        if known.contains(&self.machine) {
+            return Ok(format!("machines/{}.yaml", self.machine));
+        }
+        bail!("machine '{}' is unknown; there are {}", self.machine, known.join(", "))
+    }
+
+    fn geometry(&self, config: &ConfigDir) -> anyhow::Result<Geometry> {
+        process::block(config, &self.file(config)?, "machine")
+    }
+
+    fn choices(&self, config: &ConfigDir) -> anyhow::Result<Choices> {
+        process::block(config, &self.file(config)?, "synthesis")
+    }
+}

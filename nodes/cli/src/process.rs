@@ -1,0 +1,82 @@
+//! What the commands of the process models share: blocks of parameter files, seeds, pictures.
+
+use crate::config::ConfigDir;
+use anyhow::{Context, anyhow, bail};
+use plotters::coord::Shift;
+use plotters::prelude::{DrawingArea, IntoDrawingArea, SVGBackend, WHITE};
+use runtime::params::{NodePath, Parameters};
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+
+/// A drawing, empty at first.
+pub type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+/// One block of a parameter file of the configuration folder.
+///
+/// # Errors
+/// File, line, field, value and range of what is refused.
+pub fn block<T: DeserializeOwned>(config: &ConfigDir, file: &str, name: &str) -> anyhow::Result<T> {
+    let path = NodePath { qualified: "/printer/fdm".into(), base: "fdm".into() };
+    Ok(Parameters::read(&[config.file(file)], &[], &path)?.block(name)?)
+}
+
+/// Seeds from `A..B`, both included.
+///
+/// # Errors
+/// Says what the form is.
+pub fn seeds(range: &str) -> anyhow::Result<Vec<u64>> {
+    let bounds = range.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    match bounds {
+        Some((first, last)) if first <= last && last - first < 10_000 => Ok((first..=last).collect()),
+        _ => bail!("--seeds {range}: must be A..B with A <= B, both included, at most 10000 of them"),
+    }
+}
+
+/// A picture file: SVG, or a page that holds one.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    path: PathBuf,
+    page: bool,
+}
+
+impl Picture {
+    /// Chooses the form by the name's ending, before the work begins.
+    ///
+    /// # Errors
+    /// An ending that is neither `.svg` nor `.html`.
+    pub fn new(path: &Path) -> anyhow::Result<Self> {
+        match path.extension().and_then(|ending| ending.to_str()) {
+            Some("svg") => Ok(Self { path: path.to_path_buf(), page: false }),
+            Some("html") => Ok(Self { path: path.to_path_buf(), page: true }),
+            _ => bail!("--picture {}: must end in .svg or .html", path.display()),
+        }
+    }
+
+    /// Draws and writes; width and height in pixels.
+    ///
+    /// # Errors
+    /// What the drawing says, or a file that cannot be written.
+    pub fn draw(
+        &self,
+        title: &str,
+        size: (u32, u32),
+        draw: impl FnOnce(&Canvas<'_>) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let mut svg = String::new();
+        {
+            let canvas = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+            canvas.fill(&WHITE).map_err(|error| anyhow!("{error}"))?;
+            draw(&canvas)?;
+            canvas.present().map_err(|error| anyhow!("{error}"))?;
+        }
+        let text = if self.page {
+            format!(
+                "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title></head>\n\
+                 <body><h1>{title}</h1>\n{svg}\n</body></html>\n"
+            )
+        } else {
+            svg
+        };
+        std::fs::write(&self.path, text).with_context(|| self.path.display().to_string())
+    }
+}

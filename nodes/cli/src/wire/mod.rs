@@ -1,0 +1,104 @@
+//! `fdm wire`: metal wire molten by a laser, laid drop by drop.
+
+pub mod closed_loop;
+pub mod correct;
+mod picture;
+pub mod plan;
+pub mod sim;
+
+use crate::config::ConfigDir;
+use crate::process;
+use anyhow::bail;
+use clap::{Args, Subcommand, ValueEnum};
+use models::wire::{Feed, Law, Limits, Material, Mode};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// The wire process: plan, correct, simulate.
+#[derive(Debug, Args)]
+pub struct WireArgs {
+    #[command(subcommand)]
+    command: WireCommand,
+}
+
+#[derive(Debug, Subcommand)]
+enum WireCommand {
+    /// Speeds of wire and head from wire, material and laser power.
+    Plan(plan::PlanArgs),
+    /// Speeds for a measured height, and the paper's Tables 1 and 2 beside ours.
+    Correct(correct::CorrectArgs),
+    /// Height error of a simulated wall layer by layer, open against closed.
+    Sim(sim::SimArgs),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line that says what is wrong and where.
+pub fn run(args: &WireArgs) -> anyhow::Result<()> {
+    match &args.command {
+        WireCommand::Plan(args) => plan::run(args),
+        WireCommand::Correct(args) => correct::run(args),
+        WireCommand::Sim(args) => sim::run(args),
+    }
+}
+
+/// Which speeds the correction moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ModeName {
+    /// Wire and head.
+    Both,
+    /// The wire alone.
+    Wire,
+    /// The head alone.
+    Head,
+}
+
+impl From<ModeName> for Mode {
+    fn from(name: ModeName) -> Self {
+        match name {
+            ModeName::Both => Self::Both,
+            ModeName::Wire => Self::Wire,
+            ModeName::Head => Self::Head,
+        }
+    }
+}
+
+/// The `wire_process` block of `config/wire/process.yaml`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Process {
+    /// Name of the metal.
+    pub material: String,
+    /// Wire and power.
+    pub feed: Feed,
+    /// Correction.
+    pub law: Law,
+    /// What drives and laser can do.
+    pub limits: Limits,
+}
+
+impl Process {
+    /// The nominal process.
+    ///
+    /// # Errors
+    /// File, line, field, value and range of what is refused.
+    pub fn load(config: &ConfigDir) -> anyhow::Result<Self> {
+        process::block(config, "wire/process.yaml", "wire_process")
+    }
+}
+
+/// A metal by name.
+///
+/// # Errors
+/// Names the metals that there are.
+pub fn material(config: &ConfigDir, name: &str) -> anyhow::Result<Material> {
+    let known: BTreeMap<String, Material> = process::block(config, "wire/materials.yaml", "wire_materials")?;
+    match known.get(&name.to_lowercase()) {
+        Some(material) => Ok(*material),
+        None => {
+            let names: Vec<&str> = known.keys().map(String::as_str).collect();
+            bail!("material '{name}' is unknown; there are {}", names.join(", "))
+        }
+    }
+}
