@@ -14,7 +14,8 @@ mod strands;
 mod tests;
 mod texture;
 
-use opencv::core::Mat;
+use opencv::core::{Mat, MatTraitConst};
+use opencv::imgcodecs;
 use picture::Picture;
 
 /// Features of the picture.
@@ -59,6 +60,9 @@ pub enum FeatureError {
     /// A measured value is not finite.
     #[error("measured {0} is not finite")]
     Measured(&'static str),
+    /// Bytes that are no picture.
+    #[error("{0} bytes that OpenCV cannot decode as a picture")]
+    Encoded(usize),
     /// OpenCV refused.
     #[error("OpenCV: {0}")]
     OpenCv(#[from] opencv::Error),
@@ -94,6 +98,19 @@ pub fn extract(grey: &Mat, measured: &Measured) -> Result<Vec<f64>, FeatureError
     values.extend(strands::of(&picture)?);
     values.extend(known(measured)?);
     Ok(values)
+}
+
+/// Features of an encoded picture (JPEG, PNG), reduced to grey. For files of a trusted person: a camera's frames are
+/// checked for size before they are decoded.
+///
+/// # Errors
+/// As [`extract`], and bytes that are no picture.
+pub fn extract_encoded(bytes: &[u8], measured: &Measured) -> Result<Vec<f64>, FeatureError> {
+    let grey = imgcodecs::imdecode(&Mat::from_slice(bytes)?, imgcodecs::IMREAD_GRAYSCALE)?;
+    if grey.empty() {
+        return Err(FeatureError::Encoded(bytes.len()));
+    }
+    extract(&grey, measured)
 }
 
 /// Each value after a flag that says whether it is known.

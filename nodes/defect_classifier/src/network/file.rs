@@ -21,6 +21,9 @@ pub enum NetworkError {
     /// No JSON, a field missing, unknown or of another type: line and column are in the message.
     #[error("network file: {0}")]
     Json(#[from] serde_json::Error),
+    /// Nothing to train with, or examples of other features than this build's.
+    #[error("no examples, or examples with other features than this build's")]
+    Examples,
     /// A field whose value cannot be.
     #[error("network file: {field} is {found}, must be {wanted}")]
     Field {
@@ -158,7 +161,7 @@ impl RawNetwork {
     }
 
     /// Each input's place among the features that this build computes.
-    fn places(&self) -> Result<Vec<usize>, NetworkError> {
+    pub(crate) fn places(&self) -> Result<Vec<usize>, NetworkError> {
         let known = features::names();
         let place = |(row, name): (usize, &String)| match known.iter().position(|known| known == name) {
             Some(place) => Ok(place),

@@ -5,6 +5,7 @@
 mod file;
 #[cfg(test)]
 mod tests;
+pub mod training;
 
 pub use file::NetworkError;
 
