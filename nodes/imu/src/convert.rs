@@ -84,7 +84,8 @@ mod tests {
         let wire = thinned(&sample, "imu");
         assert_eq!((wire.orientation_covariance[0], wire.angular_velocity_covariance[0]), (-1.0, -1.0));
         let expected = [0.009, 0.0, 0.0, 0.0, 0.009, 0.0, 0.0, 0.0, 0.009];
-        assert_eq!(wire.linear_acceleration_covariance, expected);
+        let covariance = wire.linear_acceleration_covariance;
+        assert!(covariance.iter().zip(expected).all(|(value, wanted)| (value - wanted).abs() < 1e-15));
         assert_eq!((wire.linear_acceleration.z, wire.header.frame_id.as_str()), (9.8, "imu"));
     }
 
