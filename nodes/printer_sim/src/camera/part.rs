@@ -17,6 +17,17 @@ enum Shape {
     Polygon { corners: u32, apothem_m: f64 },
 }
 
+/// Pattern of the infill.
+#[derive(Debug, Clone, Copy)]
+enum Infill {
+    /// Straight lines, across those of the layer below.
+    Lines,
+    /// Lines of both directions in one layer.
+    Grid,
+    /// Waves of this length and swing over their pitch, as a gyroid's cuts `[m]`, `[-]`.
+    Waves(f64, f64),
+}
+
 /// A part around its own origin.
 #[derive(Debug, Clone)]
 pub(super) struct Part {
@@ -24,7 +35,9 @@ pub(super) struct Part {
     hole_m: Option<f64>,
     turn_rad: f64,
     loops: u32,
+    infill: Infill,
     infill_share: f64,
+    brim: u32,
     infill_rad: f64,
     /// Width that the slicer asked for `[m]`.
     pub(super) width_m: f64,
@@ -40,13 +53,23 @@ impl Part {
             let corners = [3, 5, 6, 8, 40][rng.random_range(0..5)];
             Shape::Polygon { corners, apothem_m: rng.random_range(3e-3..9e-3) }
         };
+        let infill_share = if rng.random_bool(0.6) { 1.0 } else { rng.random_range(0.12..0.4) };
+        let infill = match rng.random_range(0..4) {
+            0 if infill_share < 0.3 => Infill::Grid,
+            1 | 2 if infill_share < 1.0 => {
+                Infill::Waves(rng.random_range(4e-3..9e-3), rng.random_range(0.2..0.45))
+            }
+            _ => Infill::Lines,
+        };
         let hole_m = rng.random_bool(0.3).then(|| rng.random_range(1.0e-3..2.0e-3));
         Self {
             shape,
             hole_m,
             turn_rad: if rng.random_bool(0.6) { 0.0 } else { rng.random_range(0.0..TAU) },
             loops: rng.random_range(1..4),
-            infill_share: if rng.random_bool(0.6) { 1.0 } else { rng.random_range(0.12..0.4) },
+            infill,
+            infill_share,
+            brim: if rng.random_bool(0.6) { 0 } else { rng.random_range(1..8) },
             infill_rad: if rng.random_bool(0.7) { FRAC_PI_4 } else { rng.random_range(0.0..TAU) },
             width_m: rng.random_range(0.38e-3..0.55e-3),
             height_m: rng.random_range(0.12e-3..0.28e-3),
@@ -90,35 +113,62 @@ impl Part {
                 close(&points, &mut lines);
             }
         }
-        let angle = self.infill_rad + if number.is_multiple_of(2) { 0.0 } else { TAU / 4.0 };
+        let turn = self.infill_rad + if number.is_multiple_of(2) { 0.0 } else { TAU / 4.0 };
         let inset_m = self.width_m / 2.0 + (f64::from(self.loops) - 0.6) * self.pitch_m();
-        let share = if solid { 1.0 } else { self.infill_share };
-        self.raster([self.outline(inset_m), self.hole(inset_m)], (angle, self.pitch_m() / share), &mut lines);
+        let infill = if solid { Infill::Lines } else { self.infill };
+        let pitch_m = self.pitch_m() / if solid { 1.0 } else { self.infill_share };
+        let angles = if matches!(infill, Infill::Grid) { vec![turn, turn + TAU / 4.0] } else { vec![turn] };
+        for angle in angles {
+            let edges = [self.outline(inset_m), self.hole(inset_m)];
+            raster(edges, (angle, pitch_m, infill), &mut lines);
+        }
         lines
     }
 
-    /// Parallel lines inside the outline and outside the hole (even-odd rule), there and back again.
-    fn raster(&self, edges: [Vec<[f64; 2]>; 2], (angle, pitch_m): (f64, f64), lines: &mut Vec<Line>) {
-        let edges = edges.map(|points| -> Vec<[f64; 2]> {
-            points.into_iter().map(|point| turned(point, -angle)).collect()
-        });
-        let low = edges[0].iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
-        let high = edges[0].iter().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
-        let (mut y, mut back) = (low + pitch_m / 2.0, false);
-        while y < high {
-            let mut cuts: Vec<f64> = edges.iter().flat_map(|points| crossings(points, y)).collect();
-            cuts.sort_by(f64::total_cmp);
-            if back {
-                cuts.reverse();
-            }
-            for pair in cuts.chunks_exact(2) {
-                let [from_m, to_m] = [pair[0], pair[1]].map(|x| turned([x, y], angle));
-                lines.push(Line { from_m, to_m });
-            }
-            back = !back;
-            y += pitch_m;
+    /// Roads around the part that hold it to the bed, from the outermost; none on most parts.
+    pub(super) fn brim(&self) -> Vec<Line> {
+        let mut lines = Vec::new();
+        for ring in (1..=self.brim).rev() {
+            close(&self.outline(self.width_m / 2.0 - f64::from(ring) * self.pitch_m()), &mut lines);
         }
+        lines
     }
+}
+
+/// Parallel lines inside the outline and outside the hole (even-odd rule), there and back again.
+fn raster(edges: [Vec<[f64; 2]>; 2], (angle, pitch_m, infill): (f64, f64, Infill), lines: &mut Vec<Line>) {
+    let edges = edges
+        .map(|points| -> Vec<[f64; 2]> { points.into_iter().map(|point| turned(point, -angle)).collect() });
+    let low = edges[0].iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+    let high = edges[0].iter().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
+    let (mut y, mut back) = (low + pitch_m / 2.0, false);
+    while y < high {
+        let mut cuts: Vec<f64> = edges.iter().flat_map(|points| crossings(points, y)).collect();
+        cuts.sort_by(f64::total_cmp);
+        if back {
+            cuts.reverse();
+        }
+        for pair in cuts.chunks_exact(2) {
+            run([pair[0], pair[1]], (y, pitch_m, infill), angle, lines);
+        }
+        back = !back;
+        y += pitch_m;
+    }
+}
+
+/// One line of the infill from cut to cut, straight or in waves.
+fn run([from, to]: [f64; 2], (y, pitch_m, infill): (f64, f64, Infill), angle: f64, lines: &mut Vec<Line>) {
+    let (steps, length_m, swing_m) = match infill {
+        Infill::Waves(length_m, swing) => {
+            (crate::camera::cast::floor((to - from).abs() / 4e-4).max(1), length_m, swing * pitch_m)
+        }
+        Infill::Lines | Infill::Grid => (1, 1.0, 0.0),
+    };
+    let at = |step: i32| {
+        let x = from + (to - from) * f64::from(step) / f64::from(steps);
+        turned([x, y + swing_m * (TAU * x / length_m).sin()], angle)
+    };
+    lines.extend((0..steps).map(|step| Line { from_m: at(step), to_m: at(step + 1) }));
 }
 
 fn polar(radius_m: f64, angle: f64) -> [f64; 2] {

@@ -6,13 +6,17 @@ use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// Length of a straight piece of strand, in its diameters.
-const PIECE: f64 = 0.6;
+const PIECE: f64 = 0.25;
 /// Memory of the curvature along the strand, in its diameters.
 const MEMORY: f64 = 12.0;
 /// Spread of the curvature, in its inverse diameters: loops of a few millimetres.
 const CURVATURE: f64 = 0.22;
 /// How far a strand strays from the nozzle before it is drawn back, in its diameters.
 const LEASH: f64 = 9.0;
+/// Highest that a thin string is drawn over what lies below it `[m]`.
+const HAIR_M: f64 = 1.2e-4;
+/// Steepest rise of a strand over what it crosses `[-]`.
+const CLIMB: f64 = 0.35;
 /// Highest that a tangle piles up above the nozzle's tip, in its diameters.
 const PILE: f64 = 4.0;
 
@@ -25,6 +29,7 @@ pub struct Tangle {
     heading_rad: f64,
     curvature: f64,
     lift: f64,
+    top_m: Option<f64>,
     owed_m3: f64,
     rng: StdRng,
 }
@@ -35,7 +40,16 @@ impl Tangle {
     pub fn new(diameter_m: f64, seed: u64) -> Self {
         let mut rng = StdRng::seed_from_u64(seed ^ 0x7a61);
         let heading_rad = rng.random_range(0.0..TAU);
-        Self { diameter_m, at_m: None, heading_rad, curvature: 0.0, lift: 0.3, owed_m3: 0.0, rng }
+        Self {
+            diameter_m,
+            at_m: None,
+            heading_rad,
+            curvature: 0.0,
+            lift: 0.3,
+            top_m: None,
+            owed_m3: 0.0,
+            rng,
+        }
     }
 
     /// Grows by `volume_m3` while the nozzle is at `tool_m`.
@@ -63,13 +77,21 @@ impl Tangle {
             turn += back * ((stray - LEASH) / LEASH).min(1.0) * 0.4;
         }
         self.heading_rad += turn;
-        let to_m =
-            [from_m[0] + piece_m * self.heading_rad.cos(), from_m[1] + piece_m * self.heading_rad.sin()];
-        let ground_m = deposit.height_m(to_m);
+        let to_m = self.ahead_m(from_m, piece_m);
+        // Beyond its own round end: a strand does not climb on itself.
+        let ahead_m = self.ahead_m(to_m, 0.6 * self.diameter_m);
+        let ground_m = deposit.height_m(ahead_m);
         let lifted_m = ground_m + self.diameter_m * (0.6 + 0.4 * self.lift.max(0.0));
-        let top_m = lifted_m.min(tool_m[2] + PILE * self.diameter_m);
+        let wanted_m = lifted_m.min(tool_m[2] + PILE * self.diameter_m);
+        let last_m = self.top_m.unwrap_or(wanted_m);
+        let top_m = wanted_m.clamp(last_m - CLIMB * piece_m, last_m + CLIMB * piece_m);
+        self.top_m = Some(top_m);
         deposit.drop_strand(from_m, to_m, (self.diameter_m, top_m));
         self.at_m = Some(to_m);
+    }
+
+    fn ahead_m(&self, from_m: [f64; 2], way_m: f64) -> [f64; 2] {
+        [from_m[0] + way_m * self.heading_rad.cos(), from_m[1] + way_m * self.heading_rad.sin()]
     }
 
     fn normal(&mut self) -> f64 {
@@ -94,7 +116,9 @@ pub fn string(
         let arch = 4.0 * share * (1.0 - share);
         let at_m = [0, 1]
             .map(|axis| from_m[axis] + share * (to_m[axis] - from_m[axis]) + arch * bow_m * across[axis]);
-        let sagged_m = (top_m - 0.03 * arch * length_m).max(deposit.height_m(at_m) + diameter_m);
+        // Thin hair casts no shadow to speak of: it is drawn near to what lies below it.
+        let ground_m = deposit.height_m(at_m);
+        let sagged_m = (top_m - 0.03 * arch * length_m).clamp(ground_m + 0.5 * diameter_m, ground_m + HAIR_M);
         deposit.drop_strand(last_m, at_m, (diameter_m * (1.0 - thins * arch), sagged_m));
         last_m = at_m;
     }

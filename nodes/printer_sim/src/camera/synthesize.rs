@@ -11,6 +11,11 @@ use rand::{Rng, SeedableRng, rngs::StdRng};
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
+/// Half sides of what a camera of the usual scale sees `[m]`, its rim left out.
+const SEEN_M: [f64; 2] = [9.0e-3, 6.5e-3];
+/// What the head hides around the tool `[m]`.
+const HEAD_M: f64 = 2.0e-3;
+
 /// What a frame shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -82,6 +87,7 @@ struct Scene {
 pub fn synthesize(params: &CameraParams, style: Style, class: Class, seed: u64) -> Example {
     let mut scene = Scene::new(params, class, seed);
     let layers = scene.rng.random_range(1..4);
+    scene.lay_brim();
     let first_m = scene.pedestal();
     let shifted_from = if class == Class::Shift { layers } else { u32::MAX };
     let layers = if class == Class::Shift { layers + scene.rng.random_range(1..3) } else { layers };
@@ -113,6 +119,15 @@ impl Scene {
             width: Scatter { factor, offset: 0.0, sigma: rng.random_range(0.003..0.012) },
             shift_m: None,
             rng,
+        }
+    }
+
+    fn lay_brim(&mut self) {
+        let height_m = self.part.height_m;
+        for line in self.part.brim() {
+            let width_m = self.part.width_m * self.width.next(&mut self.rng);
+            let bead = Bead { top_m: height_m, width_m, height_m };
+            self.deposit.lay(self.placed(line.from_m), self.placed(line.to_m), bead);
         }
     }
 
@@ -191,22 +206,50 @@ impl Scene {
                     );
                 }
             }
-            Class::Stringing => {
-                for _ in 0..self.rng.random_range(3..16) {
-                    let ends = (near(&mut self.rng, 8e-3), near(&mut self.rng, 8e-3));
-                    let size_m = self.rng.random_range(0.05e-3..0.16e-3);
-                    string(&mut self.deposit, ends, (size_m, top_m + 0.1e-3), &mut self.rng);
-                }
-            }
+            Class::Stringing => self.strings(view, top_m),
             Class::Blobs => {
+                let points = self.seen_points(view);
                 for _ in 0..self.rng.random_range(4..14) {
-                    let at = near(&mut self.rng, 6e-3);
+                    let on = points[self.rng.random_range(0..points.len())];
+                    let at_m = on.map(|at_m| at_m + self.rng.random_range(-1e-3..1e-3));
                     let size_m = self.rng.random_range(0.5e-3..1.4e-3);
                     let height_m = self.rng.random_range(0.15e-3..0.5e-3);
-                    blob(&mut self.deposit, at, (size_m, height_m), &mut self.rng);
+                    blob(&mut self.deposit, at_m, (size_m, height_m), &mut self.rng);
                 }
             }
             Class::Ok | Class::Under | Class::Over | Class::Shift => {}
+        }
+    }
+
+    /// Ends of the part's roads that the camera sees and the head does not hide; the tool's place if there are none.
+    fn seen_points(&self, view: View) -> Vec<[f64; 2]> {
+        let away = |at: &[f64; 2]| [0, 1].map(|axis| (at[axis] - view.tool_m[axis]).abs());
+        let seen = |at: &[f64; 2]| {
+            let [x_m, y_m] = away(at);
+            x_m < SEEN_M[0] && y_m < SEEN_M[1] && x_m.hypot(y_m) > HEAD_M
+        };
+        let ends = self.part.layer(0, false).into_iter().map(|line| self.placed(line.from_m));
+        let mut points: Vec<[f64; 2]> = ends.filter(seen).collect();
+        if points.is_empty() {
+            points.push([view.tool_m[0], view.tool_m[1]]);
+        }
+        points
+    }
+
+    /// Strings of travels between points of the part, or to another part outside of the picture.
+    fn strings(&mut self, view: View, top_m: f64) {
+        let points = self.seen_points(view);
+        let other = self.rng.random_range(0.0..std::f64::consts::TAU);
+        for _ in 0..self.rng.random_range(5..18) {
+            let [from_m, mut to_m] = [0, 1].map(|_| points[self.rng.random_range(0..points.len())]);
+            let apart_m = (to_m[0] - from_m[0]).hypot(to_m[1] - from_m[1]);
+            if self.rng.random_bool(0.6) || apart_m < HEAD_M {
+                let (angle, way_m) =
+                    (other + self.rng.random_range(-0.25..0.25), self.rng.random_range(0.008..0.025));
+                to_m = [from_m[0] + way_m * angle.cos(), from_m[1] + way_m * angle.sin()];
+            }
+            let size_m = self.rng.random_range(0.05e-3..0.16e-3);
+            string(&mut self.deposit, (from_m, to_m), (size_m, top_m), &mut self.rng);
         }
     }
 
