@@ -1,7 +1,13 @@
 //! Time to lay, to render and to compress, on a planned print whose roads are as wide as the file says, and some of
 //! the frames: `cargo run --release -p printer_sim --no-default-features --example render_time -- FOLDER [GCODE] [SEED]`.
 
-#![allow(clippy::print_stdout, clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+#![allow(clippy::print_stdout, reason = "an example prints")]
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "counts of frames and steps are small"
+)]
 
 mod support;
 

@@ -1,7 +1,8 @@
 //! Writes labelled frames as JPEG, and all of them on one sheet, for people to look at:
 //! `cargo run --release -p printer_sim --example synthesize -- FOLDER [COUNT] [training|test]`.
 
-#![allow(clippy::print_stdout, clippy::cast_precision_loss, clippy::cast_possible_truncation)]
+#![allow(clippy::print_stdout, reason = "an example prints")]
+#![allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "a picture is small")]
 
 mod support;
 
