@@ -6,8 +6,8 @@ case "$long" in '' | --long) ;; *) echo "usage: test.sh [--long]" >&2; exit 2 ;;
 
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
 
-step "Python readers of bags (PyPI, in target/venv)"
-need_packages python3 python3-venv
+step "Python readers of bags (PyPI, in target/venv); a browser that looks at reports"
+need_packages python3 python3-venv chromium fonts-dejavu-core
 if [ ! -x target/venv/bin/python ] || ! target/venv/bin/python -c 'import rosbags, mcap_ros2' 2>/dev/null; then
   mkdir -p target
   python3 -m venv target/venv

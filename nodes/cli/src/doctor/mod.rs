@@ -38,7 +38,7 @@ pub struct Unfit {
 
 impl std::fmt::Display for Unfit {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} of the checks failed: see above what to do", self.failures)
+        write!(f, "{} check(s) failed: see what to do above", self.failures)
     }
 }
 
@@ -69,7 +69,7 @@ pub fn run(args: &DoctorArgs) -> anyhow::Result<()> {
     if !json.is_stdout() {
         let lines: Vec<String> = findings.iter().map(Finding::to_string).collect();
         output::line(&lines.join("\n"))?;
-        output::line(&format!("{ok} ok, {warnings} warnings, {failures} failures"))?;
+        output::line(&format!("{ok} ok, {warnings} to warn of, {failures} failed"))?;
     }
     json.write(&Report { checks: &findings, ok, warnings, failures })?;
     if failures > 0 { Err(Unfit { failures }.into()) } else { Ok(()) }

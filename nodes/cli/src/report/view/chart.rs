@@ -134,9 +134,11 @@ impl Plot<'_> {
     fn range(&self, size: &Size, traces: &[&Trace]) -> (f64, f64) {
         let (mut lows, mut highs) = (Vec::new(), Vec::new());
         for trace in traces {
-            for column in trace.series.columns(size.columns, self.span_s) {
-                lows.push(column.cell.low);
-                highs.push(column.cell.high);
+            for series in trace.drawn() {
+                for column in series.columns(size.columns, self.span_s) {
+                    lows.push(column.cell.low);
+                    highs.push(column.cell.high);
+                }
             }
         }
         lows.sort_by(f64::total_cmp);

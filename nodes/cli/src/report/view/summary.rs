@@ -1,7 +1,7 @@
 //! Top of the page: what was printed and what came of it.
 
 use super::View;
-use super::words::{bytes, clock, date, percent};
+use super::words::{bytes, clock, counted, date, percent};
 use crate::report::record::events::Severity;
 use crate::up::words::mode_name;
 use fdm_loop_msgs::{PrinterState, SafetyState};
@@ -52,10 +52,10 @@ fn verdict(view: &View) -> (&'static str, &'static str, String) {
         PrinterState::PHASE_FAILED => ("error", "Failed", format!("at {far}.{because}")),
         PrinterState::PHASE_PAUSED => ("error", "Paused", format!("at {far}, and not gone on.{because}")),
         PrinterState::PHASE_DONE if errors > 0 => {
-            ("error", "Printed to its end", format!("with {errors} errors."))
+            ("error", "Printed to its end", format!("with {}: see the events.", counted(errors, "error")))
         }
         PrinterState::PHASE_DONE if warnings > 0 => {
-            ("warn", "Printed to its end", format!("with {warnings} warnings: see the events."))
+            ("warn", "Printed to its end", format!("with {}: see the events.", counted(warnings, "warning")))
         }
         PrinterState::PHASE_DONE => ("ok", "Printed to its end", "without a warning.".to_owned()),
         _ => ("info", "Not ended", format!("where the bag ends: {far} of the filament.{because}")),
@@ -125,11 +125,11 @@ fn figures(view: &View) -> Vec<(&'static str, String, String)> {
         ("Modes", modes.len().to_string(), in_modes.join(", ")),
         (
             "Events",
-            format!("{errors} errors"),
-            format!("{warnings} warnings, {infos} infos; worst: {severity}"),
+            counted(errors, "error"),
+            format!("{}, {}; worst: {severity}", counted(warnings, "warning"), counted(infos, "note")),
         ),
         ("Messages", recorder, lost),
-        ("Bag", bytes(view.bag.bytes()), format!("{} file(s)", view.bag.files.len())),
+        ("Bag", bytes(view.bag.bytes()), counted(view.bag.files.len() as u64, "file")),
     ];
     if let Some(scenario) = described(view, "scenario") {
         figures.push(("Scenario", scenario, "simulated printer".to_owned()));

@@ -59,6 +59,12 @@ impl<'a> Trace<'a> {
 }
 
 impl Trace<'_> {
+    /// Everything of it that takes room on the value axis.
+    pub(super) fn drawn(&self) -> impl Iterator<Item = &Series> {
+        let (low, high) = self.band.unzip();
+        [Some(self.series), low, high].into_iter().flatten()
+    }
+
     /// Its shapes in at most about so many columns.
     pub(super) fn shapes(
         &self,

@@ -37,6 +37,11 @@ pub(crate) fn bytes(count: u64) -> String {
     }
 }
 
+/// A count of things: `1 error`, `2 errors`.
+pub(crate) fn counted(count: u64, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
+}
+
 /// A share in percent.
 pub(crate) fn percent(share: f64, digits: usize) -> String {
     format!("{:.digits$} %", share * 100.0)
