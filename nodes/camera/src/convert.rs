@@ -54,7 +54,7 @@ pub(crate) fn reasons(refusals: &Refusals) -> [(Reason, u64); 5] {
         (Reason::NotFinite, refusals.not_finite),
         (Reason::OutOfRange, refusals.too_large + refusals.size + refusals.future),
         (Reason::Stale, refusals.stale),
-        (Reason::Order, refusals.order + refusals.frozen + refusals.too_fast),
+        (Reason::Order, refusals.order + refusals.too_fast),
         (Reason::Malformed, refusals.corrupt),
     ]
 }

@@ -17,6 +17,9 @@ pub struct Accepted {
     pub header: Header,
     /// Frames that are missing before it, by the configured rate.
     pub dropped: u64,
+    /// The same bytes as the frame before: a sensor's noise never repeats, the camera stands still. Such a frame is
+    /// passed on and counted, so that the classifier can say within two frames that it sees nothing (S8).
+    pub frozen: bool,
 }
 
 /// Why a frame was refused.
@@ -36,8 +39,6 @@ pub enum Refusal {
     Future,
     /// A stamp too far behind the clock.
     Stale,
-    /// The same bytes as the frame before: a sensor's noise never repeats, the camera stands still (S8).
-    Frozen,
     /// Sooner after the last one than the highest rate allows.
     TooFast,
 }
@@ -53,7 +54,6 @@ pub struct Refusals {
     pub order: u64,
     pub future: u64,
     pub stale: u64,
-    pub frozen: u64,
     pub too_fast: u64,
 }
 
@@ -61,8 +61,8 @@ impl Refusals {
     /// All of them.
     #[must_use]
     pub fn total(&self) -> u64 {
-        let Self { not_finite, too_large, corrupt, size, order, future, stale, frozen, too_fast } = self;
-        not_finite + too_large + corrupt + size + order + future + stale + frozen + too_fast
+        let Self { not_finite, too_large, corrupt, size, order, future, stale, too_fast } = self;
+        not_finite + too_large + corrupt + size + order + future + stale + too_fast
     }
 
     fn count(&mut self, refusal: Refusal) {
@@ -74,7 +74,6 @@ impl Refusals {
             Refusal::Order => &mut self.order,
             Refusal::Future => &mut self.future,
             Refusal::Stale => &mut self.stale,
-            Refusal::Frozen => &mut self.frozen,
             Refusal::TooFast => &mut self.too_fast,
         };
         *counter = counter.saturating_add(1);
@@ -103,6 +102,7 @@ pub struct Frames {
     accepted: Option<(Seconds, u64)>,
     interval_s: Option<f64>,
     dropped: u64,
+    frozen: u64,
     seen: Option<Header>,
     refusals: Refusals,
 }
@@ -112,7 +112,16 @@ impl Frames {
     #[must_use]
     pub fn new(params: CameraParams) -> Self {
         let refusals = Refusals::default();
-        Self { params, last: None, accepted: None, interval_s: None, dropped: 0, seen: None, refusals }
+        Self {
+            params,
+            last: None,
+            accepted: None,
+            interval_s: None,
+            dropped: 0,
+            frozen: 0,
+            seen: None,
+            refusals,
+        }
     }
 
     /// Takes a frame received at `now`.
@@ -122,7 +131,11 @@ impl Frames {
     pub fn on_frame(&mut self, now: Seconds, exposed: Seconds, jpeg: &[u8]) -> Result<Accepted, Refusal> {
         let judged = self.judge(now, exposed, jpeg);
         match judged {
-            Ok(header) => Ok(Accepted { header, dropped: self.follow(exposed) }),
+            Ok(header) => {
+                let frozen = self.last.is_some_and(|last| last.frozen);
+                self.frozen = self.frozen.saturating_add(u64::from(frozen));
+                Ok(Accepted { header, dropped: self.follow(exposed), frozen })
+            }
             Err(refusal) => {
                 self.refusals.count(refusal);
                 Err(refusal)
@@ -142,13 +155,19 @@ impl Frames {
         self.dropped
     }
 
+    /// Accepted frames so far that repeat the one before.
+    #[must_use]
+    pub fn frozen(&self) -> u64 {
+        self.frozen
+    }
+
     /// Time between the last two accepted frames.
     #[must_use]
     pub fn interval(&self) -> Option<Seconds> {
         self.interval_s.map(Seconds)
     }
 
-    /// What stands in the way of every frame, with what to do; `None` where nothing does.
+    /// What is wrong with every frame, with what to do; `None` where nothing does.
     #[must_use]
     pub fn complaint(&self) -> Option<String> {
         let CameraParams { width_px, height_px, .. } = self.params;
@@ -181,7 +200,7 @@ impl Frames {
         if !self.is_wanted(header) {
             return Err(Refusal::Size);
         }
-        self.check_novelty(exposed, jpeg)?;
+        self.compare(exposed, jpeg)?;
         Ok(header)
     }
 
@@ -202,8 +221,8 @@ impl Frames {
         if self.last.is_some_and(late) { Err(Refusal::Order) } else { Ok(()) }
     }
 
-    /// Whether a frame shows anything new, at a rate that those behind us can take.
-    fn check_novelty(&mut self, exposed: Seconds, jpeg: &[u8]) -> Result<(), Refusal> {
+    /// Compares a frame with the last one: whether it repeats it, and comes at a rate that those behind us can take.
+    fn compare(&mut self, exposed: Seconds, jpeg: &[u8]) -> Result<(), Refusal> {
         let mut hasher = DefaultHasher::new();
         jpeg.hash(&mut hasher);
         let hash = hasher.finish();
@@ -215,15 +234,9 @@ impl Frames {
             credit = (last.credit + earned).min(CREDIT_MAX);
         }
         let fast = credit < 1.0;
-        credit -= if fast || frozen { 0.0 } else { 1.0 };
+        credit -= if fast { 0.0 } else { 1.0 };
         self.last = Some(Last { exposed, hash, credit, frozen });
-        if frozen {
-            Err(Refusal::Frozen)
-        } else if fast {
-            Err(Refusal::TooFast)
-        } else {
-            Ok(())
-        }
+        if fast { Err(Refusal::TooFast) } else { Ok(()) }
     }
 
     /// Frames missing before an accepted one.

@@ -184,7 +184,9 @@ impl Outlet {
 
     fn pass(&mut self, exposed: Seconds, jpeg: Vec<u8>) {
         if let Ok(accepted) = self.frames.on_frame(self.clock.now(), exposed, &jpeg) {
-            self.presence.seen();
+            if !accepted.frozen {
+                self.presence.seen();
+            }
             self.infos.send(convert::info(&self.params, exposed));
             self.images.send(convert::image(&self.params, exposed, accepted.header, jpeg));
         }
@@ -211,7 +213,7 @@ impl Outlet {
             ("corrupt_frames", refusals.corrupt),
             ("too_large_frames", refusals.too_large),
             ("frames_of_another_size", refusals.size),
-            ("frozen_frames", refusals.frozen),
+            ("frozen_frames", self.frames.frozen()),
             ("frames_beyond_rate", refusals.too_fast),
             ("malformed_parts", self.refused.total(Reason::Malformed)),
             ("source_losses", self.presence.losses()),

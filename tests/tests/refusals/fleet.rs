@@ -6,8 +6,15 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Nodes that are looked at.
-pub(crate) const NODES: [&str; 5] =
-    ["thermistor", "filament_encoder", "state_estimator", "mpc_controller", "safety_supervisor"];
+pub(crate) const NODES: [&str; 7] = [
+    "thermistor",
+    "filament_encoder",
+    "imu",
+    "camera",
+    "state_estimator",
+    "mpc_controller",
+    "safety_supervisor",
+];
 
 /// Running nodes; none outlives the test.
 pub(crate) struct Fleet(Vec<(&'static str, Child)>);

@@ -23,7 +23,7 @@ fn permit(kind: Kind, now_s: f64, sequence: u64) -> ControlCommand {
         ..ControlCommand::default()
     };
     match kind {
-        Kind::Sound => sound,
+        Kind::Sound | Kind::Malformed => sound,
         Kind::NotFinite => ControlCommand { flow_factor: f64::NAN, ..sound },
         Kind::OutOfRange => ControlCommand { speed_factor: 11.0, ..sound },
         Kind::Stale => ControlCommand { header: Header::at(now_s - 30.0), ..sound },
@@ -40,8 +40,9 @@ pub(crate) async fn the_simulator_refuses_bad_permits() {
     let mut ticks = node.timer(Seconds(0.02));
     let (mut shown, mut now_s, mut sequence) = (Shown::default(), None, 0_u64);
     let topic = topics::SAFETY_COMMAND.name();
-    let counted =
-        |shown: &Shown| Kind::BAD.iter().all(|kind| shown.refused("printer_sim", topic, kind.reason()) >= 3);
+    let counted = |shown: &Shown| {
+        Kind::NUMBERS.iter().all(|kind| shown.refused("printer_sim", topic, kind.reason()) >= 3)
+    };
     let limit = tokio::time::sleep(PATIENCE);
     tokio::pin!(limit);
     while !counted(&shown) {

@@ -1,8 +1,8 @@
 //! One entry per topic: a sound message, and what makes it a bad one.
 
 use fdm_loop_msgs::{
-    BeadWidth, ControlCommand, FilamentMotion, FilamentReport, Header, PrinterState, RosType, StateEstimate,
-    Temperature, TemperatureReport,
+    BeadWidth, CompressedImage, ControlCommand, DefectReport, FilamentMotion, FilamentReport, Header,
+    ImuBatch, PrinterState, RosType, StateEstimate, Temperature, TemperatureReport,
 };
 use runtime::topics::{self, Topic};
 use runtime::{Node, wire};
@@ -14,10 +14,15 @@ pub(crate) enum Kind {
     NotFinite,
     OutOfRange,
     Stale,
+    Malformed,
 }
 
 impl Kind {
-    pub(crate) const BAD: [Self; 3] = [Self::NotFinite, Self::OutOfRange, Self::Stale];
+    pub(crate) const BAD: [Self; 4] = [Self::NotFinite, Self::OutOfRange, Self::Stale, Self::Malformed];
+    /// Bad messages of topics that carry numbers.
+    pub(crate) const NUMBERS: &[Self] = &[Self::NotFinite, Self::OutOfRange, Self::Stale];
+    /// Bad messages of topics that carry frames: there is no float in them.
+    const FRAMES: &[Self] = &[Self::Malformed, Self::OutOfRange, Self::Stale];
 
     /// Ending of the counter that must rise.
     pub(crate) fn reason(self) -> &'static str {
@@ -26,6 +31,7 @@ impl Kind {
             Self::NotFinite => "not_finite",
             Self::OutOfRange => "out_of_range",
             Self::Stale => "stale",
+            Self::Malformed => "malformed",
         }
     }
 }
@@ -36,6 +42,8 @@ const OLD_S: f64 = 30.0;
 /// A topic and its messages.
 pub(crate) struct Entry {
     pub(crate) topic: &'static str,
+    /// Bad messages that its type can hold.
+    pub(crate) bad: &'static [Kind],
     /// Sends a message of a kind at a time.
     pub(crate) send: Box<dyn Fn(Kind, f64)>,
 }
@@ -56,13 +64,71 @@ fn entry<T: RosType + Clone>(node: &mut Node, topic: &Topic<T>, sample: Sample<T
         match kind {
             Kind::NotFinite => (sample.set)(&mut message, f64::NAN),
             Kind::OutOfRange => (sample.set)(&mut message, sample.out_of_range),
-            Kind::Sound | Kind::Stale => {}
+            Kind::Sound | Kind::Stale | Kind::Malformed => {}
         }
         let stamp_s = if kind == Kind::Stale { now_s - OLD_S } else { now_s };
-        *(sample.header)(&mut message) = Header::at(stamp_s);
+        let header = (sample.header)(&mut message);
+        header.stamp = Header::at(stamp_s).stamp;
         publisher.send(message);
     };
-    Entry { topic: topic.name(), send: Box::new(send) }
+    Entry { topic: topic.name(), bad: Kind::NUMBERS, send: Box::new(send) }
+}
+
+/// The least JPEG of a size, as far as its header goes.
+fn jpeg(width_px: u16, height_px: u16) -> Vec<u8> {
+    let mut bytes = vec![0xff, 0xd8, 0xff, 0xc0, 0, 11, 8];
+    bytes.extend(height_px.to_be_bytes());
+    bytes.extend(width_px.to_be_bytes());
+    bytes.extend([1, 1, 0x11, 0, 0xff, 0xda, 0, 8, 1, 1, 0, 0, 63, 0, 0x55, 0xff, 0xd9]);
+    bytes
+}
+
+/// Frames of the size that `config/camera.param.yaml` names; of 100 megapixels where out of range.
+fn frames(node: &mut Node, topic: &Topic<CompressedImage>) -> Entry {
+    let publisher = node.publish_on(topic).unwrap();
+    let send = move |kind, now_s: f64| {
+        let data = match kind {
+            Kind::OutOfRange => jpeg(10_000, 10_000),
+            Kind::Malformed => b"\xff\xd8\xff no JPEG".to_vec(),
+            Kind::Sound | Kind::Stale | Kind::NotFinite => jpeg(640, 480),
+        };
+        let stamp_s = if kind == Kind::Stale { now_s - OLD_S } else { now_s };
+        publisher.send(CompressedImage { header: Header::at(stamp_s), format: "jpeg".into(), data });
+    };
+    Entry { topic: topic.name(), bad: Kind::FRAMES, send: Box::new(send) }
+}
+
+/// 50 samples at rest, as `config/imu.param.yaml` expects them.
+fn accelerations() -> Sample<ImuBatch> {
+    Sample {
+        sound: ImuBatch {
+            period_s: 1e-3,
+            header: Header { frame_id: "imu".into(), ..Header::default() },
+            range_m_s2: 156.9,
+            x_m_s2: vec![0.0; 50],
+            y_m_s2: vec![0.0; 50],
+            z_m_s2: vec![9.81; 50],
+            ..ImuBatch::default()
+        },
+        header: |message| &mut message.header,
+        set: |message, value| message.x_m_s2[7] = value,
+        out_of_range: 157.0,
+    }
+}
+
+fn defects() -> Sample<DefectReport> {
+    Sample {
+        sound: DefectReport {
+            usable: true,
+            classes: vec!["ok".into(), "shift".into()],
+            probabilities: vec![0.9, 0.1],
+            confidence: 0.1,
+            ..DefectReport::default()
+        },
+        header: |message| &mut message.header,
+        set: |message, value| message.confidence = value,
+        out_of_range: 1.5,
+    }
 }
 
 fn temperature() -> Sample<Temperature> {
@@ -161,5 +227,9 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         entry(node, &topics::BEAD_WIDTH, width),
         entry(node, &topics::CONTROL_COMMAND, command),
         entry(node, &topics::ESTIMATE, state),
+        entry(node, &topics::IMU_REPORT, accelerations()),
+        entry(node, &topics::IMU_BATCH, accelerations()),
+        entry(node, &topics::DEFECTS, defects()),
+        frames(node, &topics::CAMERA_REPORT),
     ]
 }
