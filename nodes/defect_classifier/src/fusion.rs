@@ -1,14 +1,20 @@
 //! What the frames say together, and with the estimator's residuals: smoothing, k of n, fused confidence c_k.
 //!
+//! What was measured in a frame outweighs what it looks like: a width as wanted acquits it of `under` and `over`, one
+//! far off convicts it; likewise the offset of the layers and `shift`.
+//!
 //! `c = beta min(1, a / tau_a) + (1 - beta) p_det` (model book 1.6) with `p_det` smoothed over frames, `a` the sum of
 //! the estimator's full windows of normalised innovations squared, `tau_a` its chi-square point.
 
+mod evidence;
 mod params;
 #[cfg(test)]
 mod tests;
 
+pub use evidence::RawEvidence;
 pub use params::{ConfirmRule, FusionError, FusionParams, RawFusionParams};
 
+use crate::features::Measured;
 use crate::network::Scores;
 use models::quality::fused_confidence;
 use models::units::Seconds;
@@ -89,10 +95,11 @@ impl Fusion {
         true
     }
 
-    /// Takes the scores of a usable frame exposed at `exposed`. `None`, and nothing taken, where they do not belong
-    /// to the classes, or the frame is older than the last.
-    pub fn on_frame(&mut self, exposed: Seconds, scores: &Scores) -> Option<Fused> {
-        let sound = scores.probabilities.iter().all(|p| (0.0..=1.0).contains(p));
+    /// Takes the scores of a usable frame exposed at `exposed`, and what was measured in it. `None`, and nothing
+    /// taken, where the scores do not belong to the classes, a value is not finite, or the frame is older than the
+    /// last.
+    pub fn on_frame(&mut self, exposed: Seconds, scores: &Scores, measured: &Measured) -> Option<Fused> {
+        let sound = scores.probabilities.iter().all(|p| (0.0..=1.0).contains(p)) && measured.is_finite();
         if scores.probabilities.len() != self.classes.len() || !sound || !exposed.0.is_finite() {
             return None;
         }
@@ -101,8 +108,9 @@ impl Fusion {
         }
         let graced = self.grace_until.is_some_and(|until| exposed.0 < until.0);
         if !graced {
-            self.smooth(exposed, scores);
-            self.vote(scores);
+            let judged = self.params.evidence.weigh(&self.classes, scores, measured);
+            self.smooth(exposed, &judged);
+            self.vote(&judged);
         }
         self.fuse(exposed)
     }

@@ -39,6 +39,15 @@ pub struct Measured {
     pub offset_m: Option<[f64; 2]>,
 }
 
+impl Measured {
+    /// Every known value is a number.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        let offset = self.offset_m.is_none_or(|offset| offset.iter().all(|value| value.is_finite()));
+        offset && self.width_error_rel.is_none_or(f64::is_finite)
+    }
+}
+
 /// Why a picture has no features.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -1,1 +1,154 @@
+use super::*;
+use proptest::prelude::*;
+use std::collections::BTreeMap;
 
+const CLASSES: [&str; 4] = ["ok", "under", "shift", "spaghetti"];
+const NOTHING: Measured = Measured { width_error_rel: None, offset_m: None };
+
+fn classes() -> Vec<String> {
+    CLASSES.iter().map(|&class| class.to_owned()).collect()
+}
+
+fn raw() -> RawFusionParams {
+    let rule = ConfirmRule { frames: 10, in_favour: 6, probability_min: 0.5 };
+    RawFusionParams {
+        residual_share: 0.5,
+        residual_normal_quantile: 2.326_348,
+        residual_age_max_s: 1.0,
+        smoothing_s: 2.0,
+        gap_max_s: 30.0,
+        grace_s: 5.0,
+        evidence: RawEvidence {
+            width_fine_rel: 0.08,
+            width_defect_rel: 0.12,
+            offset_fine_m: 2e-4,
+            offset_defect_m: 4e-4,
+        },
+        confirm: CLASSES[1..].iter().map(|&class| (class.to_owned(), rule)).collect(),
+    }
+}
+
+fn fusion() -> Fusion {
+    Fusion::new(raw().try_into().unwrap(), &classes()).unwrap()
+}
+
+fn sure_of(class: usize) -> Scores {
+    let mut probabilities = vec![0.05; 4];
+    probabilities[class] = 0.85;
+    Scores { probabilities }
+}
+
+/// 99 % points of chi-square with 20, 40 and 60 degrees of freedom: 37.566, 63.691, 88.379 (tables).
+#[test]
+fn the_chi_square_point_is_within_a_thousandth_of_the_tables() {
+    for (freedom, point) in [(20.0, 37.566), (40.0, 63.691), (60.0, 88.379)] {
+        assert!((chi_square_point(freedom, 2.326_348) / point - 1.0).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn six_of_ten_frames_confirm_and_five_do_not() {
+    let mut fusion = fusion();
+    for step in 0..20_u32 {
+        // Every other frame: five of any ten.
+        let scores = sure_of(if step % 2 == 0 { 3 } else { 0 });
+        let fused = fusion.on_frame(Seconds(f64::from(step)), &scores, &NOTHING).unwrap();
+        assert!(!fused.confirmed, "frame {step}");
+    }
+    let fused = fusion.on_frame(Seconds(20.0), &sure_of(3), &NOTHING).unwrap();
+    assert!(!fused.confirmed);
+    let fused = fusion.on_frame(Seconds(21.0), &sure_of(3), &NOTHING).unwrap();
+    assert_eq!((fused.confirmed, fused.cause.as_str(), fused.in_favour, fused.window), (true, "spaghetti", 6, 10));
+}
+
+#[test]
+fn a_resume_forgets_and_its_grace_counts_nothing() {
+    let mut fusion = fusion();
+    for step in 0..8_u32 {
+        fusion.on_frame(Seconds(f64::from(step)), &sure_of(3), &NOTHING).unwrap();
+    }
+    fusion.reset(Seconds(8.0));
+    for step in 8..13_u32 {
+        let fused = fusion.on_frame(Seconds(f64::from(step)), &sure_of(3), &NOTHING).unwrap();
+        assert_eq!((fused.confirmed, fused.in_favour, fused.detection), (false, 0, 0.0), "{step}");
+    }
+    // Grace is over at 13 s: six frames later the cause stands again.
+    let last = (13..19_u32).map(|step| fusion.on_frame(Seconds(f64::from(step)), &sure_of(3), &NOTHING).unwrap());
+    assert!(last.last().unwrap().confirmed);
+}
+
+#[test]
+fn a_long_gap_between_frames_forgets_the_votes() {
+    let mut fusion = fusion();
+    for step in 0..5_u32 {
+        fusion.on_frame(Seconds(f64::from(step)), &sure_of(3), &NOTHING).unwrap();
+    }
+    let after: Vec<bool> = (40..46_u32)
+        .map(|step| fusion.on_frame(Seconds(f64::from(step)), &sure_of(3), &NOTHING).unwrap().confirmed)
+        .collect();
+    assert_eq!(after, [false, false, false, false, false, true]);
+}
+
+#[test]
+fn a_width_as_wanted_acquits_and_one_far_off_convicts() {
+    let width = |error| Measured { width_error_rel: Some(error), ..NOTHING };
+    let cause = |scores: &Scores, measured: Measured| {
+        let mut fusion = fusion();
+        (0..10_u32).map(|step| fusion.on_frame(Seconds(f64::from(step)), scores, &measured).unwrap()).last().unwrap()
+    };
+    assert!(!cause(&sure_of(1), width(-0.03)).confirmed);
+    let under = cause(&sure_of(0), width(-0.2));
+    assert_eq!((under.confirmed, under.cause.as_str()), (true, "under"));
+    let shift = cause(&sure_of(0), Measured { offset_m: Some([0.0, -8e-4]), ..NOTHING });
+    assert_eq!((shift.confirmed, shift.cause.as_str()), (true, "shift"));
+    // Spaghetti is not for a width to tell.
+    assert_eq!(cause(&sure_of(3), width(0.0)).cause, "spaghetti");
+}
+
+/// `c = 0.5 min(1, 75.132 / 37.58) + 0.5 p_det`: residuals alone give 0.5 while they are fresh.
+#[test]
+fn residuals_alone_give_their_share_and_stale_ones_nothing() {
+    let mut fusion = fusion();
+    assert!(fusion.on_estimate(Seconds(0.0), &[75.132, 0.0, 0.0], 20));
+    let calm = Scores { probabilities: vec![1.0, 0.0, 0.0, 0.0] };
+    let fused = fusion.on_frame(Seconds(0.5), &calm, &NOTHING).unwrap();
+    assert!((fused.confidence - 0.5).abs() < 1e-12 && (fused.residual_limit - 37.59).abs() < 0.05);
+    let fused = fusion.on_frame(Seconds(1.5), &calm, &NOTHING).unwrap();
+    assert_eq!((fused.confidence, fused.residual), (0.0, 0.0));
+    assert!(!fusion.on_estimate(Seconds(2.0), &[f64::NAN], 20) && !fusion.on_estimate(Seconds(2.0), &[-1.0], 20));
+}
+
+#[test]
+fn what_does_not_fit_is_not_taken() {
+    let mut fusion = fusion();
+    let bad = |probabilities: Vec<f64>| Scores { probabilities };
+    for scores in [bad(vec![1.0]), bad(vec![f64::NAN; 4]), bad(vec![2.0, 0.0, 0.0, 0.0])] {
+        assert_eq!(fusion.on_frame(Seconds(0.0), &scores, &NOTHING), None);
+    }
+    let wild = Measured { width_error_rel: Some(f64::INFINITY), ..NOTHING };
+    assert_eq!(fusion.on_frame(Seconds(0.0), &sure_of(0), &wild), None);
+    fusion.on_frame(Seconds(1.0), &sure_of(0), &NOTHING).unwrap();
+    assert_eq!(fusion.on_frame(Seconds(0.5), &sure_of(0), &NOTHING), None);
+    let rules = BTreeMap::from([("fire".to_owned(), ConfirmRule { frames: 1, in_favour: 1, probability_min: 0.5 })]);
+    let params = RawFusionParams { confirm: rules, ..raw() }.try_into().unwrap();
+    assert!(Fusion::new(params, &classes()).unwrap_err().to_string().starts_with("confirm.fire"));
+    let rules = BTreeMap::from([("shift".to_owned(), ConfirmRule { frames: 5, in_favour: 6, probability_min: 0.5 })]);
+    assert!(FusionParams::try_from(RawFusionParams { confirm: rules, ..raw() }).is_err());
+}
+
+proptest! {
+    #[test]
+    fn confidence_stays_in_the_unit_range(
+        weights in prop::array::uniform4(0.001..1.0_f64), error in -1.0..1.0_f64, chi in 0.0..500.0_f64,
+    ) {
+        let mut fusion = fusion();
+        fusion.on_estimate(Seconds(0.0), &[chi], 20);
+        let sum: f64 = weights.iter().sum();
+        let scores = Scores { probabilities: weights.iter().map(|weight| weight / sum).collect() };
+        let measured = Measured { width_error_rel: Some(error), offset_m: Some([error * 1e-3, 0.0]) };
+        for step in 0..4_u32 {
+            let fused = fusion.on_frame(Seconds(f64::from(step) * 0.2), &scores, &measured).unwrap();
+            prop_assert!((0.0..=1.0).contains(&fused.confidence) && (0.0..=1.0).contains(&fused.detection));
+        }
+    }
+}

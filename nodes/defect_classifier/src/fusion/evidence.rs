@@ -1,0 +1,69 @@
+//! What a measurement says of the classes that it can tell.
+
+use crate::features::Measured;
+use crate::network::Scores;
+use models::params::{ParamError, ordered, positive};
+use serde::Deserialize;
+
+/// The `fusion.evidence` block as it is written: below `fine` a class is excluded, from `defect` on it is certain.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawEvidence {
+    /// Width error that is none `[-]`, above 0.
+    pub width_fine_rel: f64,
+    /// Width error that is a defect `[-]`, above `width_fine_rel`.
+    pub width_defect_rel: f64,
+    /// Offset of the layers that is none `[m]`, above 0.
+    pub offset_fine_m: f64,
+    /// Offset of the layers that is a defect `[m]`, above `offset_fine_m`.
+    pub offset_defect_m: f64,
+}
+
+impl RawEvidence {
+    pub(super) fn check(&self) -> Result<(), ParamError> {
+        positive("evidence.width_fine_rel", self.width_fine_rel, "-")?;
+        positive("evidence.offset_fine_m", self.offset_fine_m, "m")?;
+        let pair = |lower, upper| ordered(lower, upper);
+        pair(
+            ("evidence.width_fine_rel", self.width_fine_rel),
+            ("evidence.width_defect_rel", self.width_defect_rel),
+        )?;
+        pair(
+            ("evidence.offset_fine_m", self.offset_fine_m),
+            ("evidence.offset_defect_m", self.offset_defect_m),
+        )
+    }
+
+    /// How sure a measurement is of a class `[0, 1]`; `None` where it does not tell that class, or is not known.
+    fn share(&self, class: &str, measured: &Measured) -> Option<f64> {
+        let ramp = |value: f64, (fine, defect): (f64, f64)| ((value - fine) / (defect - fine)).clamp(0.0, 1.0);
+        let width = (self.width_fine_rel, self.width_defect_rel);
+        match class {
+            "under" => measured.width_error_rel.map(|error| ramp(-error, width)),
+            "over" => measured.width_error_rel.map(|error| ramp(error, width)),
+            "shift" => measured
+                .offset_m
+                .map(|[x_m, y_m]| ramp(x_m.hypot(y_m), (self.offset_fine_m, self.offset_defect_m))),
+            _ => None,
+        }
+    }
+
+    /// Scores in which a measurement's word stands for the classes that it tells: `p_class` becomes its share, and
+    /// `ok` keeps what the defects leave. Defects that together exceed 1 are scaled down to it.
+    pub(super) fn weigh(&self, classes: &[String], scores: &Scores, measured: &Measured) -> Scores {
+        let shares: Vec<Option<f64>> = classes.iter().map(|class| self.share(class, measured)).collect();
+        let mut probabilities = scores.probabilities.clone();
+        for (probability, share) in probabilities.iter_mut().zip(&shares) {
+            *probability = share.unwrap_or(*probability);
+        }
+        let defects: f64 = probabilities.iter().skip(1).sum();
+        if defects > 1.0 {
+            probabilities.iter_mut().for_each(|probability| *probability /= defects);
+        }
+        let defects: f64 = probabilities.iter().skip(1).sum();
+        if shares.iter().any(Option::is_some) {
+            probabilities[0] = (1.0 - defects).clamp(0.0, 1.0);
+        }
+        Scores { probabilities }
+    }
+}
