@@ -1,0 +1,176 @@
+//! The shell: frames, moves, states and estimates in; defects, widths, quality and pictures out.
+
+use fdm_loop_msgs::{BeadWidth, CompressedImage, DefectReport, LayerQuality, PrintEvent};
+use models::units::Seconds;
+use runtime::params::ParamFileError;
+use runtime::{Diagnostics, Node, Publisher, RuntimeError, topics};
+use std::path::{Path, PathBuf};
+
+use crate::classifier::{Classifier, Counts, Models};
+use crate::convert;
+use crate::event::Output;
+use crate::fusion::FusionError;
+use crate::layer::Nominal;
+use crate::network::{Network, NetworkError};
+use crate::params::Params;
+use crate::width::{EdgeError, EdgeModel};
+
+/// Blocks of the parameters that other nodes share.
+const SHARED: [&str; 3] = ["printer", "material", "quality"];
+/// Oldest stamp that is taken `[s]`: a frame arrives late, and everything it needs is older still.
+const AGE_LIMIT: Seconds = Seconds(3.0);
+/// Proof of work while nothing comes in `[s]`.
+const IDLE_PERIOD: Seconds = Seconds(0.25);
+/// OpenCV works in the node's own thread: the machine's other cores belong to other nodes.
+const THREADS: i32 = 1;
+
+/// Why the node cannot run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum NodeError {
+    /// The graph.
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    /// Parameters.
+    #[error(transparent)]
+    Parameters(#[from] ParamFileError),
+    /// A model's file that cannot be read.
+    #[error("models: {}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The network's file.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// The edge's file.
+    #[error(transparent)]
+    Edge(#[from] EdgeError),
+    /// Parameters and network do not belong together.
+    #[error("fusion: {0}")]
+    Fusion(#[from] FusionError),
+    /// OpenCV.
+    #[error("OpenCV: {0}")]
+    OpenCv(#[from] opencv::Error),
+}
+
+/// Runs the node to its end.
+///
+/// # Errors
+/// [`NodeError`] where it cannot start.
+pub async fn run(mut node: Node) -> Result<(), NodeError> {
+    opencv::core::set_num_threads(THREADS)?;
+    let setup = Setup::read(&node)?;
+    let mut classifier = setup.classifier()?;
+    let mut frames = node.inlet(&topics::CAMERA_IMAGE, AGE_LIMIT)?;
+    let mut motion = node.inlet(&topics::PRINTER_MOTION, AGE_LIMIT)?;
+    let mut printer = node.inlet(&topics::PRINTER_STATE, AGE_LIMIT)?;
+    let mut estimates = node.inlet(&topics::ESTIMATE, AGE_LIMIT)?;
+    let outlets = Outlets::open(&mut node)?;
+    let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
+    let (mut jumps, mut idle) = (clock.jumps_back(), node.timer(IDLE_PERIOD));
+    loop {
+        // Moves and states first: a frame is judged by what is known of the path when it is looked at.
+        let taken = tokio::select! {
+            biased;
+            () = node.shutdown() => return Ok(()),
+            taken = motion.next(convert::motion) => taken,
+            taken = printer.next(convert::printer) => taken,
+            taken = estimates.next(convert::estimate) => taken,
+            taken = frames.next(convert::frame) => taken,
+            _ = idle.next() => {
+                work.done();
+                continue;
+            }
+        };
+        if std::mem::replace(&mut jumps, clock.jumps_back()) != clock.jumps_back() {
+            classifier = setup.classifier()?;
+        }
+        if let Ok(event) = taken {
+            let outputs = classifier.on_event(event);
+            outputs.into_iter().for_each(|output| outlets.send(output, classifier.classes()));
+            show(&diagnostics, &classifier.counts());
+        }
+        work.done();
+    }
+}
+
+/// What a classifier is made of.
+struct Setup {
+    params: Params,
+    models: Models,
+}
+
+impl Setup {
+    fn read(node: &Node) -> Result<Self, NodeError> {
+        let parameters = node.raw_parameters();
+        let params: Params = parameters.without(&SHARED).parse()?;
+        let models = Models {
+            network: Network::parse(&read(&params.models.network)?)?,
+            edge: EdgeModel::parse(&read(&params.models.edge)?)?,
+            nominal: Nominal {
+                quality: parameters.block("quality")?,
+                printer: parameters.block("printer")?,
+                material: parameters.block("material")?,
+            },
+        };
+        Ok(Self { params, models })
+    }
+
+    /// A classifier that has seen nothing: at the start, and when time jumped back.
+    fn classifier(&self) -> Result<Classifier, FusionError> {
+        Classifier::new(self.params.clone(), self.models.clone())
+    }
+}
+
+fn read(path: &Path) -> Result<String, NodeError> {
+    std::fs::read_to_string(path).map_err(|source| NodeError::File { path: path.to_path_buf(), source })
+}
+
+/// Everything that the node says.
+struct Outlets {
+    who: String,
+    defects: Publisher<DefectReport>,
+    widths: Publisher<BeadWidth>,
+    quality: Publisher<LayerQuality>,
+    pictures: Publisher<CompressedImage>,
+    events: Publisher<PrintEvent>,
+}
+
+impl Outlets {
+    fn open(node: &mut Node) -> Result<Self, RuntimeError> {
+        Ok(Self {
+            who: node.name(),
+            defects: node.publish_on(&topics::DEFECTS)?,
+            widths: node.publish_on(&topics::BEAD_WIDTH)?,
+            quality: node.publish_on(&topics::LAYER_QUALITY)?,
+            pictures: node.publish_on(&topics::ANNOTATED)?,
+            events: node.publish_on(&topics::EVENTS)?,
+        })
+    }
+
+    fn send(&self, output: Output, classes: &[String]) {
+        match output {
+            Output::Defects(defects) => self.defects.send(convert::defects(&defects, classes)),
+            Output::Width(width) => self.widths.send(convert::width(&width)),
+            Output::Quality(figure) => self.quality.send(convert::quality(&figure)),
+            Output::Picture { exposed, jpeg } => self.pictures.send(convert::picture(exposed, jpeg)),
+            Output::Note(note) => self.events.send(convert::note(&note, &self.who)),
+        };
+    }
+}
+
+fn show(diagnostics: &Diagnostics, counts: &Counts) {
+    for (name, count) in [
+        ("frames_judged", counts.judged),
+        ("frames_unusable", counts.unusable),
+        ("frames_idle", counts.idle),
+        ("estimates_refused", counts.estimates_refused),
+        ("path_refused", counts.path_refused),
+        ("widths", counts.widths),
+    ] {
+        diagnostics.set(name, count);
+    }
+}

@@ -1,0 +1,255 @@
+//! Where what was laid before lies, beside where it was laid as commanded: lost steps show as an offset.
+//!
+//! The camera rides on the tool: after a layer shift new roads appear where they are commanded, and all that was laid
+//! before appears shifted. So the predicted outline of the old part is moved over the picture: the likelihood of an
+//! offset `d` is that of the picture's part and bed being where the outline, moved by `d`, has them. What lies under
+//! or beside newer roads does not count: they hide it. Only the outer outline is used, not the lines inside, which
+//! look alike every road's width. Evidence is added over frames and forgotten over seconds.
+
+mod footprint;
+mod looks;
+mod params;
+
+pub use params::{OffsetParams, RawOffset};
+
+use crate::camera::Camera;
+use crate::path::{PathHistory, Road};
+use crate::surroundings::{Mask, REDUCTION};
+use footprint::Footprint;
+use looks::{Bounds, Looks, Taught};
+use models::units::Seconds;
+use opencv::core::{Mat, Point, Size};
+use opencv::imgproc;
+
+/// Where the old part lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Offset {
+    /// Beside where it was laid, bed x and y `[m]`.
+    pub offset_m: [f64; 2],
+    /// Standard deviation of it, the worse axis `[m]`.
+    pub sigma_m: f64,
+}
+
+/// Gathers evidence over frames. Knows no clock.
+#[derive(Debug, Clone)]
+pub struct OffsetFinder {
+    params: OffsetParams,
+    footprint: Footprint,
+    /// Roads in the footprint end here: start of the last one's move.
+    marked_until_s: f64,
+    /// Log likelihood per offset, `side` to a row, from negative to positive x and y.
+    evidence: Vec<f64>,
+    /// Steps from the middle to the end of the range.
+    reach: i32,
+    last: Option<Seconds>,
+}
+
+impl OffsetFinder {
+    /// Nothing laid, nothing seen.
+    #[must_use]
+    pub fn new(params: OffsetParams, camera: &Camera) -> Self {
+        let cell_m = camera.scale_m * REDUCTION;
+        let reach = whole((params.range_m / params.step_m).round()).max(1);
+        let side = usize::try_from(2 * reach + 1).unwrap_or(1);
+        Self {
+            params,
+            footprint: Footprint::new(params.bed_low_m, params.bed_high_m, cell_m),
+            marked_until_s: f64::NEG_INFINITY,
+            evidence: vec![0.0; side * side],
+            reach,
+            last: None,
+        }
+    }
+
+    /// Forgets what was seen, not what was laid: after a pause, or when axes were homed.
+    pub fn forget(&mut self) {
+        self.evidence.fill(0.0);
+        self.last = None;
+    }
+
+    /// Takes a usable frame; the offset as far as it is known by now.
+    ///
+    /// # Errors
+    /// A picture operation that failed.
+    pub fn on_frame(
+        &mut self,
+        grey: &Mat,
+        (path, exposed): (&PathHistory, Seconds),
+        (camera, tool_m): (&Camera, [f64; 2]),
+    ) -> Result<Option<Offset>, opencv::Error> {
+        self.fade(exposed);
+        let newest = path.roads(exposed).next_back().map(|road| road.layer);
+        let is_old = |road: &Road| Some(road.layer) != newest || exposed.0 - road.start.0 > self.params.old_s;
+        let mut fresh = Mask::empty(camera)?;
+        let beside_px = 2.0 * self.params.beside_new_m / camera.scale_m;
+        let mut marked_until_s = self.marked_until_s;
+        for road in path.roads(exposed) {
+            if is_old(road) {
+                if road.start.0 > self.marked_until_s {
+                    self.footprint.mark(road, road.length_m);
+                    marked_until_s = marked_until_s.max(road.start.0);
+                }
+                continue;
+            }
+            let end = road.point_m(path.laid_m(road, exposed));
+            let line = (camera.pixel(tool_m, road.from_m), camera.pixel(tool_m, end));
+            fresh.draw(line.0, line.1, road.width_m / camera.scale_m + beside_px)?;
+        }
+        self.marked_until_s = marked_until_s;
+        let view = OldView::new(&self.footprint, &fresh, (camera, tool_m))?;
+        if let Some(ratios) = view.ratios(grey, &self.params, camera)? {
+            self.weigh(&view, &ratios, camera);
+        }
+        Ok(self.offset())
+    }
+
+    fn fade(&mut self, exposed: Seconds) {
+        let gap_s = self.last.map_or(0.0, |last| (exposed - last).0.max(0.0));
+        self.last = Some(exposed);
+        let kept = (-gap_s / self.params.memory_s).exp();
+        self.evidence.iter_mut().for_each(|value| *value *= kept);
+    }
+
+    /// Adds `sum ratio(q) s(q - d) / 2` over the pixels that count: s is 1 where the outline has part, -1 for bed.
+    fn weigh(&mut self, view: &OldView, ratios: &[f32], camera: &Camera) {
+        let step_px = self.params.step_m / (camera.scale_m * REDUCTION);
+        let weight = 0.5 / self.params.alike;
+        let mut place = 0;
+        for y in -self.reach..=self.reach {
+            for x in -self.reach..=self.reach {
+                let moved = [x, -y].map(|steps| whole((f64::from(steps) * step_px).round()));
+                self.evidence[place] += weight * view.agreement(ratios, moved);
+                place += 1;
+            }
+        }
+    }
+
+    /// Mean and spread over all offsets, each with its likelihood.
+    fn offset(&self) -> Option<Offset> {
+        let best = self.evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (mut total, mut first, mut second) = (0.0, [0.0; 2], [0.0; 2]);
+        let mut place = 0;
+        for y in -self.reach..=self.reach {
+            for x in -self.reach..=self.reach {
+                let share = (self.evidence[place] - best).exp();
+                let at_m = [x, y].map(|steps| f64::from(steps) * self.params.step_m);
+                total += share;
+                for axis in 0..2 {
+                    first[axis] += share * at_m[axis];
+                    second[axis] += share * at_m[axis] * at_m[axis];
+                }
+                place += 1;
+            }
+        }
+        let offset_m = first.map(|sum| sum / total);
+        let variance = [0, 1].map(|axis| (second[axis] / total - offset_m[axis].powi(2)).max(0.0));
+        let sigma_m = variance[0].max(variance[1]).sqrt().hypot(self.params.sigma_floor_m);
+        (sigma_m <= self.params.sigma_max_m).then_some(Offset { offset_m, sigma_m })
+    }
+}
+
+/// The old part as predicted in one view, in coarse pixels.
+struct OldView {
+    columns: usize,
+    rows: usize,
+    /// 1 for part, -1 for bed.
+    signs: Vec<f32>,
+    /// The pixel shows neither head nor newer road.
+    counts: Vec<bool>,
+}
+
+impl OldView {
+    fn new(
+        footprint: &Footprint,
+        fresh: &Mask,
+        (camera, tool_m): (&Camera, [f64; 2]),
+    ) -> Result<Self, opencv::Error> {
+        let (fresh, columns) = fresh.levels()?;
+        let rows = fresh.len() / columns.max(1);
+        let (mut signs, mut counts) = (Vec::with_capacity(fresh.len()), Vec::with_capacity(fresh.len()));
+        for (place, level) in fresh.iter().enumerate() {
+            #[expect(clippy::cast_precision_loss, reason = "coarse pixels are far below 2^52")]
+            let coarse = [(place % columns) as f64, (place / columns) as f64];
+            let pixel = coarse.map(|value| (value + 0.5) * REDUCTION - 0.5);
+            signs.push(if footprint.at(camera.bed(tool_m, pixel)) { 1.0 } else { -1.0 });
+            counts.push(*level == 0 && camera.sees(pixel, 1.0));
+        }
+        Ok(Self { columns, rows, signs, counts })
+    }
+
+    /// Closes the gaps inside the part, teaches the looks, and yields the ratio of every pixel, 0 where none counts.
+    fn ratios(
+        &self,
+        grey: &Mat,
+        params: &OffsetParams,
+        camera: &Camera,
+    ) -> Result<Option<Vec<f32>>, opencv::Error> {
+        let sure_px = params.sure_m / (camera.scale_m * REDUCTION);
+        let part = self.eroded(1.0, sure_px)?;
+        let bed = self.eroded(-1.0, sure_px)?;
+        let taught: Vec<Taught> = (0..self.signs.len())
+            .map(|place| match (self.counts[place], part[place], bed[place]) {
+                (true, true, _) => Taught::Part,
+                (true, _, true) => Taught::Bed,
+                _ => Taught::No,
+            })
+            .collect();
+        let bounds = Bounds {
+            samples_min: params.samples_min,
+            separation_min: params.separation_min,
+            ratio_max: params.ratio_max,
+        };
+        let looks = Looks::of(grey, self.columns, self.rows)?;
+        let ratios = looks.ratios(&taught, &bounds);
+        let counted = |ratios: Vec<f32>| {
+            ratios
+                .iter()
+                .zip(&self.counts)
+                .map(|(ratio, counts)| if *counts { *ratio } else { 0.0 })
+                .collect()
+        };
+        Ok(ratios.map(counted))
+    }
+
+    /// Pixels around which all is of one sign, as far as `reach_px`.
+    fn eroded(&self, sign: f32, reach_px: f64) -> Result<Vec<bool>, opencv::Error> {
+        use opencv::core::{MatTraitConst, MatTraitConstManual};
+        let bytes: Vec<u8> =
+            self.signs.iter().map(|own| if (own - sign).abs() < 0.5 { 255 } else { 0 }).collect();
+        let flat = Mat::from_slice(&bytes)?;
+        let plane = flat.reshape(1, i32::try_from(self.rows).unwrap_or(1))?.try_clone()?;
+        let side = 2 * whole(reach_px.round()).max(1) + 1;
+        let element = imgproc::get_structuring_element(
+            imgproc::MORPH_ELLIPSE,
+            Size::new(side, side),
+            Point::new(-1, -1),
+        )?;
+        let mut out = Mat::default();
+        imgproc::erode_def(&plane, &mut out, &element)?;
+        Ok(out.data_bytes()?.iter().map(|level| *level > 0).collect())
+    }
+
+    /// `sum ratio(q) s(q - d)` with `d` in coarse pixels; beyond the view the outline is carried on from its border.
+    fn agreement(&self, ratios: &[f32], moved: [i32; 2]) -> f64 {
+        let inside =
+            |value: i32, size: usize| usize::try_from(value.max(0)).unwrap_or(0).min(size.saturating_sub(1));
+        let mut sum = 0.0;
+        for (row, ratios) in ratios.chunks_exact(self.columns).enumerate() {
+            let from = inside(i32::try_from(row).unwrap_or(0) - moved[1], self.rows) * self.columns;
+            let signs = &self.signs[from..from + self.columns];
+            let ahead = usize::try_from(moved[0].max(0)).unwrap_or(0).min(self.columns);
+            let behind = usize::try_from((-moved[0]).max(0)).unwrap_or(0).min(self.columns);
+            let middle = &ratios[ahead..self.columns - behind];
+            let line: f32 = middle.iter().zip(&signs[behind..self.columns - ahead]).map(|(a, b)| a * b).sum();
+            let left: f32 = ratios[..ahead].iter().sum::<f32>() * signs[0];
+            let right: f32 = ratios[self.columns - behind..].iter().sum::<f32>() * signs[self.columns - 1];
+            sum += f64::from(line + left + right);
+        }
+        sum
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "small whole numbers; a cast saturates")]
+fn whole(value: f64) -> i32 {
+    value as i32
+}

@@ -1,0 +1,161 @@
+//! Where a road ends in a profile: a small network over grey levels, applied again around its own answer.
+//!
+//! No single feature marks the edge under every light: it lies near a dark valley whose place against the edge depends
+//! on light, gloss and ground. The network sees the levels of a window around an assumed edge, their mean taken away
+//! and their spread made one, and answers how far off the assumed edge is: `d = s (w_2 tanh(W_1 x + b_1) + b_2)`.
+//! Moving the window by the answer and asking again makes the result independent of where it began.
+
+use super::profile::Ruler;
+use nalgebra::{DMatrix, DVector};
+use serde::Deserialize;
+
+/// First field of the file.
+const FORMAT: &str = "fdm_loop road edge";
+/// Times the window is moved.
+const TURNS: usize = 4;
+/// Most inputs and hidden units that count as small.
+const SIZE_MAX: usize = 256;
+
+/// Why an edge file was refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EdgeError {
+    /// Not the format.
+    #[error("edge file: format is not '{FORMAT}'")]
+    Format,
+    /// JSON that cannot be read.
+    #[error("edge file: {0}")]
+    Json(String),
+    /// Numbers that do not belong together, or are not finite.
+    #[error("edge file: {0} cannot be")]
+    Field(&'static str),
+}
+
+/// The file as it is written.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawEdge {
+    format: String,
+    trained: String,
+    from_m: f64,
+    step_m: f64,
+    scale_m: f64,
+    hidden: Vec<Vec<f64>>,
+    hidden_bias: Vec<f64>,
+    output: Vec<f64>,
+    output_bias: f64,
+}
+
+/// The network, whole and checked; made by [`EdgeModel::parse`] alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EdgeModel {
+    from_m: f64,
+    step_m: f64,
+    scale_m: f64,
+    hidden: DMatrix<f64>,
+    hidden_bias: DVector<f64>,
+    output: DVector<f64>,
+    output_bias: f64,
+    trained: String,
+}
+
+impl EdgeModel {
+    /// Reads an edge file.
+    ///
+    /// # Errors
+    /// [`EdgeError`]
+    pub fn parse(text: &str) -> Result<Self, EdgeError> {
+        let raw: RawEdge = serde_json::from_str(text).map_err(|error| EdgeError::Json(error.to_string()))?;
+        if raw.format != FORMAT {
+            return Err(EdgeError::Format);
+        }
+        let (units, inputs) = (raw.hidden.len(), raw.hidden.first().map_or(0, Vec::len));
+        if !(1..=SIZE_MAX).contains(&units) || !(4..=SIZE_MAX).contains(&inputs) {
+            return Err(EdgeError::Field("hidden"));
+        }
+        let even = raw.hidden.iter().all(|row| row.len() == inputs);
+        if !even || raw.hidden_bias.len() != units || raw.output.len() != units {
+            return Err(EdgeError::Field("the lengths of hidden, hidden_bias and output"));
+        }
+        let values: Vec<f64> = raw.hidden.into_iter().flatten().collect();
+        let all =
+            values.iter().chain(&raw.hidden_bias).chain(&raw.output).chain([&raw.output_bias, &raw.from_m]);
+        if all.into_iter().any(|value| !value.is_finite()) {
+            return Err(EdgeError::Field("a number that is not finite"));
+        }
+        if !(raw.step_m > 0.0 && raw.step_m.is_finite() && raw.scale_m > 0.0 && raw.scale_m.is_finite()) {
+            return Err(EdgeError::Field("step_m or scale_m"));
+        }
+        Ok(Self {
+            from_m: raw.from_m,
+            step_m: raw.step_m,
+            scale_m: raw.scale_m,
+            hidden: DMatrix::from_row_slice(units, inputs, &values),
+            hidden_bias: DVector::from_vec(raw.hidden_bias),
+            output: DVector::from_vec(raw.output),
+            output_bias: raw.output_bias,
+            trained: raw.trained,
+        })
+    }
+
+    /// On what it was trained, in words.
+    #[must_use]
+    pub fn trained(&self) -> &str {
+        &self.trained
+    }
+
+    /// Distances from the assumed edge that a window needs `[m]`: from, to.
+    #[must_use]
+    pub fn window_m(&self) -> (f64, f64) {
+        #[expect(clippy::cast_precision_loss, reason = "at most SIZE_MAX")]
+        let steps = self.hidden.ncols() as f64 - 1.0;
+        (self.from_m, self.from_m + self.step_m * steps)
+    }
+
+    /// Distance of the edge from the centre line `[m]`, looked for around `start_m` and not farther than `range_m`
+    /// from it; `None` where the profile is too short or the answers do not settle.
+    #[must_use]
+    pub fn locate(&self, profile: &[f64], ruler: &Ruler, (start_m, range_m): (f64, f64)) -> Option<f64> {
+        let mut edge_m = start_m;
+        let mut moved_m = f64::INFINITY;
+        for _ in 0..TURNS {
+            moved_m = self.answer(profile, ruler, edge_m)?;
+            edge_m += moved_m;
+            if (edge_m - start_m).abs() > range_m {
+                return None;
+            }
+        }
+        // A last answer of more than one step tells that there is no edge to settle at.
+        (moved_m.abs() <= self.step_m).then_some(edge_m)
+    }
+
+    fn answer(&self, profile: &[f64], ruler: &Ruler, assumed_m: f64) -> Option<f64> {
+        let inputs = self.hidden.ncols();
+        let mut window = DVector::zeros(inputs);
+        let first = (assumed_m + self.from_m - ruler.from_m) / ruler.step_m;
+        let step = self.step_m / ruler.step_m;
+        #[expect(clippy::cast_precision_loss, reason = "at most SIZE_MAX")]
+        for (place, value) in window.iter_mut().enumerate() {
+            *value = between(profile, first + step * place as f64)?;
+        }
+        let mean = window.mean();
+        window.add_scalar_mut(-mean);
+        #[expect(clippy::cast_precision_loss, reason = "at most SIZE_MAX")]
+        let spread = (window.norm_squared() / inputs as f64).sqrt();
+        // Below one grey level there is nothing to see but noise.
+        window /= spread.max(1.0);
+        let signal = (&self.hidden * window + &self.hidden_bias).map(f64::tanh);
+        Some(self.scale_m * (self.output.dot(&signal) + self.output_bias))
+    }
+}
+
+/// Value between two samples, linearly.
+fn between(profile: &[f64], place: f64) -> Option<f64> {
+    if !(place >= 0.0 && place < 1e5) {
+        return None;
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked just above")]
+    let left = place as usize;
+    let share = place - place.floor();
+    Some(profile.get(left)? * (1.0 - share) + profile.get(left + 1)? * share)
+}
