@@ -10,6 +10,10 @@
 
 #[path = "report/browser.rs"]
 mod browser;
+#[path = "report/hostile.rs"]
+mod hostile;
+#[path = "report/messages.rs"]
+mod messages;
 #[path = "report/picture.rs"]
 mod picture;
 #[path = "report/print.rs"]
@@ -18,11 +22,8 @@ mod print;
 mod writer;
 
 use cli::report::page;
-use fdm_loop_msgs::RosType;
 use print::{Print, USUAL};
-use proptest::prelude::*;
-use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::path::PathBuf;
 use writer::{BagFile, folder};
 
 /// A finished bag with a print in it.
@@ -189,119 +190,6 @@ fn a_bag_that_is_being_written_is_read_to_its_last_record() {
     let page = page(&folder, None).unwrap();
     assert!(page.contains(&format!("{messages} messages were read")), "{}", section(&page, "recorder"));
     assert!(page.contains("active_1.mcap.active ends in a whole record, but was never closed"));
-}
-
-#[test]
-fn text_of_a_bag_never_becomes_markup() {
-    let evil = "</style></title><script>alert(1)</script><img src=x onerror='a()'>\"'&\u{202e}\u{0}";
-    let page = page(&bag("evil", &Print { text: evil, duration_s: 20.0, ..USUAL }), None).unwrap();
-    is_self_contained(&page);
-    assert!(!page.contains("<img src=x"));
-    assert!(page.contains("&lt;script&gt;alert(1)"), "the text is shown, escaped");
-    assert_eq!(page.matches("</style>").count(), 1);
-}
-
-#[test]
-fn numbers_that_are_none_are_counted_and_never_drawn() {
-    for number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::MIN, 1e300] {
-        let page = page(&bag("numbers", &Print { number, duration_s: 20.0, ..USUAL }), None).unwrap();
-        let (_, body) = page.split_once("<body>").unwrap();
-        let body = body.replace("info", "").replace("infill", "");
-        for word in ["NaN", "inf"] {
-            let place = body.find(word).map(|at| &body[at.saturating_sub(60)..at]);
-            assert_eq!(place, None, "{number}: {word}");
-        }
-        assert!(section(&page, "summary").contains("square.gcode"));
-    }
-}
-
-/// The name of a known topic over bytes of another type, and channels of any number.
-#[test]
-fn wrong_types_and_thousands_of_topics_are_told_apart() {
-    let folder = folder("wrong");
-    let mut file = BagFile::create(&folder.join("wrong_0.mcap"), false);
-    file.bytes("/printer/printer/state", "sensor_msgs/msg/Temperature", 0.0, &[7; 40]);
-    file.bytes("/printer/estimate/state", "fdm_loop_msgs/msg/StateEstimate", 0.0, &[255; 60]);
-    for number in 0..2000 {
-        file.bytes(&format!("/x{number}/y"), "a/msg/B", 0.0, b"");
-    }
-    file.finish();
-    let page = page(&folder, None).unwrap();
-    assert!(
-        page.contains("2002 messages were read, 2 of them could not be decoded"),
-        "{}",
-        section(&page, "recorder")
-    );
-    assert!(page.len() < 500_000);
-}
-
-/// A small bag for the fuzzing below.
-fn small() -> Vec<u8> {
-    static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
-    let made = || {
-        let path = folder("small").join("small_0.mcap");
-        let mut file = BagFile::create(&path, false);
-        Print { duration_s: 2.0, layers: 2, period_s: 0.5, ..USUAL }.write(&mut file);
-        file.finish();
-        std::fs::read(path).unwrap()
-    };
-    BYTES.get_or_init(made).clone()
-}
-
-fn page_of(bytes: &[u8], name: &str) -> String {
-    let path = folder(name).join("x.mcap");
-    std::fs::write(&path, bytes).unwrap();
-    page(&path, None).unwrap()
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
-
-    /// Bytes changed anywhere: records, lengths, channels, floats. There is a page all the same, without markup of the
-    /// bag's.
-    #[test]
-    fn a_bag_with_any_bytes_changed_gives_a_page(
-        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..40),
-    ) {
-        let mut bytes = small();
-        for (at, byte) in changes {
-            let at = at.index(bytes.len());
-            bytes[at] = byte;
-        }
-        is_self_contained(&page_of(&bytes, "changed"));
-    }
-
-    /// Any payload under any declared type.
-    #[test]
-    fn any_payload_gives_a_page(body in prop::collection::vec(any::<u8>(), 0..600), which in 0..6_usize) {
-        let folder = folder("payload");
-        let mut file = BagFile::create(&folder.join("payload_0.mcap"), false);
-        let names = [
-            ("/printer/printer/state", fdm_loop_msgs::PrinterState::DEFINITION),
-            ("/printer/estimate/state", fdm_loop_msgs::StateEstimate::DEFINITION),
-            ("/printer/printer/motion", fdm_loop_msgs::MotionSegment::DEFINITION),
-            ("/printer/vision/defects", fdm_loop_msgs::DefectReport::DEFINITION),
-            ("/printer/sensors/imu/batch", fdm_loop_msgs::ImuBatch::DEFINITION),
-            ("/diagnostics", fdm_loop_msgs::DiagnosticArray::DEFINITION),
-        ];
-        let (topic, definition) = names[which];
-        for _ in 0..3 {
-            file.bytes(topic, &definition.full_name(), 0.0, &body);
-        }
-        file.finish();
-        is_self_contained(&page(&folder, None).unwrap());
-    }
-}
-
-#[test]
-fn bytes_that_are_no_bag_give_a_page_and_no_file_an_error() {
-    assert!(page_of(b"", "empty").contains("no message could be read"));
-    assert!(
-        page_of(&[0x89, b'M', b'C', b'A', b'P', b'0', b'\r', b'\n', 5, 255, 255, 255], "head")
-            .contains("not whole")
-    );
-    assert!(page(Path::new("/nowhere"), None).is_err());
-    assert!(page(&folder("nothing"), None).is_err());
 }
 
 /// A real browser shows the page in both widths and both colour schemes and asks the network for nothing.

@@ -7,7 +7,7 @@ pub(crate) fn png(width: u32, height: u32, flagged: bool, bytes: usize) -> Vec<u
     let mut pixels = Vec::with_capacity((width * height) as usize);
     for y in 0..height {
         for x in 0..width {
-            let blot = flagged && (x as i64 - 90).pow(2) + (y as i64 - 60).pow(2) < 900;
+            let blot = flagged && (i64::from(x) - 90).pow(2) + (i64::from(y) - 60).pow(2) < 900;
             pixels.push(if blot { 250 } else { ((x * 5 + y * 3) % 97) as u8 });
         }
     }
@@ -30,7 +30,7 @@ pub(crate) fn colours(path: &Path) -> ((u32, u32), usize, f64) {
     for pixel in buffer[..info.buffer_size()].chunks(info.color_type.samples()) {
         *counts.entry(pixel).or_default() += 1;
     }
-    let all = (info.width * info.height) as f64;
+    let all = f64::from(info.width * info.height);
     let most = counts.values().copied().max().unwrap_or(0) as f64;
     ((info.width, info.height), counts.len(), most / all)
 }
