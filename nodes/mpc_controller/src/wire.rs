@@ -218,8 +218,8 @@ impl HeightController {
         let below =
             self.cells.get(&self.index(position_m)).filter(|cell| cell.layer.checked_add(1) == Some(layer));
         let Some(cell) = below else { return Answer::Unmeasured };
-        // Negated: an age that is no number is stale too.
-        if !(now.0 - cell.newest.0 <= self.params.valid_s) {
+        let age_s = now.0 - cell.newest.0;
+        if age_s.is_nan() || age_s > self.params.valid_s {
             return Answer::Stale;
         }
         let height_m = self.law.height_m + cell.sum_m / f64::from(cell.count);

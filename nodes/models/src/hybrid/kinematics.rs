@@ -21,8 +21,7 @@ impl Geometry {
         for (index, carriage_m) in carriages_m.iter_mut().enumerate() {
             let joint_m = pose.machine_from_platform(&self.joint(index));
             let reach_m = (self.rail(index) - joint_m.xy()).norm();
-            // Negated: a reach that is no number is refused too.
-            if !(reach_m < self.rod_m) {
+            if reach_m.is_nan() || reach_m >= self.rod_m {
                 return Err(Refused::Unreachable { carriage: index + 1, reach_m, rod_m: self.rod_m });
             }
             *carriage_m = joint_m.z + (self.rod_m.powi(2) - reach_m.powi(2)).sqrt();

@@ -58,8 +58,11 @@ pub struct Mesh {
     volume_m3: f64,
 }
 
+/// Bits of a corner.
+type Key = [u64; 3];
+
 /// Bits of a corner: what a file writes for one corner is the same in every triangle. -0 and 0 are one value.
-fn key(corner_m: &Vector3<f64>) -> [u64; 3] {
+fn key(corner_m: &Vector3<f64>) -> Key {
     [corner_m.x, corner_m.y, corner_m.z].map(|value| (value + 0.0).to_bits())
 }
 
@@ -83,14 +86,14 @@ impl Mesh {
                 return Err(MeshError::NotFinite { triangle: index, value: *value });
             }
             let area_m2 = 0.5 * doubled_area(triangle).norm();
-            // Negated: an area that overflowed to NaN is refused too.
-            if !(area_m2 > 0.0) {
+            // Corners far apart overflow.
+            if area_m2.is_nan() || area_m2 <= 0.0 {
                 return Err(MeshError::Flat { triangle: index, area_m2 });
             }
             volume_m3 += triangle[0].dot(&triangle[1].cross(&triangle[2])) / 6.0;
         }
         check_edges(&triangles)?;
-        if !(volume_m3 > 0.0) {
+        if volume_m3.is_nan() || volume_m3 <= 0.0 {
             return Err(MeshError::InsideOut { volume_m3 });
         }
         Ok(Self { triangles, volume_m3 })
@@ -129,7 +132,7 @@ impl Mesh {
 
 /// Every directed edge must stand there once, and once the other way.
 fn check_edges(triangles: &[Triangle]) -> Result<(), MeshError> {
-    let mut balance: HashMap<([u64; 3], [u64; 3]), (i32, [usize; 2])> = HashMap::new();
+    let mut balance: HashMap<(Key, Key), (i32, [usize; 2])> = HashMap::new();
     for (index, triangle) in triangles.iter().enumerate() {
         for side in 0..3 {
             let (from, to) = (key(&triangle[side]), key(&triangle[(side + 1) % 3]));

@@ -44,7 +44,7 @@ fn forward_of_inverse_is_the_pose() {
     let mut next = numbers();
     let mut poses = 0;
     while poses < 10_000 {
-        let (azimuth, rise) = (6.28 * next(), 1.45 * next());
+        let (azimuth, rise) = (std::f64::consts::TAU * next(), 1.45 * next());
         let normal = Vector3::new(rise.cos() * azimuth.cos(), rise.cos() * azimuth.sin(), rise.sin());
         let off_m = Vector3::new(next() - 0.5, next() - 0.5, next() - 0.5) * 0.04;
         let position_m = normal * 0.06 + off_m;
