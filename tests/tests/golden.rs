@@ -6,6 +6,7 @@
 #![cfg(test)]
 
 mod golden {
+    pub(crate) mod advance;
     pub(crate) mod control;
     pub(crate) mod estimation;
     pub(crate) mod hybrid;
@@ -19,11 +20,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use golden::vector::{Handler, Outcome, Set, check};
-use golden::{control, estimation, hybrid, physics, safety, wire};
+use golden::{advance, control, estimation, hybrid, physics, safety, wire};
 use serde_json::json;
 
 /// Systems whose every function must be known.
-const BUILT: [&str; 3] = ["s1_closed_loop", "s3_metal_wire", "s4_hybrid_machine"];
+const BUILT: [&str; 4] = ["s1_closed_loop", "s2_advance", "s3_metal_wire", "s4_hybrid_machine"];
 
 fn handler(system: &str, function: &str) -> Option<Handler> {
     match system {
@@ -31,6 +32,7 @@ fn handler(system: &str, function: &str) -> Option<Handler> {
             .or_else(|| estimation::handler(function))
             .or_else(|| control::handler(function))
             .or_else(|| safety::handler(function)),
+        "s2_advance" => advance::handler(function),
         "s3_metal_wire" => wire::handler(function),
         "s4_hybrid_machine" => hybrid::handler(function),
         _ => None,

@@ -9,6 +9,7 @@
 //! | [`command`] | trims, permits, validity, clamping and the dead-man |
 //! | [`printer`] | the nominal printer of a parameter file |
 //! | [`status`] | what a printer says of itself |
+//! | [`advance`] | System 2 of the model book: pressure advance, its test line, turns |
 //! | [`wire`] [`hybrid`] | Systems 3 and 4 of the model book: metal wire, five-axis machine |
 //!
 //! SI units throughout; a field that has a unit carries it in its name. Millimetres exist in [`gcode`] alone.
@@ -18,6 +19,7 @@
 #[macro_use]
 mod read_only;
 
+pub mod advance;
 pub mod bead;
 pub mod bed;
 pub mod command;

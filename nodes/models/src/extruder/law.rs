@@ -39,6 +39,19 @@ impl StaticLaw {
         }
     }
 
+    /// Law `x = b u^n + K_lin u` given by its compression alone, `b` in `[m (s/m)^n]`: for drives whose force is not
+    /// known. [`StaticLaw::force_n`] then reads as for a compliance of 1 m/N.
+    #[must_use]
+    pub fn of_compression(flow_index: f64, compression_scale: f64, linear_lag_s: f64) -> Self {
+        Self {
+            flow_index,
+            inverse_index: 1.0 / flow_index,
+            force_scale: compression_scale,
+            compression_scale,
+            linear_lag_s,
+        }
+    }
+
     /// Compressed length `[m]` that holds an outlet speed `[m/s]` of 0 or more.
     #[must_use]
     pub fn compression_m(&self, outlet_m_s: f64) -> f64 {
