@@ -6,7 +6,7 @@ use fdm_loop_msgs::{Imu, ImuBatch};
 use models::units::Seconds;
 use runtime::{Clock, Diagnostics, Inlet, Level, Node, Presence, Publisher, Refused, RuntimeError, topics};
 
-use crate::accelerometer::{Accelerometer, Report};
+use crate::accelerometer::{Accelerometer, Refusal, Report};
 use crate::convert;
 use crate::params::{Driver, Params};
 use crate::window::Verdict;
@@ -123,12 +123,16 @@ impl Outlet {
     }
 
     fn pass(&mut self, report: Report) {
-        if let Ok(checked) = self.unit.on_report(self.clock.now(), report) {
-            self.presence.seen();
-            for thinned in &checked.thinned {
-                self.samples.send(convert::thinned(thinned, &self.frame));
+        match self.unit.on_report(self.clock.now(), report) {
+            Ok(checked) => {
+                self.presence.seen();
+                for thinned in &checked.thinned {
+                    self.samples.send(convert::thinned(thinned, &self.frame));
+                }
+                self.batches.send(convert::batch(checked));
             }
-            self.batches.send(convert::batch(checked));
+            Err(Refusal::Unproven) => self.presence.expect(),
+            Err(_counted) => {}
         }
         for (reason, total) in convert::reasons(&self.unit.refusals()) {
             self.refused.follow(reason, total);

@@ -33,6 +33,11 @@ impl Presence {
         }
     }
 
+    /// Something has come that has yet to prove itself: a source that was not seen before is not lost meanwhile.
+    pub fn expect(&mut self) {
+        self.watch.expect(self.clock.now());
+    }
+
     /// The driver has lost the source: the reason of the event that follows when the limit has passed.
     pub fn explain(&mut self, reason: &str) {
         self.reason = Some(reason.to_owned());
@@ -132,6 +137,12 @@ impl Watch {
         }
     }
 
+    fn expect(&mut self, now: Seconds) {
+        if let State::Waiting(since) = &mut self.state {
+            *since = Some(now);
+        }
+    }
+
     fn look(&mut self, now: Seconds) -> Option<Change> {
         match &mut self.state {
             // A simulated clock stands at zero until its first reading.
@@ -183,6 +194,18 @@ mod tests {
         assert_eq!(watch.look(Seconds(0.0)), None);
         assert_eq!(watch.look(Seconds(900.0)), None, "the simulated clock was read for the first time");
         assert_eq!(watch.look(Seconds(901.1)), Some(Change::Lost));
+    }
+
+    #[test]
+    fn what_has_yet_to_prove_itself_is_waited_for() {
+        let mut watch = watch();
+        assert_eq!(watch.look(Seconds(5.0)), None);
+        watch.expect(Seconds(5.8));
+        assert_eq!(watch.look(Seconds(6.7)), None);
+        assert_eq!(watch.look(Seconds(6.9)), Some(Change::Lost));
+        watch.expect(Seconds(7.0));
+        assert_eq!(watch.look(Seconds(7.1)), None, "lost until something sound comes");
+        assert_eq!(watch.losses, 1);
     }
 
     #[test]
