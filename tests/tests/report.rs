@@ -131,7 +131,7 @@ fn absent_topics_are_said_in_their_place() {
     assert!(!page.contains("id=\"truth\""), "a real printer has no simulated truth");
 }
 
-/// An hour with a frame of 150 kB each 10 s: the page stays below 3 MB.
+/// An hour with a frame of 150 kB each 30 s: the page stays below 3 MB.
 #[test]
 fn an_hour_fits_into_three_megabytes() {
     let hour = Print {
