@@ -7,6 +7,7 @@
 //! | [`line`] | the paper's test line: slow, fast, slow |
 //! | [`width`] | width errors weighted by the way |
 //! | [`drive`] | lag of a drive for polymer, temperature, layer height and line width |
+//! | [`physics`] | the parameters of both, and short ways to their answers |
 //! | [`virtual_line`] | the test line printed with that lag, and the `K_A` that prints it best |
 //! | [`turn`] | turns of a path and the way to the next one, by hindsight |
 //! | [`published`] | the seven `K_A` that the paper prints |
@@ -28,15 +29,17 @@ pub mod compensation;
 pub mod drive;
 pub mod forces;
 pub mod line;
+pub mod physics;
 pub mod published;
 pub mod turn;
 pub mod virtual_line;
 pub mod width;
 
 pub use compensation::Compensation;
-pub use drive::{Condition, Drive, Polymer, RawDrive, RawPolymer};
+pub use drive::{Condition, Drive, DriveKind, Polymer, RawDrive, RawPolymer};
 pub use forces::{Forces, Passage};
 pub use line::{RawTestLine, TestLine};
+pub use physics::Physics;
 pub use virtual_line::{Best, VirtualLine};
 pub use width::WidthErrors;
 

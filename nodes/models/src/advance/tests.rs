@@ -1,32 +1,28 @@
 //! Laws of pressure advance.
 
-use super::drive::DriveKind;
 use super::published::Published;
 use super::width::Tally;
 use super::*;
 use crate::units::{Celsius, Seconds};
 use std::collections::BTreeMap;
 
-#[derive(serde::Deserialize)]
-struct Shipped {
-    test_line: TestLine,
-    drives: BTreeMap<DriveKind, Drive>,
-    polymers: BTreeMap<String, Polymer>,
-    published: Published,
+fn block<T: serde::de::DeserializeOwned>(file: &str, name: &str) -> T {
+    type Tree<T> = BTreeMap<String, BTreeMap<String, BTreeMap<String, T>>>;
+    let path = format!("{}/../../config/advance/{file}", env!("CARGO_MANIFEST_DIR"));
+    let mut tree: Tree<T> = serde_saphyr::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    tree.remove("/**").unwrap().remove("ros__parameters").unwrap().remove(name).unwrap()
 }
 
-fn shipped() -> Shipped {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/advance/physics.yaml");
-    serde_saphyr::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+fn shipped() -> Physics {
+    block("physics.yaml", "advance_physics")
 }
 
 fn at(temperature_c: f64, height_mm: f64, width_mm: f64) -> Condition {
     Condition { temperature: Celsius(temperature_c), height_m: 1e-3 * height_mm, width_m: 1e-3 * width_mm }
 }
 
-fn best_s(shipped: &Shipped, drive: DriveKind, polymer: &str, at: &Condition) -> f64 {
-    let (drive, polymer) = (&shipped.drives[&drive], &shipped.polymers[polymer]);
-    VirtualLine::new(drive, polymer, at, &shipped.test_line, Seconds(1e-3)).best().unwrap().advance_s
+fn best_s(shipped: &Physics, drive: DriveKind, polymer: &str, at: &Condition) -> f64 {
+    shipped.best(drive, polymer, at, Seconds(1e-3)).unwrap().advance_s
 }
 
 /// A lag without compensation approaches a step as `1 - e^(-t/K)`; one whose compensation is its lag follows at once,
@@ -70,8 +66,7 @@ fn the_test_line_is_the_papers() {
 #[test]
 fn the_virtual_line_keeps_its_filament() {
     let shipped = shipped();
-    let (drive, polymer) = (&shipped.drives[&DriveKind::Direct], &shipped.polymers["PLA"]);
-    let line = VirtualLine::new(drive, polymer, &at(215.0, 0.2, 0.4), &shipped.test_line, Seconds(1e-3));
+    let line = shipped.line(DriveKind::Direct, "PLA", &at(215.0, 0.2, 0.4), Seconds(1e-3)).unwrap();
     let (mut wanted_m, mut laid_m) = (0.0, 0.0);
     // 1.5 s after the last ramp a lag of 0.06 s has settled to e^-25.
     line.print(0.05, |_, wanted_m_s, laid_m_s, dt| {
@@ -85,7 +80,7 @@ fn the_virtual_line_keeps_its_filament() {
 #[test]
 fn the_printed_values_are_met() {
     let shipped = shipped();
-    let published = &shipped.published;
+    let published: Published = block("published.yaml", "advance_published");
     for point in &published.points {
         let at = at(published.temperature_c, 1e3 * point.height_m, 1e3 * published.width_m);
         let got_s = best_s(&shipped, point.drive, &published.polymer, &at);
@@ -113,14 +108,13 @@ fn trends_are_the_papers() {
 #[test]
 fn the_secant_is_close_to_the_best() {
     let shipped = shipped();
-    let line = &shipped.test_line;
-    for (kind, drive) in &shipped.drives {
+    for kind in DriveKind::ALL {
         for (name, polymer) in &shipped.polymers {
             for temperature_c in polymer.range_c {
                 for (height_mm, width_mm) in [(0.1, 0.4), (0.2, 0.4), (0.4, 0.4), (0.4, 0.6)] {
                     let at = at(temperature_c, height_mm, width_mm);
-                    let secant_s = drive.secant_s(polymer, &at, (line.low_m_s, line.high_m_s));
-                    let best_s = best_s(&shipped, *kind, name, &at);
+                    let secant_s = shipped.secant_s(kind, name, &at).unwrap();
+                    let best_s = best_s(&shipped, kind, name, &at);
                     let off = secant_s / best_s - 1.0;
                     assert!(off.abs() < 0.02, "{kind:?} {name} {at:?}: {secant_s} of {best_s}");
                 }
