@@ -1,6 +1,6 @@
 //! Finds and loads the files of `config/`: the same ones, through the same checks, as the nodes get.
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use models::material::Material;
 use models::motion::MotionParams;
 use models::printer::Printer;
@@ -25,6 +25,17 @@ pub struct Setup {
     pub controller: mpc_controller::Params,
     /// Supervisor.
     pub supervisor: safety_supervisor::Params,
+    /// The camera's judge, where frames are rendered.
+    pub sight: Option<Sight>,
+}
+
+/// Parameters and trained networks of the camera's judge.
+#[derive(Debug, Clone)]
+pub struct Sight {
+    /// Parameters.
+    pub params: defect_classifier::Params,
+    /// Networks and nominal printer.
+    pub models: defect_classifier::Models,
 }
 
 /// A folder like the repository's `config/`.
@@ -92,6 +103,7 @@ impl ConfigDir {
         let material = format!("materials/{}.yaml", material.to_lowercase());
         let names: Vec<String> = match node {
             "state_estimator" | "mpc_controller" => vec![own, "printers/ender3.yaml".into(), material],
+            "defect_classifier" => vec![own, "quality.yaml".into(), "printers/ender3.yaml".into(), material],
             "printer_sim" => vec![
                 own,
                 "plants/ender3.yaml".into(),
@@ -163,6 +175,46 @@ impl ConfigDir {
         Ok(parameters.block("printer_motion")?)
     }
 
+    /// The camera's judge.
+    ///
+    /// # Errors
+    /// File, line, field, value and range of what is refused, networks that cannot be read.
+    pub fn sight(&self, material: &str) -> anyhow::Result<Sight> {
+        let path =
+            NodePath { qualified: "/printer/defect_classifier".into(), base: "defect_classifier".into() };
+        let files = self.files_of("defect_classifier", material);
+        let parameters = Parameters::read(&files, &self.model_overrides(), &path)?;
+        let params: defect_classifier::Params =
+            parameters.without(&["printer", "material", "quality"]).parse()?;
+        let text = |file: &Path| {
+            std::fs::read_to_string(file).with_context(|| format!("models: {}", file.display()))
+        };
+        let models = defect_classifier::Models {
+            network: defect_classifier::network::Network::parse(&text(&params.models.network)?)?,
+            edge: defect_classifier::width::EdgeModel::parse(&text(&params.models.edge)?)?,
+            nominal: defect_classifier::layer::Nominal {
+                quality: parameters.block("quality")?,
+                printer: parameters.block("printer")?,
+                material: parameters.block("material")?,
+            },
+        };
+        Ok(Sight { params, models })
+    }
+
+    /// Where the networks stand, wherever a node is started.
+    #[must_use]
+    pub fn model_overrides(&self) -> Vec<(String, String)> {
+        let place = |name: &str| {
+            let path = self.file("models").join(name);
+            let path = std::path::absolute(&path).unwrap_or(path);
+            serde_json::json!(path.to_string_lossy()).to_string()
+        };
+        vec![
+            ("models.network".into(), place("toolhead.json")),
+            ("models.edge".into(), place("road_edge.json")),
+        ]
+    }
+
     /// Loads everything for a loop in one process.
     ///
     /// # Errors
@@ -189,6 +241,7 @@ impl ConfigDir {
                 .without(&nominal)
                 .parse::<mpc_controller::Params>()?
                 .with_level(choice.control),
+            sight: choice.camera.then(|| self.sight(&choice.material)).transpose()?,
             supervisor: read("safety_supervisor", &[("start_mode".into(), "act".into())])?.parse()?,
             simulated,
             printer,

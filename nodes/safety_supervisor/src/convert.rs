@@ -67,19 +67,10 @@ pub(crate) fn vision(message: &DefectReport) -> Result<(Seconds, Event), WireErr
     let report = VisionReport {
         usable: read.usable,
         confidence: read.confidence,
-        confirmed: read.confirmed.then(|| defect(&read.cause)),
+        confirmed: read.confirmed.then(|| Defect::from_name(&read.cause)),
         offset_m: read.offset_m,
     };
     Ok((read.exposed, Event::Vision(report)))
-}
-
-fn defect(cause: &str) -> Defect {
-    match cause {
-        "under" => Defect::Under,
-        "over" => Defect::Over,
-        "spaghetti" => Defect::Spaghetti,
-        _ => Defect::Other,
-    }
 }
 
 /// A mode that a person may set.

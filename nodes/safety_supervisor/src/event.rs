@@ -41,6 +41,19 @@ pub enum Defect {
     Other,
 }
 
+impl Defect {
+    /// By the judge's name of the class.
+    #[must_use]
+    pub fn from_name(name: &str) -> Self {
+        match name {
+            "under" => Self::Under,
+            "over" => Self::Over,
+            "spaghetti" => Self::Spaghetti,
+            _ => Self::Other,
+        }
+    }
+}
+
 /// What one frame says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisionReport {

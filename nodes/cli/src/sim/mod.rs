@@ -3,6 +3,7 @@
 pub mod consistency;
 pub mod printing;
 pub mod report;
+pub mod sight;
 pub mod text;
 pub mod width_trace;
 
@@ -180,6 +181,7 @@ impl Task {
             detections: printing.noticed.iter().filter(|found| found.onset_s.is_some()).cloned().collect(),
             false_alarms: printing.noticed.iter().filter(|found| found.onset_s.is_none()).count(),
             max_command: printing.extremes,
+            camera: printing.sight(),
         }
     }
 }

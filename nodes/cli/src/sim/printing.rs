@@ -2,6 +2,7 @@
 
 use super::consistency::Consistency;
 use super::report::{Detection, Extremes};
+use super::sight::{Seen, Sight, SightFigures};
 use super::width_trace::WidthTrace;
 use crate::config::Setup;
 use models::command::{Mode, Trims};
@@ -10,7 +11,7 @@ use models::units::{Kelvin, Seconds};
 use mpc_controller::Controller;
 use printer_sim::sensors::Pace;
 use printer_sim::{JobSource, Output, Scenario, Simulator};
-use safety_supervisor::{PrinterReport, Supervisor};
+use safety_supervisor::{PrinterReport, Supervisor, What};
 use state_estimator::{Channel, Estimator, state};
 
 /// Step of the simulation `[s]`.
@@ -30,6 +31,7 @@ pub struct Printing {
     estimate_pace: Pace,
     control_pace: Pace,
     permit_pace: Pace,
+    sight: Option<Sight>,
     encoder_quantum_m: f64,
     /// Estimation error against stated uncertainty.
     pub consistency: Consistency,
@@ -69,6 +71,7 @@ impl Printing {
             estimate_pace: Pace::new(setup.estimator.period_s),
             control_pace: Pace::new(setup.controller.period_s),
             permit_pace: Pace::new(PERMIT_PERIOD_S),
+            sight: setup.sight.as_ref().map(Sight::new).transpose()?,
             encoder_quantum_m: setup.simulated.simulator.sensors.encoder_quantum_m,
             consistency: Consistency::default(),
             width: WidthTrace::default(),
@@ -86,7 +89,7 @@ impl Printing {
         self.simulator.step(Seconds(STEP_S));
         let now = self.simulator.now();
         while let Some(output) = self.simulator.poll() {
-            self.pass_on(now, &output);
+            self.pass_on(now, output);
         }
         if self.estimate_pace.due(now) {
             self.estimate(now);
@@ -115,45 +118,77 @@ impl Printing {
         self.paused_since.is_some_and(|since| (self.simulator.now() - since).0 > PAUSED_FOR_GOOD_S)
     }
 
-    fn pass_on(&mut self, now: Seconds, output: &Output) {
+    fn pass_on(&mut self, now: Seconds, output: Output) {
         use safety_supervisor::Event as Safety;
         match output {
             Output::Temperatures { stamp, hotend, bed } => {
-                self.estimator.on_event(state_estimator::Event::Hotend { stamp: *stamp, temp: *hotend });
-                self.supervisor.on_event(now, Safety::Hotend { stamp: *stamp, temp: *hotend });
-                self.supervisor.on_event(now, Safety::Bed { stamp: *stamp, temp: *bed });
+                self.estimator.on_event(state_estimator::Event::Hotend { stamp, temp: hotend });
+                self.supervisor.on_event(now, Safety::Hotend { stamp, temp: hotend });
+                self.supervisor.on_event(now, Safety::Bed { stamp, temp: bed });
             }
             Output::Encoder { stamp, counts } => {
                 #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
-                let position_m = *counts as f64 * self.encoder_quantum_m;
-                let stamp = *stamp;
+                let position_m = counts as f64 * self.encoder_quantum_m;
                 self.estimator.on_event(state_estimator::Event::Encoder { stamp, position_m });
                 self.controller.on_event(mpc_controller::Event::Encoder { stamp, position_m });
                 self.supervisor.on_event(now, Safety::Encoder { stamp, position_m });
             }
             Output::Width { exposed, width_m, sigma_m } => {
-                let (exposed, width_m, sigma_m) = (*exposed, *width_m, *sigma_m);
                 self.estimator.on_event(state_estimator::Event::Width { exposed, width_m, sigma_m });
                 self.controller.on_event(mpc_controller::Event::Width { exposed, width_m });
             }
             Output::Status(status) => {
                 self.note_extremes(&status.trims);
-                self.estimator.on_event(state_estimator::Event::Printer(**status));
-                self.controller.on_event(mpc_controller::Event::Printer(**status));
-                self.supervisor.on_event(now, Safety::Printer(report_of(status)));
+                if let Some(sight) = &mut self.sight {
+                    sight.on_status(&status);
+                }
+                self.estimator.on_event(state_estimator::Event::Printer(*status));
+                self.controller.on_event(mpc_controller::Event::Printer(*status));
+                self.supervisor.on_event(now, Safety::Printer(report_of(&status)));
             }
             Output::Imu(batch) => {
-                let (first, period, samples) = (batch.first, batch.period, batch.samples.clone());
+                let (first, period, samples) = (batch.first, batch.period, batch.samples);
                 self.supervisor.on_event(now, Safety::Imu { first, period, samples });
             }
-            Output::Motion { .. } | Output::Frame { .. } | Output::Note { .. } => {}
+            Output::Frame { exposed, jpeg, .. } => self.see(now, exposed, jpeg),
+            Output::Motion { start, segment } => {
+                if let Some(sight) = &mut self.sight {
+                    sight.on_motion(start, &segment);
+                }
+            }
+            Output::Note { .. } => {}
         }
+    }
+
+    fn see(&mut self, now: Seconds, exposed: Seconds, jpeg: Vec<u8>) {
+        let Some(sight) = &mut self.sight else { return };
+        for seen in sight.on_frame(exposed, jpeg) {
+            match seen {
+                Seen::Width { laid, width_m, sigma_m } => {
+                    let exposed = laid;
+                    self.estimator.on_event(state_estimator::Event::Width { exposed, width_m, sigma_m });
+                    self.controller.on_event(mpc_controller::Event::Width { exposed, width_m });
+                }
+                Seen::Report(report) => {
+                    self.supervisor.on_event(now, safety_supervisor::Event::Vision(report));
+                }
+            }
+        }
+    }
+
+    /// What the camera's widths were worth, where there is one.
+    #[must_use]
+    pub fn sight(&self) -> Option<SightFigures> {
+        self.sight.as_ref().map(Sight::figures)
     }
 
     fn estimate(&mut self, now: Seconds) {
         let Some(estimate) = self.estimator.on_event(state_estimator::Event::Tick { now }) else { return };
         self.consistency.add(&estimate, self.simulator.truth());
         self.nis_mean = estimate.nis_mean;
+        if let Some(sight) = &mut self.sight {
+            sight.on_estimate(&estimate);
+        }
         self.supervisor.on_event(now, safety_supervisor::Event::EstimateHeartbeat { stamp: now });
         let for_control = mpc_controller::Estimate {
             stamp: estimate.stamp,
@@ -175,15 +210,17 @@ impl Printing {
         };
         // A refused permit is counted by the dead-man itself.
         let _taken = self.simulator.on_permit(output.permit);
-        for event in output.events.iter().filter(|event| event.before != event.after) {
-            if event.after >= Mode::Degraded {
-                self.noticed.push(Detection {
-                    fault: output.state.cause.map_or_else(String::new, |cause| cause.id().to_owned()),
-                    onset_s: self.simulator.first_onset().map(|onset| onset.0),
-                    detected_s: now.0,
-                    action: format!("{:?}", event.after).to_lowercase(),
-                });
-            }
+        let onset_s = self.simulator.first_onset().map(|onset| onset.0);
+        let cause = output.state.cause.map_or_else(String::new, |cause| cause.id().to_owned());
+        for event in &output.events {
+            let (fault, action) = match event.what {
+                What::Impulse => ("P8".to_owned(), "flagged".to_owned()),
+                _ if event.before != event.after && event.after >= Mode::Degraded => {
+                    (cause.clone(), format!("{:?}", event.after).to_lowercase())
+                }
+                _ => continue,
+            };
+            self.noticed.push(Detection { fault, onset_s, detected_s: now.0, action });
         }
     }
 
@@ -202,6 +239,9 @@ impl Printing {
             self.paused_since = None;
         }
         let truth = self.simulator.truth();
+        if let Some(sight) = &mut self.sight {
+            sight.note_truth(truth);
+        }
         if truth.depositing && truth.target_width_m > 0.0 {
             self.width.add(truth.path_time_s, truth.width_m / truth.target_width_m - 1.0, STEP_S);
         }

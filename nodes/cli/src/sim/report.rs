@@ -1,5 +1,6 @@
 //! Results of `fdm sim` with the names of the JSON contract.
 
+use super::sight::SightFigures;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -72,6 +73,9 @@ pub struct Run {
     pub false_alarms: usize,
     /// Largest corrections.
     pub max_command: Extremes,
+    /// What the camera saw, beside the truth; absent without `--camera`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<SightFigures>,
 }
 
 /// Mean and spread of the runs of one control level.

@@ -44,6 +44,20 @@ pub fn table(groups: &[Group]) -> String {
     }
     for group in groups {
         _ = writeln!(text, "{:<9} NIS {}", group.control, nis(&group.runs));
+        for (run, seen) in group.runs.iter().filter_map(|run| Some((run, run.camera?))) {
+            let um = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.1}", value * 1e6));
+            _ = writeln!(
+                text,
+                "  seed {}: {} frames, {} not usable; {} widths, bias {} um, sigma {} um; largest offset {:.0} um",
+                run.seed,
+                seen.frames,
+                seen.unusable,
+                seen.widths,
+                um(seen.width_bias_m),
+                um(seen.width_sigma_m),
+                seen.offset_max_m * 1e6
+            );
+        }
         for run in group.runs.iter().filter(|run| !run.detections.is_empty() || run.false_alarms > 0) {
             let found: Vec<String> = run
                 .detections

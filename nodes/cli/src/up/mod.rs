@@ -64,6 +64,9 @@ pub struct UpArgs {
     /// Serve printer_sim/inject_fault.
     #[arg(long)]
     pub allow_fault_injection: bool,
+    /// Print the processes that would be started, as JSON, and start none.
+    #[arg(long)]
+    pub dry_run: bool,
     /// Keep the graph running after the print has ended, until Ctrl-C.
     #[arg(long)]
     pub stay: bool,
@@ -91,6 +94,10 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
     let json = Json::new(args.json.as_deref());
     json.check()?;
     let plans = plans(args, &config, &material)?;
+    if args.dry_run {
+        let processes: Vec<_> = plans.iter().map(Plan::processes).collect::<anyhow::Result<_>>()?;
+        return output::line(&serde_json::to_string_pretty(&processes)?);
+    }
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let mut prints = Vec::new();
     for plan in &plans {

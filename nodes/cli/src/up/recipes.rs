@@ -1,18 +1,21 @@
 //! Which node is started with which files and parameters.
 
 use super::{UpArgs, check_new_bag, fleet::Recipe};
-use crate::config::ConfigDir;
+use crate::config::{ConfigDir, sensor_overrides};
 use anyhow::{Context, bail};
 use runtime::params::{NodePath, Parameters};
 use std::path::PathBuf;
 
 /// The nodes of the simulated printer in the order of their start: who records and who guards come first.
-pub const NODES: [&str; 7] = [
+pub const NODES: [&str; 10] = [
     "bag_recorder",
     "safety_supervisor",
     "thermistor",
+    "imu",
+    "camera",
     "filament_encoder",
     "state_estimator",
+    "defect_classifier",
     "mpc_controller",
     "printer_sim",
 ];
@@ -80,7 +83,8 @@ impl Plan {
         // A JSON string is a YAML string: whatever a file is called.
         let quoted = |path: &std::path::Path| serde_json::json!(path.to_string_lossy()).to_string();
         let scenario = self.config.scenario_path(&self.scenario);
-        vec![
+        let sensors = sensor_overrides(true).into_iter().map(|(name, value)| ("printer_sim", name, value));
+        let mut all = vec![
             ("bag_recorder", "bag_dir".into(), quoted(&self.bag)),
             ("safety_supervisor", "start_mode".into(), args.mode.clone()),
             ("safety_supervisor", "latch_file".into(), quoted(&self.logs().join("latch.json"))),
@@ -95,7 +99,11 @@ impl Plan {
             ("printer_sim", "run.allow_fault_injection".into(), args.allow_fault_injection.to_string()),
             ("printer_sim", "run.config_file".into(), quoted(&self.config_text_file())),
             ("printer_sim", "simulator.host".into(), self.host.clone()),
-        ]
+        ];
+        all.extend(sensors);
+        let models = self.config.model_overrides().into_iter();
+        all.extend(models.map(|(name, value)| ("defect_classifier", name, value)));
+        all
     }
 
     /// Folder of the nodes' messages, beside the bag.
@@ -119,6 +127,9 @@ impl Plan {
         for (name, _, parameters, _) in self.nodes()? {
             match name {
                 "thermistor" => _ = parameters.parse::<thermistor::params::Params>()?,
+                "imu" => _ = parameters.parse::<imu::Params>()?,
+                "camera" => _ = parameters.parse::<camera::Params>()?,
+                "defect_classifier" => _ = self.config.sight(&self.material)?,
                 "filament_encoder" => _ = parameters.parse::<filament_encoder::params::Params>()?,
                 "state_estimator" => _ = parameters.without(&NOMINAL).parse::<state_estimator::Params>()?,
                 "mpc_controller" => _ = parameters.without(&NOMINAL).parse::<mpc_controller::Params>()?,
@@ -136,11 +147,29 @@ impl Plan {
         Ok(())
     }
 
+    /// What would be started: name, program and arguments of each process.
+    ///
+    /// # Errors
+    /// As [`Plan::recipes`].
+    pub fn processes(&self) -> anyhow::Result<serde_json::Value> {
+        let (recipes, _) = self.compose()?;
+        let process = |recipe: &Recipe| serde_json::json!({"node": recipe.name, "program": recipe.program, "arguments": recipe.arguments});
+        Ok(recipes.iter().map(process).collect())
+    }
+
     /// The nodes to start; writes the configuration of the whole graph for the record.
     ///
     /// # Errors
     /// File, line, field, value and range of what is refused; executables that are missing.
     pub fn recipes(&self) -> anyhow::Result<Vec<Recipe>> {
+        let (recipes, text) = self.compose()?;
+        std::fs::create_dir_all(self.logs()).with_context(|| self.logs().display().to_string())?;
+        std::fs::write(self.config_text_file(), text)?;
+        Ok(recipes)
+    }
+
+    /// The nodes to start, and the configuration of all as text.
+    fn compose(&self) -> anyhow::Result<(Vec<Recipe>, String)> {
         let mut recipes = Vec::new();
         let mut text = String::new();
         for (name, program, parameters, (files, overrides)) in self.nodes()? {
@@ -158,9 +187,7 @@ impl Plan {
             // A printer that was started again would begin its file anew.
             recipes.push(Recipe { name, program, arguments, replaceable: name != "printer_sim" });
         }
-        std::fs::create_dir_all(self.logs()).with_context(|| self.logs().display().to_string())?;
-        std::fs::write(self.config_text_file(), text)?;
-        Ok(recipes)
+        Ok((recipes, text))
     }
 
     /// Every node with its executable, its merged parameters, and what they are merged from.

@@ -35,6 +35,11 @@ impl StaleCheck {
         self.newest.get_or_insert(now);
     }
 
+    /// Starts the age of a stream anew that has been heard before.
+    pub fn restart(&mut self, now: Seconds) {
+        self.newest = self.newest.map(|_| now);
+    }
+
     /// Time in which the supervisor itself stood still does not count as silence of others.
     pub fn forgive(&mut self, gap: Seconds) {
         self.newest = self.newest.map(|newest| newest + gap);

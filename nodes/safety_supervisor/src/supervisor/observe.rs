@@ -90,6 +90,8 @@ impl Supervisor {
         if printing && phase_before != Some(JobPhase::Printing) {
             // The controller need not speak before there is a move to correct.
             self.ages.command.note(now);
+            // Frames are judged while the job prints.
+            self.ages.vision.restart(now);
         }
         if report.phase == JobPhase::Failed && phase_before.is_some_and(|phase| phase != JobPhase::Failed) {
             self.printer_failed = true;
@@ -118,7 +120,7 @@ impl Supervisor {
         set(Cause::StalePrinter, self.ages.printer.reaction(now));
         set(Cause::StaleEstimate, self.ages.estimate.reaction(now));
         set(Cause::StaleImu, self.ages.imu.reaction(now));
-        set(Cause::StaleVision, self.ages.vision.reaction(now));
+        set(Cause::StaleVision, self.ages.vision.reaction(now).filter(|_| printing));
         set(Cause::StaleCommand, self.ages.command.reaction(now).filter(|_| acting && printing));
 
         let checks = &self.checks;
