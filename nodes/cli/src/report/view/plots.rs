@@ -44,7 +44,7 @@ pub(crate) fn temperatures(view: &View) -> Markup {
     html! {
         (view.plot("Hot end", "°C", hot).draw())
         (error.draw())
-        (view.plot("Bed", "°C", bed).draw())
+        (Plot { shows: around(&signals.bed_target_degc), ..view.plot("Bed", "°C", bed) }.draw())
         (missing(&[
             (&signals.hotend_degc, "Hot end", topics::HOTEND_TEMPERATURE.name()),
             (&signals.bed_degc, "Bed", topics::BED_TEMPERATURE.name()),
@@ -52,6 +52,12 @@ pub(crate) fn temperatures(view: &View) -> Markup {
             (&signals.hotend_target_degc, "Set-points", topics::PRINTER_STATE.name()),
         ]))
     }
+}
+
+/// A few kelvin around the newest set-point: noise of a tenth is not to fill the plot.
+fn around(target_degc: &Series) -> Option<(f64, f64)> {
+    let newest = target_degc.columns(usize::MAX, 1.0).last()?.cell.mean();
+    Some((newest - 2.0, newest + 2.0))
 }
 
 /// Slip of the drive gear and gain of the road.

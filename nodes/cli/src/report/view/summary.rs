@@ -1,7 +1,7 @@
 //! Top of the page: what was printed and what came of it.
 
 use super::View;
-use super::words::{bytes, clock, counted, date, percent};
+use super::words::{breakable, bytes, clock, counted, date, percent};
 use crate::report::record::events::Severity;
 use crate::up::words::mode_name;
 use fdm_loop_msgs::{PrinterState, SafetyState};
@@ -24,7 +24,7 @@ pub(crate) fn head(view: &View) -> Markup {
     let (class, verdict, why) = verdict(view);
     html! {
         p.kind { "Print report" @if let Some(at) = view.record.print.began_wall_s { " · " (date(at)) } }
-        h1 { (title(view)) }
+        h1 { (breakable(&title(view))) }
         @if !view.torn.is_empty() {
             div.verdict.warn { div {
                 b { "This bag is not whole." } " The report shows what is there."
@@ -69,7 +69,7 @@ pub(crate) fn cards(view: &View) -> Markup {
     html! {
         dl.cards {
             @for (name, value, more) in &figures {
-                div { dt { (name) } dd { (value) @if !more.is_empty() { small { (more) } } } }
+                div { dt { (name) } dd { (breakable(value)) @if !more.is_empty() { small { (breakable(more)) } } } }
             }
         }
         @if !worst.is_empty() {

@@ -1,5 +1,7 @@
 //! Numbers and times for people.
 
+use maud::{Markup, html};
+
 /// A time on the page: `1:02:03`, `2:03`, `3.4 s`.
 pub(crate) fn clock(seconds: f64) -> String {
     if seconds < 60.0 {
@@ -35,6 +37,11 @@ pub(crate) fn bytes(count: u64) -> String {
         1_000_000..1_000_000_000 => format!("{:.1} MB", count as f64 / 1e6),
         _ => format!("{:.2} GB", count as f64 / 1e9),
     }
+}
+
+/// A name that may be broken after its underscores.
+pub(crate) fn breakable(name: &str) -> Markup {
+    html! { @for part in name.split_inclusive('_') { (part) wbr; } }
 }
 
 /// A count of things: `1 error`, `2 errors`.
