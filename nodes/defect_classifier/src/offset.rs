@@ -9,6 +9,8 @@
 mod footprint;
 mod looks;
 mod params;
+#[cfg(test)]
+mod tests;
 
 pub use params::{OffsetParams, RawOffset};
 
@@ -18,7 +20,7 @@ use crate::surroundings::{Mask, REDUCTION};
 use footprint::Footprint;
 use looks::{Bounds, Looks, Taught};
 use models::units::Seconds;
-use opencv::core::{Mat, Point, Size};
+use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, Size};
 use opencv::imgproc;
 
 /// Where the old part lies.
@@ -96,7 +98,8 @@ impl OffsetFinder {
             fresh.draw(line.0, line.1, road.width_m / camera.scale_m + beside_px)?;
         }
         self.marked_until_s = marked_until_s;
-        let view = OldView::new(&self.footprint, &fresh, (camera, tool_m))?;
+        let mut view = OldView::new(&self.footprint, &fresh, (camera, tool_m))?;
+        view.close(self.params.gap_m / (camera.scale_m * REDUCTION))?;
         if let Some(ratios) = view.ratios(grey, &self.params, camera)? {
             self.weigh(&view, &ratios, camera);
         }
@@ -124,27 +127,41 @@ impl OffsetFinder {
         }
     }
 
-    /// Mean and spread over all offsets, each with its likelihood.
+    /// Evidence and what is known before any: lost steps are rare.
+    fn supported(&self) -> Vec<f64> {
+        let side = 2 * self.reach + 1;
+        let none = usize::try_from(self.reach * side + self.reach).unwrap_or(0);
+        let rare =
+            |(place, value): (usize, &f64)| if place == none { *value } else { value - self.params.rarity };
+        self.evidence.iter().enumerate().map(rare).collect()
+    }
+
+    /// The offset where the frames tell; that lost steps are rare counts for its value, but is no knowledge of it.
     fn offset(&self) -> Option<Offset> {
-        let best = self.evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (_, seen_sigma_m) = self.moments(&self.evidence);
+        let (offset_m, sigma_m) = self.moments(&self.supported());
+        let sigma_m = sigma_m.hypot(self.params.sigma_floor_m);
+        let told = seen_sigma_m.max(sigma_m) <= self.params.sigma_max_m;
+        told.then_some(Offset { offset_m, sigma_m })
+    }
+
+    /// Mean over all offsets, each with its likelihood, and standard deviation of the worse axis `[m]`.
+    fn moments(&self, logs: &[f64]) -> ([f64; 2], f64) {
+        let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let (mut total, mut first, mut second) = (0.0, [0.0; 2], [0.0; 2]);
-        let mut place = 0;
-        for y in -self.reach..=self.reach {
-            for x in -self.reach..=self.reach {
-                let share = (self.evidence[place] - best).exp();
-                let at_m = [x, y].map(|steps| f64::from(steps) * self.params.step_m);
-                total += share;
-                for axis in 0..2 {
-                    first[axis] += share * at_m[axis];
-                    second[axis] += share * at_m[axis] * at_m[axis];
-                }
-                place += 1;
+        let steps = (-self.reach..=self.reach).flat_map(|y| (-self.reach..=self.reach).map(move |x| [x, y]));
+        for (log, step) in logs.iter().zip(steps) {
+            let share = (log - best).exp();
+            total += share;
+            for axis in 0..2 {
+                let at_m = f64::from(step[axis]) * self.params.step_m;
+                first[axis] += share * at_m;
+                second[axis] += share * at_m * at_m;
             }
         }
-        let offset_m = first.map(|sum| sum / total);
-        let variance = [0, 1].map(|axis| (second[axis] / total - offset_m[axis].powi(2)).max(0.0));
-        let sigma_m = variance[0].max(variance[1]).sqrt().hypot(self.params.sigma_floor_m);
-        (sigma_m <= self.params.sigma_max_m).then_some(Offset { offset_m, sigma_m })
+        let mean_m = first.map(|sum| sum / total);
+        let variance = [0, 1].map(|axis| (second[axis] / total - mean_m[axis].powi(2)).max(0.0));
+        (mean_m, variance[0].max(variance[1]).sqrt())
     }
 }
 
@@ -152,7 +169,7 @@ impl OffsetFinder {
 struct OldView {
     columns: usize,
     rows: usize,
-    /// 1 for part, -1 for bed.
+    /// 1 for part, -1 for bed, 0 for a gap inside of the part: it may look like either.
     signs: Vec<f32>,
     /// The pixel shows neither head nor newer road.
     counts: Vec<bool>,
@@ -177,7 +194,7 @@ impl OldView {
         Ok(Self { columns, rows, signs, counts })
     }
 
-    /// Closes the gaps inside the part, teaches the looks, and yields the ratio of every pixel, 0 where none counts.
+    /// Teaches the looks and yields the ratio of every pixel, 0 where none counts.
     fn ratios(
         &self,
         grey: &Mat,
@@ -211,22 +228,32 @@ impl OldView {
         Ok(ratios.map(counted))
     }
 
+    /// Takes gaps inside the part up to `gap_px` from the bed.
+    fn close(&mut self, gap_px: f64) -> Result<(), opencv::Error> {
+        let part = self.plane(1.0)?;
+        let mut out = Mat::default();
+        imgproc::morphology_ex_def(&part, &mut out, imgproc::MORPH_CLOSE, &disc(0.5 * gap_px)?)?;
+        for (sign, level) in self.signs.iter_mut().zip(out.data_bytes()?) {
+            if *level > 0 && *sign < 0.0 {
+                *sign = 0.0;
+            }
+        }
+        Ok(())
+    }
+
     /// Pixels around which all is of one sign, as far as `reach_px`.
     fn eroded(&self, sign: f32, reach_px: f64) -> Result<Vec<bool>, opencv::Error> {
-        use opencv::core::{MatTraitConst, MatTraitConstManual};
+        let mut out = Mat::default();
+        imgproc::erode_def(&self.plane(sign)?, &mut out, &disc(reach_px)?)?;
+        Ok(out.data_bytes()?.iter().map(|level| *level > 0).collect())
+    }
+
+    /// 255 where the pixel has this sign.
+    fn plane(&self, sign: f32) -> Result<Mat, opencv::Error> {
         let bytes: Vec<u8> =
             self.signs.iter().map(|own| if (own - sign).abs() < 0.5 { 255 } else { 0 }).collect();
         let flat = Mat::from_slice(&bytes)?;
-        let plane = flat.reshape(1, i32::try_from(self.rows).unwrap_or(1))?.try_clone()?;
-        let side = 2 * whole(reach_px.round()).max(1) + 1;
-        let element = imgproc::get_structuring_element(
-            imgproc::MORPH_ELLIPSE,
-            Size::new(side, side),
-            Point::new(-1, -1),
-        )?;
-        let mut out = Mat::default();
-        imgproc::erode_def(&plane, &mut out, &element)?;
-        Ok(out.data_bytes()?.iter().map(|level| *level > 0).collect())
+        flat.reshape(1, i32::try_from(self.rows).unwrap_or(1))?.try_clone()
     }
 
     /// `sum ratio(q) s(q - d)` with `d` in coarse pixels; beyond the view the outline is carried on from its border.
@@ -247,6 +274,12 @@ impl OldView {
         }
         sum
     }
+}
+
+/// Disc of this radius as a structuring element.
+fn disc(radius_px: f64) -> Result<Mat, opencv::Error> {
+    let side = 2 * whole(radius_px.round()).max(0) + 1;
+    imgproc::get_structuring_element_def(imgproc::MORPH_ELLIPSE, Size::new(side, side))
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "small whole numbers; a cast saturates")]

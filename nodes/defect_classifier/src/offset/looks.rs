@@ -24,7 +24,7 @@ impl Looks {
         let (mut small, mut float) = (Mat::default(), Mat::default());
         imgproc::resize(grey, &mut small, size, 0.0, 0.0, imgproc::INTER_AREA)?;
         small.convert_to(&mut float, CV_32F, 1.0, 0.0)?;
-        let smooth = blurred(&float, 2.0)?;
+        let smooth = blurred(&float, 1.0)?;
         let (mut dx, mut dy) = (Mat::default(), Mat::default());
         imgproc::sobel_def(&float, &mut dx, CV_32F, 1, 0)?;
         imgproc::sobel_def(&float, &mut dy, CV_32F, 0, 1)?;
@@ -36,7 +36,7 @@ impl Looks {
         let soft = |plane: Vec<f32>| -> Result<Vec<f32>, opencv::Error> {
             let flat = Mat::from_slice(&plane)?;
             let plane = flat.reshape(1, size.height)?;
-            Ok(blurred(&plane.try_clone()?, 2.0)?.data_typed::<f32>()?.to_vec())
+            Ok(blurred(&plane.try_clone()?, 1.0)?.data_typed::<f32>()?.to_vec())
         };
         Ok(Self { planes: [level, soft(uneven)?, soft(slope)?], columns, rows })
     }

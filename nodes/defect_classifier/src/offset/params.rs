@@ -34,6 +34,10 @@ pub struct RawOffset {
     pub ratio_max: f64,
     /// Coarse pixels that look alike count as one `[-]`.
     pub alike: f64,
+    /// Gaps up to this width inside the old part are part: the room in sparse infill `[m]`.
+    pub gap_m: f64,
+    /// What an offset of a step or more must be better supported than none, as log likelihood `[-]`: it is rare.
+    pub rarity: f64,
     /// Memory of the evidence `[s]`.
     pub memory_s: f64,
     /// Least standard deviation of an offset `[m]`.
@@ -69,6 +73,8 @@ impl TryFrom<RawOffset> for OffsetParams {
         in_range("offset.separation_min", raw.separation_min, "-", (0.0, 100.0))?;
         positive("offset.ratio_max", raw.ratio_max, "-")?;
         in_range("offset.alike", raw.alike, "-", (1.0, 1e4))?;
+        in_range("offset.gap_m", raw.gap_m, "m", (0.0, 1e-2))?;
+        in_range("offset.rarity", raw.rarity, "-", (0.0, 100.0))?;
         in_range("offset.memory_s", raw.memory_s, "s", (0.1, 600.0))?;
         positive("offset.sigma_floor_m", raw.sigma_floor_m, "m")?;
         ordered(("offset.sigma_floor_m", raw.sigma_floor_m), ("offset.sigma_max_m", raw.sigma_max_m))?;

@@ -44,6 +44,8 @@ struct RawEdge {
     hidden_bias: Vec<f64>,
     output: Vec<f64>,
     output_bias: f64,
+    /// Least fall of the levels from the road to the valley beside it, as a share of the road's `[-]`.
+    contrast_min: f64,
 }
 
 /// The network, whole and checked; made by [`EdgeModel::parse`] alone.
@@ -56,6 +58,7 @@ pub struct EdgeModel {
     hidden_bias: DVector<f64>,
     output: DVector<f64>,
     output_bias: f64,
+    contrast_min: f64,
     trained: String,
 }
 
@@ -86,6 +89,9 @@ impl EdgeModel {
         if !(raw.step_m > 0.0 && raw.step_m.is_finite() && raw.scale_m > 0.0 && raw.scale_m.is_finite()) {
             return Err(EdgeError::Field("step_m or scale_m"));
         }
+        if !(0.0..1.0).contains(&raw.contrast_min) {
+            return Err(EdgeError::Field("contrast_min"));
+        }
         Ok(Self {
             from_m: raw.from_m,
             step_m: raw.step_m,
@@ -94,6 +100,7 @@ impl EdgeModel {
             hidden_bias: DVector::from_vec(raw.hidden_bias),
             output: DVector::from_vec(raw.output),
             output_bias: raw.output_bias,
+            contrast_min: raw.contrast_min,
             trained: raw.trained,
         })
     }
@@ -113,20 +120,51 @@ impl EdgeModel {
     }
 
     /// Distance of the edge from the centre line `[m]`, looked for around `start_m` and not farther than `range_m`
-    /// from it; `None` where the profile is too short or the answers do not settle.
+    /// from it; `None` where the profile is too short, or shows no edge: the answers do not settle, depend on where
+    /// they began, or there is no valley beside the road. Without these checks bare ground would read as the width
+    /// that was wanted.
     #[must_use]
     pub fn locate(&self, profile: &[f64], ruler: &Ruler, (start_m, range_m): (f64, f64)) -> Option<f64> {
-        let mut edge_m = start_m;
-        let mut moved_m = f64::INFINITY;
-        for _ in 0..TURNS {
-            moved_m = self.answer(profile, ruler, edge_m)?;
-            edge_m += moved_m;
-            if (edge_m - start_m).abs() > range_m {
-                return None;
-            }
+        let mut edges_m = [0.0; 3];
+        for (edge_m, share) in edges_m.iter_mut().zip([-0.4, 0.0, 0.4]) {
+            *edge_m = self.settle(profile, ruler, (start_m, start_m + share * range_m, range_m))?;
         }
-        // A last answer of more than one step tells that there is no edge to settle at.
-        (moved_m.abs() <= self.step_m).then_some(edge_m)
+        edges_m.sort_by(f64::total_cmp);
+        let [least_m, edge_m, most_m] = edges_m;
+        let settled = most_m - least_m <= self.step_m;
+        (settled && self.valley(profile, ruler, edge_m)?).then_some(edge_m)
+    }
+
+    /// The edge as found from one beginning.
+    fn settle(
+        &self,
+        profile: &[f64],
+        ruler: &Ruler,
+        (middle_m, start_m, range_m): (f64, f64, f64),
+    ) -> Option<f64> {
+        let mut edge_m = start_m;
+        for _ in 0..TURNS {
+            edge_m =
+                (edge_m + self.answer(profile, ruler, edge_m)?).clamp(middle_m - range_m, middle_m + range_m);
+        }
+        ((edge_m - middle_m).abs() < range_m).then_some(edge_m)
+    }
+
+    /// Whether the levels fall from the road to its edge by a share of themselves, as they do under any light.
+    fn valley(&self, profile: &[f64], ruler: &Ruler, edge_m: f64) -> Option<bool> {
+        let place = |away_m: f64| (edge_m + away_m - ruler.from_m) / ruler.step_m;
+        let over = |from_m: f64, to_m: f64, pick: fn(f64, f64) -> f64| -> Option<f64> {
+            let mut found = between(profile, place(from_m))?;
+            let mut away_m = from_m;
+            while away_m < to_m {
+                away_m += self.step_m;
+                found = pick(found, between(profile, place(away_m))?);
+            }
+            Some(found)
+        };
+        let road = over(8.0 * -self.step_m, -2.0 * self.step_m, f64::max)?;
+        let valley = over(-self.step_m, 3.0 * self.step_m, f64::min)?;
+        Some(road - valley >= self.contrast_min * road)
     }
 
     fn answer(&self, profile: &[f64], ruler: &Ruler, assumed_m: f64) -> Option<f64> {

@@ -1,0 +1,92 @@
+use super::*;
+use crate::camera::tests::camera;
+use crate::frame::tests::picture;
+use crate::path::tests::{params as history, road};
+
+fn params() -> OffsetParams {
+    OffsetParams::try_from(RawOffset {
+        bed_low_m: [0.0, 0.0],
+        bed_high_m: [0.25, 0.25],
+        old_s: 20.0,
+        beside_new_m: 3e-4,
+        range_m: 1.44e-3,
+        step_m: 2.4e-4,
+        sure_m: 1.2e-3,
+        samples_min: 300,
+        separation_min: 4.0,
+        ratio_max: 2.0,
+        alike: 80.0,
+        gap_m: 3e-3,
+        rarity: 12.0,
+        memory_s: 4.0,
+        sigma_floor_m: 7e-5,
+        sigma_max_m: 2e-4,
+    })
+    .unwrap()
+}
+
+/// A solid block of 8 x 8 mm laid around a corner at (0.104, 0.1), long ago.
+fn laid() -> PathHistory {
+    let mut path = PathHistory::new(history());
+    for line in 0..18_u32 {
+        let y_m = 0.1 + 4.5e-4 * f64::from(line);
+        path.on_move(Seconds(f64::from(line)), &road(0, [0.104, y_m], [0.112, y_m]));
+    }
+    path
+}
+
+/// The block as it looks with the tool at (0.1, 0.1), `moved_px` to the right and downwards, with some grain.
+fn seen(moved_px: [i64; 2], grain: u64) -> Mat {
+    picture(640, 480, |u, v| {
+        let at =
+            [(u, moved_px[0]), (v, moved_px[1])].map(|(place, moved)| i64::try_from(place).unwrap() - moved);
+        let inside = (453..720).contains(&at[0]) && (-16..247).contains(&at[1]);
+        let dust = (u as u64 * 7919 + v as u64 * 104_729 + grain * 31).wrapping_mul(2_654_435_761) >> 29 & 7;
+        u8::try_from(dust).unwrap() + if inside { 150 } else { 60 }
+    })
+}
+
+fn found(moved_px: [i64; 2]) -> Option<Offset> {
+    let (path, mut finder) = (laid(), OffsetFinder::new(params(), &camera()));
+    let mut offset = None;
+    for frame in 0..4_u32 {
+        let exposed = Seconds(60.0 + 0.5 * f64::from(frame));
+        let grey = seen(moved_px, u64::from(frame));
+        offset = finder.on_frame(&grey, (&path, exposed), (&camera(), [0.1, 0.1])).unwrap();
+    }
+    offset
+}
+
+#[test]
+fn a_part_where_it_was_laid_has_no_offset() {
+    let offset = found([0, 0]).unwrap();
+    assert!(offset.offset_m.iter().all(|value| value.abs() < 1.2e-4), "{offset:?}");
+}
+
+/// P8: 0.8 mm are 26.7 px; image y runs against bed y. Within a step of the grid, 0.24 mm.
+#[test]
+fn lost_steps_show_as_an_offset_of_the_old_part() {
+    for (moved_px, wanted_m) in [([-27, 0], [-8e-4, 0.0]), ([0, -27], [0.0, 8e-4]), ([27, 27], [8e-4, -8e-4])]
+    {
+        let offset = found(moved_px).unwrap();
+        for axis in 0..2 {
+            assert!((offset.offset_m[axis] - wanted_m[axis]).abs() < 2.4e-4, "{moved_px:?}: {offset:?}");
+        }
+    }
+}
+
+#[test]
+fn where_nothing_old_is_in_view_nothing_is_known() {
+    let (path, mut finder) = (laid(), OffsetFinder::new(params(), &camera()));
+    let grey = seen([-2000, 0], 1);
+    let away = finder.on_frame(&grey, (&path, Seconds(60.0)), (&camera(), [0.05, 0.05])).unwrap();
+    assert_eq!(away, None);
+}
+
+/// Part and bed of the same grey and grain cannot be told apart.
+#[test]
+fn a_part_that_looks_like_its_bed_tells_nothing() {
+    let (path, mut finder) = (laid(), OffsetFinder::new(params(), &camera()));
+    let grey = seen([-2000, 0], 1);
+    assert_eq!(finder.on_frame(&grey, (&path, Seconds(60.0)), (&camera(), [0.1, 0.1])).unwrap(), None);
+}
