@@ -26,7 +26,7 @@ pub use printer::{MotionSegment, PrintInfo, PrinterState};
 pub use quality::{DefectReport, LayerHeight, LayerQuality};
 pub use safety::{Heartbeat, PrintEvent, SafetyState, SetMode, SetModeRequest, SetModeResponse};
 pub use sensors::{BeadWidth, FilamentMotion, FilamentReport, ImuBatch, TemperatureReport};
-pub use sim::{InjectFault, InjectFaultRequest, InjectFaultResponse, SimTruth};
+pub use sim::{InjectFault, InjectFaultRequest, InjectFaultResponse, SimTruth, SimWire};
 pub use standard::{
     Clock, DiagnosticArray, DiagnosticStatus, Header, KeyValue, Log, Temperature, Time, Trigger,
     TriggerRequest, TriggerResponse,

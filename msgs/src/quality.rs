@@ -110,7 +110,7 @@ pub struct LayerHeight {
     pub layer: u32,
     /// Place along the bead `[m]`. Range `[0, inf)`.
     pub along_m: f64,
-    /// Height of this layer's bead above the layer below `[m]`.
+    /// Height of the wall above its base at this place, this layer included `[m]`.
     pub height_m: f64,
     /// Standard deviation of the measurement `[m]`. Range `(0, inf)`.
     pub sigma_m: f64,

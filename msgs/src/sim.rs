@@ -74,6 +74,40 @@ impl RosType for SimTruth {
     };
 }
 
+/// What the simulated wire process really is (topic sim/truth/wire): for tests and reports only.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct SimWire {
+    /// stamp [s]: simulated time.
+    pub header: Header,
+    /// Layer that is laid, from 0.
+    pub layer: u32,
+    /// Drops are laid; false on the way back, in a pause, at the end.
+    pub depositing: bool,
+    /// Place of the head along the wall `[m]`. Range `[0, inf)`.
+    pub along_m: f64,
+    /// Speed asked of the wire drive, inside what drive and laser can do `[m/s]`. Range `[0, inf)`.
+    pub wire_m_s: f64,
+    /// Speed asked of the head, inside what it can do `[m/s]`. Range `[0, inf)`.
+    pub head_m_s: f64,
+    /// Height of the wall above the base plate, mean over its length `[m]`.
+    pub height_m: f64,
+    /// Layers laid and measured.
+    pub layers_complete: u32,
+    /// Root mean square of the height error of the last complete layer; 0 before the first `[m]`. Range `[0, inf)`.
+    pub layer_rms_m: f64,
+    /// The same over all complete layers `[m]`. Range `[0, inf)`.
+    pub rms_m: f64,
+}
+
+impl RosType for SimWire {
+    const DEFINITION: Definition = Definition {
+        package: "fdm_loop_msgs",
+        name: "SimWire",
+        text: include_str!("../msg/SimWire.msg"),
+        dependencies: &[&Header::DEFINITION],
+    };
+}
+
 /// Injects a fault into the simulated printer (service printer_sim/inject_fault): the request.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct InjectFaultRequest {

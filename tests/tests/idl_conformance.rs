@@ -11,7 +11,7 @@ use definition::{fields_of, flatten};
 use fdm_loop_msgs::{
     BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport, DiagnosticArray,
     FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, Log,
-    MotionSegment, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode, SimTruth,
+    MotionSegment, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode, SimTruth, SimWire,
     StateEstimate, Temperature, TemperatureReport, Trigger,
 };
 use std::collections::BTreeSet;
@@ -44,6 +44,7 @@ fn messages() -> Vec<(String, Fields, Fields)> {
         message::<PrinterState>(),
         message::<SafetyState>(),
         message::<SimTruth>(),
+        message::<SimWire>(),
         message::<StateEstimate>(),
         message::<TemperatureReport>(),
         message::<Temperature>(),

@@ -1,11 +1,12 @@
 //! Between messages and the brain's types.
 
-use fdm_loop_msgs::{BeadWidth, FilamentMotion, PrinterState, StateEstimate};
+use fdm_loop_msgs::{BeadWidth, FilamentMotion, LayerHeight, PrinterState, StateEstimate};
 use models::units::Seconds;
 use runtime::Reason;
 use runtime::wire::{self, WireError};
 
 use crate::input::{Estimate, Event, Refused};
+use crate::wire::{Measured, WireEvent};
 
 pub(crate) fn estimate(message: &StateEstimate) -> Result<(Seconds, Event), WireError> {
     let read = wire::estimate_from_wire(message)?;
@@ -35,6 +36,23 @@ pub(crate) fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), Wire
 pub(crate) fn width(message: &BeadWidth) -> Result<(Seconds, Event), WireError> {
     let read = wire::bead_width_from_wire(message)?;
     Ok((read.exposed, Event::Width { exposed: read.exposed, width_m: read.width_m }))
+}
+
+/// A height; layers count from 0 on the wire, from 1 in the profile.
+pub(crate) fn height(message: &LayerHeight) -> Result<(Seconds, WireEvent), WireError> {
+    let read = wire::layer_height_from_wire(message)?;
+    let measured = Measured {
+        stamp: read.stamp,
+        layer: read.layer.saturating_add(1),
+        position_m: read.along_m,
+        height_m: read.height_m,
+    };
+    Ok((read.stamp, WireEvent::Height(measured)))
+}
+
+pub(crate) fn wire_printer(message: &PrinterState) -> Result<(Seconds, WireEvent), WireError> {
+    let status = wire::status_from_wire(message)?;
+    Ok((status.stamp, WireEvent::Printer(status)))
 }
 
 /// The brain's counters by the reasons of the diagnostics.

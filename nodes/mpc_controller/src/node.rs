@@ -6,17 +6,39 @@ use models::printer::Printer;
 use models::units::Seconds;
 use runtime::wire::command_to_wire;
 use runtime::{Diagnostics, Node, ParamFileError, Reason, Refused, RuntimeError, topics};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use crate::controller::{Controller, Report};
 use crate::convert;
 use crate::input::{self, Event, Refusals};
 use crate::params::Params;
+use crate::wire::WireLevel;
+
+mod wall;
 
 /// Runs the node to its end; its last word are the slicer's own values.
 ///
 /// # Errors
 /// [`RuntimeError`] where it cannot start.
-pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
+pub async fn run(node: Node) -> Result<(), RuntimeError> {
+    match node.raw_parameters().block::<Kind>("control")? {
+        Kind::Wire(WireLevel::Wire) => wall::run(node).await,
+        Kind::Extrusion(_) => extrude(node).await,
+    }
+}
+
+/// What is controlled, before any parameter of it is read.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Kind {
+    /// The wire process.
+    Wire(WireLevel),
+    /// Any level of extrusion; its own parameters tell which.
+    Extrusion(IgnoredAny),
+}
+
+async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     let setup = Setup::read(&node)?;
     let params = setup.params;
     let telemetry = Seconds(params.status_age_limit_s);

@@ -4,8 +4,8 @@
 //! count a layer twice and halve the range of stable gains. Where there is none, or an old one, the answer is neutral
 //! and the process runs at its planned speeds.
 //!
-//! Not here yet: the topic `sensors/layer/height` as input and the way of [`WireTrims`] through the supervisor; their
-//! form is already that of a command ([`WireTrims::trims`]).
+//! [`WireControl`] makes a loop of it: heights and states of the machine in, a command per tick out, which goes through
+//! the supervisor like any other ([`WireTrims::trims`]).
 
 use models::command::Trims;
 use models::params::{ParamError, in_range, positive};
@@ -13,6 +13,10 @@ use models::units::Seconds;
 use models::wire::{Law, Limits, Mode};
 use serde::Deserialize;
 use std::collections::BTreeMap;
+
+mod control;
+
+pub use control::{LoopParams, RawLoop, WireControl, WireEvent, WireLevel, WireReport};
 
 /// The profile. Built only from valid [`RawParams`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

@@ -4,9 +4,10 @@ use crate::faults::{Component, Kind};
 use crate::imu::Batch;
 use crate::output::Truth;
 use crate::scenario::{Entry, FaultError};
+use crate::wire::{HeightSample, WireTruth};
 use fdm_loop_msgs::{
-    BeadWidth, CompressedImage, FilamentReport, Header, ImuBatch, InjectFaultRequest, PrintEvent, SimTruth,
-    TemperatureReport,
+    BeadWidth, CompressedImage, FilamentReport, Header, ImuBatch, InjectFaultRequest, LayerHeight,
+    PrintEvent, SimTruth, SimWire, TemperatureReport,
 };
 use models::units::{Celsius, Kelvin, Seconds};
 use runtime::wire::{self, ImuReading, JpegFrame};
@@ -82,6 +83,32 @@ pub(crate) fn truth(truth: &Truth, motor_position_m: f64, first_onset: Option<Se
         deposit_delivered_m: truth.integrals.delivered_m,
         width_error_sq_s: truth.integrals.width_error_sq_s,
         quality_s: truth.integrals.quality_s,
+    }
+}
+
+/// A height as sent: layers count from 0 there.
+pub(crate) fn layer_height(sample: &HeightSample, sigma_m: f64) -> LayerHeight {
+    LayerHeight {
+        header: Header::at(sample.stamp.0),
+        layer: sample.layer.saturating_sub(1),
+        along_m: sample.position_m,
+        height_m: sample.height_m,
+        sigma_m,
+    }
+}
+
+pub(crate) fn wire_truth(truth: &WireTruth) -> SimWire {
+    SimWire {
+        header: Header::at(truth.stamp.0),
+        layer: truth.layer,
+        depositing: truth.depositing,
+        along_m: truth.along_m,
+        wire_m_s: truth.speeds.wire_m_s,
+        head_m_s: truth.speeds.head_m_s,
+        height_m: truth.height_m,
+        layers_complete: truth.figures.layers(),
+        layer_rms_m: truth.figures.last_rms_m(),
+        rms_m: truth.figures.rms_m(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! From the node's parameters to a simulator with its job; reads the files that they name.
 
 use crate::params::Params;
-use crate::run_params::RunParams;
+use crate::run_params::{Chosen, ProcessKind, RunParams};
 use crate::scenario::Scenario;
 use crate::simulator::{JobSource, Simulator};
 use fdm_loop_msgs::{Header as StampHeader, PrintInfo};
@@ -14,6 +14,8 @@ use runtime::RuntimeError;
 use runtime::params::{ParamFileError, Parameters, from_yaml, sha256_hex};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+pub mod wall;
 
 /// Why the simulated printer cannot start.
 #[derive(Debug, thiserror::Error)]
@@ -52,6 +54,14 @@ pub struct Loaded {
     pub quantum_m: f64,
     /// Faults may be injected by service.
     pub allow_fault_injection: bool,
+}
+
+/// Which process the parameters ask for.
+///
+/// # Errors
+/// File, line and value of one that is unknown.
+pub fn process(parameters: &Parameters) -> Result<ProcessKind, LoadError> {
+    Ok(parameters.block::<Chosen>("run")?.process)
 }
 
 /// Reads everything that the parameters name.
@@ -116,25 +126,39 @@ fn read(field: &'static str, path: &Path) -> Result<Vec<u8>, LoadError> {
 }
 
 fn info(run: &RunParams, parameters: &Parameters, gcode: &[u8]) -> Result<PrintInfo, LoadError> {
-    let name =
-        |path: &Path| path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let config = match run.config_file.as_os_str().is_empty() {
-        true => parameters.text(),
-        false => String::from_utf8_lossy(&read("config_file", &run.config_file)?).into_owned(),
-    };
-    let gcode_sha256 = sha256_hex(gcode);
-    let started = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
     Ok(PrintInfo {
-        header: StampHeader::at(0.0),
-        print_id: format!("{}-{}-{}", name(&run.gcode), started.as_secs(), run.seed),
         gcode_file: run
             .gcode
             .file_name()
             .map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-        gcode_sha256,
+        gcode_sha256: sha256_hex(gcode),
+        scenario: stem(&run.scenario),
+        ..bare_info(&stem(&run.gcode), run.seed, &run.config_file, parameters)?
+    })
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
+/// What is printed, without a file that says how.
+fn bare_info(
+    name: &str,
+    seed: u64,
+    config_file: &Path,
+    parameters: &Parameters,
+) -> Result<PrintInfo, LoadError> {
+    let config = match config_file.as_os_str().is_empty() {
+        true => parameters.text(),
+        false => String::from_utf8_lossy(&read("config_file", config_file)?).into_owned(),
+    };
+    let started = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    Ok(PrintInfo {
+        header: StampHeader::at(0.0),
+        print_id: format!("{name}-{}-{seed}", started.as_secs()),
         config_sha256: sha256_hex(config.as_bytes()),
         config,
         build: runtime::build().to_owned(),
-        scenario: name(&run.scenario),
+        ..PrintInfo::default()
     })
 }

@@ -3,16 +3,20 @@
 use crate::convert;
 use crate::load::{self, LoadError, Loaded};
 use crate::output::Output;
+use crate::run_params::ProcessKind;
 use crate::simulator::Simulator;
 use fdm_loop_msgs::{
     BeadWidth, Clock, CompressedImage, ControlCommand, FilamentReport, ImuBatch, InjectFault,
     InjectFaultResponse, MotionSegment, PrintEvent, PrintInfo, PrinterState, SimTruth, TemperatureReport,
     Time,
 };
+use models::command::Permit;
 use models::units::Seconds;
 use runtime::{Asked, Node, Publisher, Reason, Refused, Server, Subscription, topics, wire};
 use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
+
+mod wall;
 
 /// Step of the plant `[s]`.
 const STEP_S: f64 = 1e-3;
@@ -56,7 +60,14 @@ struct Shell {
 ///
 /// # Errors
 /// What is refused of parameters and files, or an endpoint that cannot be made.
-pub async fn run(mut node: Node) -> Result<(), LoadError> {
+pub async fn run(node: Node) -> Result<(), LoadError> {
+    match load::process(node.raw_parameters())? {
+        ProcessKind::Fdm => extrude(node).await,
+        ProcessKind::Wire => wall::run(node).await,
+    }
+}
+
+async fn extrude(mut node: Node) -> Result<(), LoadError> {
     let Loaded { simulator, info, speed, quantum_m, allow_fault_injection } =
         load::load(node.raw_parameters())?;
     let mut permits = node.subscribe(&topics::SAFETY_COMMAND)?;
@@ -78,6 +89,20 @@ pub async fn run(mut node: Node) -> Result<(), LoadError> {
             () = node.shutdown() => return Ok(()),
         }
     }
+}
+
+/// A permit whose stamp is of now.
+fn permit(now: Seconds, message: &ControlCommand) -> Result<Permit, Reason> {
+    let permit = wire::permit_from_wire(message).map_err(|error| Reason::from(&error))?;
+    let stamp = wire::stamp_from_wire(&message.header).map_err(|error| Reason::from(&error))?;
+    let age_s = (now - stamp).0;
+    if age_s > STAMP_LIMIT_S {
+        return Err(Reason::Stale);
+    }
+    if age_s < -STAMP_LIMIT_S {
+        return Err(Reason::OutOfRange);
+    }
+    Ok(permit)
 }
 
 /// Wall time of one reading of the clock. What was missed is not made up for in a burst: the other nodes would see
@@ -123,15 +148,7 @@ impl Shell {
     }
 
     fn take_permit(&mut self, message: &ControlCommand) -> Result<(), Reason> {
-        let permit = wire::permit_from_wire(message).map_err(|error| Reason::from(&error))?;
-        let stamp = wire::stamp_from_wire(&message.header).map_err(|error| Reason::from(&error))?;
-        let age_s = (self.simulator.now() - stamp).0;
-        if age_s > STAMP_LIMIT_S {
-            return Err(Reason::Stale);
-        }
-        if age_s < -STAMP_LIMIT_S {
-            return Err(Reason::OutOfRange);
-        }
+        let permit = permit(self.simulator.now(), message)?;
         self.simulator.on_permit(permit).map_err(|_| Reason::Gate)
     }
 

@@ -4,6 +4,25 @@ use models::params::{ParamError, in_range};
 use serde::Deserialize;
 use std::path::PathBuf;
 
+/// What the simulated machine does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ProcessKind {
+    /// Extrudes filament as a G-code file says.
+    #[default]
+    Fdm,
+    /// Lays a wall of metal wire drop by drop: [`crate::wire`].
+    Wire,
+}
+
+/// The kind of process alone, whatever else stands in its `run` block.
+#[derive(Debug, Clone, Copy, Deserialize)]
+pub struct Chosen {
+    /// Which process.
+    #[serde(default)]
+    pub process: ProcessKind,
+}
+
 /// What is printed and how fast. Built only from a valid [`RawRun`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(try_from = "RawRun")]
@@ -20,6 +39,9 @@ impl std::ops::Deref for RunParams {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawRun {
+    /// Which process; of the others the `run` block is another one.
+    #[serde(default)]
+    pub process: ProcessKind,
     /// File to print.
     pub gcode: PathBuf,
     /// Print the first layers only `[-]`; 0 for all.

@@ -6,7 +6,7 @@ use crate::qos::{self, Qos};
 use fdm_loop_msgs::{
     BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport, Definition, DiagnosticArray,
     FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, Log,
-    MotionSegment, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode, SimTruth,
+    MotionSegment, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode, SimTruth, SimWire,
     StateEstimate, Temperature, TemperatureReport, Trigger,
 };
 use models::units::Seconds;
@@ -132,6 +132,8 @@ pub const PRINT_INFO: Topic<PrintInfo> = Topic::new("print/info", qos::LATCHED);
 pub const HEARTBEAT: Topic<Heartbeat> = Topic::new("heartbeat", qos::STANDARD);
 /// What the simulated printer really does: tests and reports only.
 pub const SIM_TRUTH: Topic<SimTruth> = Topic::new("sim/truth/state", qos::SENSOR);
+/// What the simulated wire process really is: tests and reports only.
+pub const SIM_WIRE: Topic<SimWire> = Topic::new("sim/truth/wire", qos::SENSOR);
 /// Simulated time.
 pub const CLOCK: Topic<Clock> = Topic::new("/clock", qos::CLOCK);
 /// Status of all nodes.
@@ -173,6 +175,7 @@ pub const ALL: &[TopicInfo] = &[
     PRINT_INFO.info(),
     HEARTBEAT.info(),
     SIM_TRUTH.info(),
+    SIM_WIRE.info(),
     CLOCK.info(),
     DIAGNOSTICS.info(),
     ROSOUT.info(),

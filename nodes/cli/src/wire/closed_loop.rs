@@ -1,7 +1,7 @@
 //! One simulated wall: plant and controller profile in virtual time.
 
-use super::Process;
 use models::units::Seconds;
+use models::wire::Process;
 use mpc_controller::wire::{Answer, HeightController, Measured, WireTrims};
 use printer_sim::wire::{HeightSample, Params as PlantParams, Speeds, WirePlant};
 use serde::Serialize;

@@ -92,7 +92,7 @@ pub fn run(args: &CorrectArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
     let json = Json::new(args.json.as_deref());
     json.check()?;
-    let process = Process::load(&config)?;
+    let process = super::nominal(&config)?;
     let law = args.gain.map_or(Ok(process.law), |gain| process.law.with_gain(gain))?;
     let metal = material(&config, &process.material)?;
     let heights = args.height.iter().map(|height_mm| {

@@ -10,8 +10,7 @@ use crate::config::ConfigDir;
 use crate::process;
 use anyhow::bail;
 use clap::{Args, Subcommand, ValueEnum};
-use models::wire::{Feed, Law, Limits, Material, Mode};
-use serde::Deserialize;
+use models::wire::{Material, Mode, Process};
 use std::collections::BTreeMap;
 
 /// The wire process: plan, correct, simulate.
@@ -64,28 +63,12 @@ impl From<ModeName> for Mode {
     }
 }
 
-/// The `wire_process` block of `config/wire/process.yaml`.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Process {
-    /// Name of the metal.
-    pub material: String,
-    /// Wire and power.
-    pub feed: Feed,
-    /// Correction.
-    pub law: Law,
-    /// What drives and laser can do.
-    pub limits: Limits,
-}
-
-impl Process {
-    /// The nominal process.
-    ///
-    /// # Errors
-    /// File, line, field, value and range of what is refused.
-    pub fn load(config: &ConfigDir) -> anyhow::Result<Self> {
-        process::block(config, "wire/process.yaml", "wire_process")
-    }
+/// The nominal process.
+///
+/// # Errors
+/// File, line, field, value and range of what is refused.
+pub fn nominal(config: &ConfigDir) -> anyhow::Result<Process> {
+    process::block(config, "wire/process.yaml", "wire_process")
 }
 
 /// A metal by name.

@@ -92,7 +92,7 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<()> {
 }
 
 fn plan(args: &PlanArgs, config: &ConfigDir) -> anyhow::Result<Plan> {
-    let process = Process::load(config)?;
+    let process = super::nominal(config)?;
     let name = args.material.clone().unwrap_or(process.material);
     let metal = material(config, &name)?;
     let diameter_m = args.diameter.map_or(process.feed.diameter_m, |mm| 1e-3 * mm);

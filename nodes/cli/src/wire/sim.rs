@@ -1,7 +1,7 @@
 //! `fdm wire sim`: height error of a simulated wall, layer by layer, open against closed.
 
 use super::closed_loop::{Built, Wall, mean};
-use super::{Process, picture};
+use super::picture;
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
 use crate::process::{self, Picture};
@@ -145,7 +145,7 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
 
 fn wall(args: &SimArgs) -> anyhow::Result<(Wall, f64)> {
     let config = ConfigDir::find(args.config.as_deref())?;
-    let mut believed = Process::load(&config)?;
+    let mut believed = super::nominal(&config)?;
     if let Some(gain) = args.gain {
         believed.law = believed.law.with_gain(gain)?;
     }

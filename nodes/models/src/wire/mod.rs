@@ -7,6 +7,7 @@
 //! | [`drop`] | radius, missing volume, root of the spherical cap |
 //! | [`cycle`] | feed of the wire and speed of the head from material and power |
 //! | [`correction`] | feed and head speed from a measured height, within limits |
+//! | [`process`] | the nominal process as one parameter block |
 //! | [`published`] | rows of the paper's tables |
 //!
 //! # Where this differs from the paper
@@ -29,8 +30,10 @@ pub mod cycle;
 pub mod drop;
 pub mod material;
 pub mod melting;
+pub mod process;
 pub mod published;
 
 pub use correction::{Corrected, Law, Limits, Mode, RawLaw, RawLimits};
 pub use cycle::{Cycle, Feed, RawFeed};
 pub use material::{Material, RawMaterial};
+pub use process::Process;

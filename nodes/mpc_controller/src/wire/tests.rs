@@ -2,9 +2,10 @@ use super::*;
 use models::wire::{RawLaw, RawLimits};
 use proptest::prelude::*;
 
-const PARAMS: RawParams = RawParams { mode: Mode::Both, cell_m: 1.5e-3, valid_s: 200.0, error_max_m: 5e-3 };
+pub(super) const PARAMS: RawParams =
+    RawParams { mode: Mode::Both, cell_m: 1.5e-3, valid_s: 200.0, error_max_m: 5e-3 };
 
-fn law(gain: f64) -> Law {
+pub(super) fn law(gain: f64) -> Law {
     Law::try_from(RawLaw {
         height_m: 2.16e-3,
         wire_m_s: 3.5e-3,
@@ -17,7 +18,7 @@ fn law(gain: f64) -> Law {
     .unwrap()
 }
 
-fn limits() -> Limits {
+pub(super) fn limits() -> Limits {
     let raw =
         RawLimits { wire_low_m_s: 5e-4, wire_high_m_s: 5.4e-3, head_low_m_s: 5e-4, head_high_m_s: 0.01 };
     Limits::try_from(raw).unwrap()

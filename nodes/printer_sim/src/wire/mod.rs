@@ -8,13 +8,17 @@
 //! was molten; what would fall beyond the ends of the wall is held there by surface tension. Its parameters
 //! (`config/plants/wire.yaml`) deviate from those that plan and correction believe. All figures are simulated.
 //!
-//! Not here yet: the topic `sensors/layer/height` and a node; [`HeightSample`] is what it will carry.
+//! [`Machine`] makes a printer of it: it executes the supervisor's permits, and reports state and heights.
 
+mod figures;
+mod machine;
 mod params;
 mod plant;
 mod surface;
 
-pub use params::{Params, RawParams, RawSensor};
+pub use figures::Figures;
+pub use machine::{Machine, MachineOutput, MachineParams, WireTruth};
+pub use params::{MachineSettings, Params, RawMachine, RawParams, RawSensor, RawWireRun, WireRun};
 pub use plant::{HeightSample, Speeds, WirePlant};
 pub use surface::Surface;
 

@@ -1,7 +1,8 @@
-//! `config/plants/wire.yaml`.
+//! `config/plants/wire.yaml` and `config/wire/printer_sim.param.yaml`.
 
 use models::params::{ParamError, in_range};
 use serde::Deserialize;
+use std::path::PathBuf;
 
 /// The simulated process. Built only from a valid [`RawParams`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -98,5 +99,75 @@ impl Params {
     /// [`ParamError::OutOfRange`] as for the parameters themselves.
     pub fn with_noise(&self, sigma_m: f64) -> Result<Self, ParamError> {
         Self::try_from(RawParams { sensor: RawSensor { sigma_m, ..self.0.sensor }, ..self.0 })
+    }
+}
+
+/// Paces of the machine. Built only from valid [`RawMachine`].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawMachine")]
+pub struct MachineSettings(RawMachine);
+
+impl std::ops::Deref for MachineSettings {
+    type Target = RawMachine;
+    fn deref(&self) -> &RawMachine {
+        &self.0
+    }
+}
+
+/// The `wire_machine` block as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawMachine {
+    /// Period of the machine's state `[s]`.
+    pub status_period_s: f64,
+    /// Smallest standard deviation that the height sensor states `[m]`.
+    pub sigma_floor_m: f64,
+}
+
+impl TryFrom<RawMachine> for MachineSettings {
+    type Error = ParamError;
+
+    fn try_from(raw: RawMachine) -> Result<Self, ParamError> {
+        in_range("status_period_s", raw.status_period_s, "s", (0.01, 1.0))?;
+        in_range("sigma_floor_m", raw.sigma_floor_m, "m", (1e-7, 1e-3))?;
+        Ok(Self(raw))
+    }
+}
+
+/// What is built and how fast. Built only from a valid [`RawWireRun`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "RawWireRun")]
+pub struct WireRun(RawWireRun);
+
+impl std::ops::Deref for WireRun {
+    type Target = RawWireRun;
+    fn deref(&self) -> &RawWireRun {
+        &self.0
+    }
+}
+
+/// The `run` block of the wire process as it is written.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawWireRun {
+    /// Must be `wire`.
+    pub process: crate::run_params::ProcessKind,
+    /// Layers of the wall `[-]`.
+    pub layers: u32,
+    /// Seed of all scatter and noise.
+    pub seed: u64,
+    /// Simulated over wall time `[-]`.
+    pub speed: f64,
+    /// Text of the configuration of the whole graph; empty for this node's own.
+    pub config_file: PathBuf,
+}
+
+impl TryFrom<RawWireRun> for WireRun {
+    type Error = ParamError;
+
+    fn try_from(raw: RawWireRun) -> Result<Self, ParamError> {
+        in_range("layers", f64::from(raw.layers), "-", (1.0, 10_000.0))?;
+        in_range("speed", raw.speed, "-", (0.1, 20.0))?;
+        Ok(Self(raw))
     }
 }

@@ -148,6 +148,12 @@ impl WirePlant {
         false
     }
 
+    /// Time passes while the machine stands with its laser off: samples arrive, nothing is laid.
+    pub fn wait(&mut self, dt: Seconds) {
+        self.now = self.now + dt;
+        self.speeds = Speeds { wire_m_s: 0.0, head_m_s: 0.0 };
+    }
+
     /// Next sample that has arrived by now.
     pub fn sample(&mut self) -> Option<HeightSample> {
         let due = self.on_the_way.front()?.stamp.0 + self.params.sensor.delay_s <= self.now.0;

@@ -16,7 +16,8 @@ pub use estimate::{CHANNELS, STATES, StateReading, estimate_from_wire};
 pub use imu::{ImuReading, imu_from_wire, imu_to_wire};
 pub use motion::{PlannedMove, motion_from_wire, motion_to_wire};
 pub use sensors::{
-    FilamentPosition, WidthReading, bead_width_from_wire, filament_from_wire, temperature_from_wire,
+    FilamentPosition, HeightReading, WidthReading, bead_width_from_wire, filament_from_wire,
+    layer_height_from_wire, temperature_from_wire,
 };
 pub use status::{status_from_wire, status_to_wire};
 pub use vision::{
