@@ -68,7 +68,13 @@ pub(super) fn score(
     Ok(Scored { class: class.to_owned(), cluster, probabilities: network.score(values)?.probabilities })
 }
 
-fn of_class(pairs: &[(&str, &str)], scored: &[&Scored], class: &str, network: &Network, draw: (u64, u32)) -> ClassFigures {
+fn of_class(
+    pairs: &[(&str, &str)],
+    scored: &[&Scored],
+    class: &str,
+    network: &Network,
+    draw: (u64, u32),
+) -> ClassFigures {
     let hits = pairs.iter().filter(|(truth, said)| *truth == class && *said == class).count();
     let support = pairs.iter().filter(|(truth, _)| *truth == class).count();
     let said = pairs.iter().filter(|(_, said)| *said == class).count();
@@ -98,10 +104,16 @@ fn by_class(scored: &[&Scored], network: &Network, draw: (u64, u32)) -> BTreeMap
 ///
 /// # Errors
 /// Features that the network cannot take.
-pub(super) fn of_renders(network: &Network, renders: &[Render], settings: &Settings) -> anyhow::Result<RenderFigures> {
+pub(super) fn of_renders(
+    network: &Network,
+    renders: &[Render],
+    settings: &Settings,
+) -> anyhow::Result<RenderFigures> {
     let draw = (settings.seed, settings.resamples);
     let names = super::renders::CLASSES;
-    let scored = (0_u64..).zip(renders).map(|(cluster, render)| score(network, (names[render.class], cluster), &render.values));
+    let scored = (0_u64..)
+        .zip(renders)
+        .map(|(cluster, render)| score(network, (names[render.class], cluster), &render.values));
     let scored = scored.collect::<anyhow::Result<Vec<_>>>()?;
     let scored: Vec<&Scored> = scored.iter().collect();
     let pairs = said_of(&scored, network);
@@ -111,7 +123,8 @@ pub(super) fn of_renders(network: &Network, renders: &[Render], settings: &Setti
     };
     let mean_f1 = |drawn: &[&Scored]| {
         let pairs = said_of(drawn, network);
-        let each: Vec<f64> = network.classes().iter().filter_map(|class| f1(&pairs, &class.as_str())).collect();
+        let each: Vec<f64> =
+            network.classes().iter().filter_map(|class| f1(&pairs, &class.as_str())).collect();
         (!each.is_empty()).then(|| each.iter().sum::<f64>() / number(each.len()))
     };
     Ok(RenderFigures {
@@ -135,7 +148,11 @@ fn failure(scored: &[&Scored]) -> Vec<(f64, bool)> {
 ///
 /// # Errors
 /// Features that the network cannot take.
-pub(super) fn of_photographs(network: &Network, set: &Set, settings: &Settings) -> anyhow::Result<PhotographFigures> {
+pub(super) fn of_photographs(
+    network: &Network,
+    set: &Set,
+    settings: &Settings,
+) -> anyhow::Result<PhotographFigures> {
     let draw = (settings.seed, settings.resamples);
     let scored = set.photographs.iter().map(|picture| {
         score(network, (&picture.class, super::chance::digest(picture.group.as_bytes())), &picture.values)
@@ -198,7 +215,11 @@ fn strand_share(item: &Scored, five: &[usize], network: &Network) -> f64 {
 
 impl PhotographFigures {
     fn explain(&mut self, complete: bool) {
-        let why = if complete { "the set has no pictures of both sides" } else { "the network does not know the five defects" };
+        let why = if complete {
+            "the set has no pictures of both sides"
+        } else {
+            "the network does not know the five defects"
+        };
         let nulls = [
             ("auroc_strand_vs_other", self.auroc_strand_vs_other.is_none()),
             ("accuracy_5", self.accuracy_5.is_none()),
@@ -255,7 +276,8 @@ impl RenderFigures {
 }
 
 fn classes_text(classes: &BTreeMap<String, ClassFigures>) -> String {
-    let written = |value: Option<Interval>| value.map_or_else(|| "  -  ".into(), |[value, ..]| format!("{value:.3}"));
+    let written =
+        |value: Option<Interval>| value.map_or_else(|| "  -  ".into(), |[value, ..]| format!("{value:.3}"));
     classes.iter().fold(String::new(), |mut text, (class, figures)| {
         let [precision, recall, f1] = [figures.precision, figures.recall, figures.f1].map(written);
         let support = figures.support;

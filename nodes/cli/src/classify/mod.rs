@@ -84,7 +84,7 @@ pub fn run(args: &ClassifyArgs) -> anyhow::Result<()> {
     let network = network(&config, args.view)?;
     if let Some(manifest) = &args.manifest {
         let seen = if args.all { Vec::new() } else { photographs::seen(&config.file("models"))? };
-        let set = photographs::read(manifest, &seen)?;
+        let set = photographs::read(manifest, network.hidden(), &seen)?;
         let figures = figures::of_photographs(&network, &set, &settings::load(&config)?)?;
         return report(&json, &figures, &figures.text());
     }
@@ -122,7 +122,8 @@ impl Judged {
     fn text(&self) -> String {
         let mut sorted: Vec<(&String, &f64)> = self.probabilities.iter().collect();
         sorted.sort_by(|one, other| other.1.total_cmp(one.1));
-        let listed: Vec<String> = sorted.iter().map(|(class, p)| format!("{class} {:.1} %", 100.0 * *p)).collect();
+        let listed: Vec<String> =
+            sorted.iter().map(|(class, p)| format!("{class} {:.1} %", 100.0 * *p)).collect();
         format!("{}: {}", self.image, listed.join(", "))
     }
 }
@@ -141,8 +142,8 @@ fn read_picture(path: &Path) -> anyhow::Result<Vec<u8>> {
 
 fn judge(network: &Network, path: &Path) -> anyhow::Result<Judged> {
     let context = || path.display().to_string();
-    let values =
-        features::extract_encoded(&read_picture(path)?, &Measured::default()).with_context(context)?;
+    let values = features::extract_encoded(&read_picture(path)?, network.hidden(), &Measured::default())
+        .with_context(context)?;
     let Scores { probabilities } = network.score(&values).with_context(context)?;
     let best = Scores { probabilities: probabilities.clone() }.best();
     Ok(Judged {

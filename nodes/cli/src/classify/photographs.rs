@@ -3,7 +3,7 @@
 use super::chance::digest;
 use super::{read_picture, table};
 use anyhow::{Context, bail};
-use defect_classifier::features::{self, Measured};
+use defect_classifier::features::{self, Hidden, Measured};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -44,7 +44,8 @@ pub(super) fn seen(folder: &Path) -> anyhow::Result<Vec<u64>> {
         return Ok(vec![]);
     }
     let context = || path.display().to_string();
-    let listed: Vec<String> = serde_json::from_slice(&std::fs::read(&path).with_context(context)?).with_context(context)?;
+    let listed: Vec<String> =
+        serde_json::from_slice(&std::fs::read(&path).with_context(context)?).with_context(context)?;
     listed.iter().map(|text| u64::from_str_radix(text, 16).with_context(context)).collect()
 }
 
@@ -55,14 +56,15 @@ pub(super) fn seen(folder: &Path) -> anyhow::Result<Vec<u64>> {
 pub(super) fn write_seen(folder: &Path, digests: BTreeSet<u64>) -> anyhow::Result<()> {
     let listed: Vec<String> = digests.iter().map(|digest| format!("{digest:016x}")).collect();
     let path = folder.join(SEEN);
-    std::fs::write(&path, serde_json::to_string_pretty(&listed)? + "\n").with_context(|| path.display().to_string())
+    std::fs::write(&path, serde_json::to_string_pretty(&listed)? + "\n")
+        .with_context(|| path.display().to_string())
 }
 
 /// Features of every picture of a manifest but those whose digest is among `seen`.
 ///
 /// # Errors
 /// A manifest or a picture that is missing or cannot be read, two labels for one file.
-pub(super) fn read(manifest: &Path, seen: &[u64]) -> anyhow::Result<Set> {
+pub(super) fn read(manifest: &Path, hidden: Hidden, seen: &[u64]) -> anyhow::Result<Set> {
     let context = || manifest.display().to_string();
     if !manifest.is_file() {
         bail!("{} is absent: the labelled photographs are not part of this repository", context());
@@ -73,7 +75,8 @@ pub(super) fn read(manifest: &Path, seen: &[u64]) -> anyhow::Result<Set> {
     let mut set = Set::default();
     let mut labels: BTreeMap<String, String> = BTreeMap::new();
     for row in &rows {
-        let column = |name: &str| row.get(name).cloned().with_context(|| format!("{}: no column {name}", context()));
+        let column =
+            |name: &str| row.get(name).cloned().with_context(|| format!("{}: no column {name}", context()));
         let (file, class) = (column("file")?, column("class")?);
         if let Some(before) = labels.insert(file.clone(), class.clone()) {
             if before != class {
@@ -89,7 +92,8 @@ pub(super) fn read(manifest: &Path, seen: &[u64]) -> anyhow::Result<Set> {
             continue;
         }
         let start = Instant::now();
-        let values = features::extract_encoded(&bytes, &Measured::default()).with_context(|| file.clone())?;
+        let values =
+            features::extract_encoded(&bytes, hidden, &Measured::default()).with_context(|| file.clone())?;
         let optional = |name: &str| row.get(name).cloned().unwrap_or_default();
         set.photographs.push(Photograph {
             class,

@@ -3,7 +3,7 @@
 use super::settings::RenderSettings;
 use crate::config::ConfigDir;
 use anyhow::Context;
-use defect_classifier::features::{self, Measured};
+use defect_classifier::features::{self, Hidden, Measured};
 use printer_sim::camera::{CameraParams, Class, Style, synthesize};
 use runtime::params::{NodePath, Parameters};
 
@@ -31,7 +31,11 @@ pub(super) fn camera(config: &ConfigDir) -> anyhow::Result<CameraParams> {
 ///
 /// # Errors
 /// A frame that cannot be encoded or judged.
-pub(super) fn gather(camera: &CameraParams, settings: &RenderSettings, style: Style) -> anyhow::Result<Vec<Render>> {
+pub(super) fn gather(
+    camera: &CameraParams,
+    settings: &RenderSettings,
+    style: Style,
+) -> anyhow::Result<Vec<Render>> {
     let (per_class, first_seed) = match style {
         Style::Training => (settings.per_class, settings.first_seed),
         Style::Test => (settings.test_per_class, settings.test_first_seed),
@@ -42,14 +46,16 @@ pub(super) fn gather(camera: &CameraParams, settings: &RenderSettings, style: St
         tasks.extend((0..u64::from(per_class * times)).map(|number| (class, first_seed + number)));
     }
     let threads = settings.threads as usize;
-    let one = |(class, seed): (usize, u64)| frame(camera, style, class, seed);
+    let hidden = Hidden(settings.hidden_share);
+    let one = |(class, seed): (usize, u64)| frame((camera, hidden), style, class, seed);
     let parts = std::thread::scope(|scope| {
         let tasks = &tasks;
         let start = |part: usize| {
             scope.spawn(move || tasks.iter().skip(part).step_by(threads).map(|task| one(*task)).collect())
         };
         let running: Vec<_> = (0..threads).map(start).collect();
-        let finish = |part: std::thread::ScopedJoinHandle<'_, anyhow::Result<Vec<Render>>>| match part.join() {
+        let finish = |part: std::thread::ScopedJoinHandle<'_, anyhow::Result<Vec<Render>>>| match part.join()
+        {
             Ok(done) => done,
             Err(_) => anyhow::bail!("a thread that renders ended early"),
         };
@@ -59,8 +65,13 @@ pub(super) fn gather(camera: &CameraParams, settings: &RenderSettings, style: St
     (0..tasks.len()).map(|task| parts[task % threads].next().context("a rendered frame is missing")).collect()
 }
 
-fn frame(camera: &CameraParams, style: Style, class: usize, seed: u64) -> anyhow::Result<Render> {
+fn frame(
+    (camera, hidden): (&CameraParams, Hidden),
+    style: Style,
+    class: usize,
+    seed: u64,
+) -> anyhow::Result<Render> {
     let example = synthesize(camera, style, Class::ALL[class], seed);
     let jpeg = example.frame.jpeg(example.jpeg_quality)?;
-    Ok(Render { class, values: features::extract_encoded(&jpeg, &Measured::default())? })
+    Ok(Render { class, values: features::extract_encoded(&jpeg, hidden, &Measured::default())? })
 }

@@ -68,8 +68,10 @@ pub(super) fn auroc(scores: &[(f64, bool)]) -> Option<f64> {
 
 /// Share of the positives above the score that at most `rate` of the negatives exceed.
 pub(super) fn recall_at(scores: &[(f64, bool)], rate: f64) -> Option<f64> {
-    let mut negatives: Vec<f64> = scores.iter().filter(|(_, positive)| !positive).map(|(score, _)| *score).collect();
-    let positives: Vec<f64> = scores.iter().filter(|(_, positive)| *positive).map(|(score, _)| *score).collect();
+    let mut negatives: Vec<f64> =
+        scores.iter().filter(|(_, positive)| !positive).map(|(score, _)| *score).collect();
+    let positives: Vec<f64> =
+        scores.iter().filter(|(_, positive)| *positive).map(|(score, _)| *score).collect();
     if negatives.is_empty() || positives.is_empty() {
         return None;
     }
@@ -149,10 +151,16 @@ mod tests {
     #[test]
     fn a_bootstrap_holds_its_value_and_repeats() {
         let items: Vec<Scored> = (0..40)
-            .map(|step| Scored { class: "x".into(), cluster: step / 2, probabilities: vec![f64::from(u8::from(step % 4 < 2))] })
+            .map(|step| Scored {
+                class: "x".into(),
+                cluster: step / 2,
+                probabilities: vec![f64::from(u8::from(step % 4 < 2))],
+            })
             .collect();
         let items: Vec<&Scored> = items.iter().collect();
-        let mean = |drawn: &[&Scored]| Some(drawn.iter().map(|item| item.probabilities[0]).sum::<f64>() / number(drawn.len()));
+        let mean = |drawn: &[&Scored]| {
+            Some(drawn.iter().map(|item| item.probabilities[0]).sum::<f64>() / number(drawn.len()))
+        };
         let first = bootstrap(&items, (7, 200), &mean).unwrap();
         assert!(first[1] < first[0] && first[0] < first[2]);
         assert_eq!(Some(first), bootstrap(&items, (7, 200), &mean));

@@ -35,6 +35,8 @@ pub(super) struct RenderSettings {
     pub(super) test_first_seed: u64,
     /// How many times as many frames of nothing wrong.
     pub(super) ok_times: u32,
+    /// Radius of the disc that the head hides, as share of the picture's height.
+    pub(super) hidden_share: f64,
     /// Threads that render.
     pub(super) threads: u32,
 }

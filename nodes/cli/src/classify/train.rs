@@ -1,15 +1,15 @@
 //! `fdm classify --train`: both networks anew, and what they reach on frames and photographs that they never saw.
 
+use super::View;
 use super::chance::{Stream, digest};
 use super::figures::{PhotographFigures, RenderFigures, of_photographs, of_renders};
 use super::photographs::{self, Photograph, Set};
 use super::renders::{self, Render};
 use super::settings::{self, Settings};
-use super::View;
 use crate::config::ConfigDir;
 use crate::output;
 use anyhow::Context;
-use defect_classifier::features;
+use defect_classifier::features::{self, Hidden};
 use defect_classifier::network::Network;
 use defect_classifier::network::training::{FitParams, Labelled, Purpose, fit};
 use printer_sim::camera::Style;
@@ -100,11 +100,15 @@ fn toolhead(config: &ConfigDir, settings: &Settings, out: &Path) -> anyhow::Resu
     );
     output::note("fitting the network of the toolhead's view");
     let inputs = picture_inputs();
-    let purpose = Purpose { view: View::Toolhead.name(), trained: &trained, classes: &renders::CLASSES, inputs: &inputs };
-    let examples: Vec<Labelled> = frames
-        .into_iter()
-        .map(|Render { class, values }| Labelled { values, class, weight: 1.0 })
-        .collect();
+    let purpose = Purpose {
+        view: View::Toolhead.name(),
+        hidden: Hidden(settings.renders.hidden_share),
+        trained: &trained,
+        classes: &renders::CLASSES,
+        inputs: &inputs,
+    };
+    let examples: Vec<Labelled> =
+        frames.into_iter().map(|Render { class, values }| Labelled { values, class, weight: 1.0 }).collect();
     let network = fitted(&purpose, &examples, (&settings.toolhead_fit, settings.seed), out)?;
     output::note("rendering frames to judge it by");
     let test = renders::gather(&camera, &settings.renders, Style::Test)?;
@@ -131,7 +135,7 @@ fn fitted(
 
 fn photograph(manifest: &Path, settings: &Settings, out: &Path) -> anyhow::Result<PhotographTraining> {
     output::note("reading photographs");
-    let mut set = photographs::read(manifest, &[])?;
+    let mut set = photographs::read(manifest, Hidden::default(), &[])?;
     for picture in &mut set.photographs {
         if let Some((name, _)) = CLASSES.iter().find(|(_, label)| *label == picture.class) {
             picture.class = (*name).to_owned();
@@ -141,7 +145,8 @@ fn photograph(manifest: &Path, settings: &Settings, out: &Path) -> anyhow::Resul
         settings.photographs.unseen_sources.iter().any(|source| picture.source.starts_with(source))
     };
     let known = |picture: &Photograph| CLASSES.iter().any(|(name, _)| *name == picture.class);
-    let apart = |picture: &Photograph| unseen(picture) || !known(picture) || settings.holds_out(&picture.group);
+    let apart =
+        |picture: &Photograph| unseen(picture) || !known(picture) || settings.holds_out(&picture.group);
     let (test, train): (Vec<_>, Vec<_>) = set.photographs.into_iter().partition(apart);
     let names: Vec<&str> = CLASSES.iter().map(|(name, _)| *name).collect();
     let trained = format!(
@@ -151,11 +156,20 @@ fn photograph(manifest: &Path, settings: &Settings, out: &Path) -> anyhow::Resul
         settings.seed
     );
     let inputs = picture_inputs();
-    let purpose = Purpose { view: View::Photograph.name(), trained: &trained, classes: &names, inputs: &inputs };
+    let purpose = Purpose {
+        view: View::Photograph.name(),
+        hidden: Hidden::default(),
+        trained: &trained,
+        classes: &names,
+        inputs: &inputs,
+    };
     let network = fitted(&purpose, &weighed(&train, &names), (&settings.photograph_fit, settings.seed), out)?;
     photographs::write_seen(out, train.iter().map(|picture| picture.digest).collect())?;
-    let other = |picture: &&Photograph| ["under_extrusion", "over_extrusion", "warping"].contains(&picture.class.as_str());
-    let strands = test.iter().filter(|picture| unseen(picture)).chain(test.iter().filter(other)).cloned().collect();
+    let other = |picture: &&Photograph| {
+        ["under_extrusion", "over_extrusion", "warping"].contains(&picture.class.as_str())
+    };
+    let strands =
+        test.iter().filter(|picture| unseen(picture)).chain(test.iter().filter(other)).cloned().collect();
     let held_out = Set { photographs: test, left_out: train.len(), merged: set.merged };
     Ok(PhotographTraining {
         trained_with: train.len(),
@@ -188,7 +202,11 @@ fn weighed(pictures: &[Photograph], names: &[&str]) -> Vec<Labelled> {
         let class = names.iter().position(|name| *name == picture.class)?;
         let in_class = count(&|other| other.class == picture.class);
         let in_group = count(&|other| other.group == picture.group);
-        Some(Labelled { values: picture.values.clone(), class, weight: 1.0 / (in_class * in_group.sqrt()).sqrt() })
+        Some(Labelled {
+            values: picture.values.clone(),
+            class,
+            weight: 1.0 / (in_class * in_group.sqrt()).sqrt(),
+        })
     });
     examples.collect()
 }

@@ -39,6 +39,11 @@ pub struct Measured {
     pub offset_m: Option<[f64; 2]>,
 }
 
+/// Radius of the disc around the middle that shows the head, as share of the picture's height `[0, 0.5]`; 0 for none.
+/// What it hides is made even before anything is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Hidden(pub f64);
+
 impl Measured {
     /// Every known value is a number.
     #[must_use]
@@ -96,8 +101,8 @@ pub fn names() -> Vec<&'static str> {
 ///
 /// # Errors
 /// [`FeatureError`] for a picture that is not 8 bit grey or too small, and for measured values that are not finite.
-pub fn extract(grey: &Mat, measured: &Measured) -> Result<Vec<f64>, FeatureError> {
-    let picture = Picture::of(grey)?;
+pub fn extract(grey: &Mat, hidden: Hidden, measured: &Measured) -> Result<Vec<f64>, FeatureError> {
+    let picture = Picture::of(grey, hidden)?;
     let mut values = Vec::with_capacity(COUNT);
     values.extend(brightness::of(&picture));
     values.extend(gradient::of(&picture));
@@ -114,12 +119,12 @@ pub fn extract(grey: &Mat, measured: &Measured) -> Result<Vec<f64>, FeatureError
 ///
 /// # Errors
 /// As [`extract`], and bytes that are no picture.
-pub fn extract_encoded(bytes: &[u8], measured: &Measured) -> Result<Vec<f64>, FeatureError> {
+pub fn extract_encoded(bytes: &[u8], hidden: Hidden, measured: &Measured) -> Result<Vec<f64>, FeatureError> {
     let grey = imgcodecs::imdecode(&Mat::from_slice(bytes)?, imgcodecs::IMREAD_GRAYSCALE)?;
     if grey.empty() {
         return Err(FeatureError::Encoded(bytes.len()));
     }
-    extract(&grey, measured)
+    extract(&grey, hidden, measured)
 }
 
 /// Each value after a flag that says whether it is known.

@@ -1,7 +1,7 @@
 //! The picture in the sizes that the features are taken from.
 
-use super::FeatureError;
-use opencv::core::{CV_8UC1, Mat, MatTraitConst, MatTraitConstManual, Rect, Size};
+use super::{FeatureError, Hidden};
+use opencv::core::{CV_8UC1, Mat, MatTraitConst, MatTraitConstManual, MatTraitManual, Rect, Size};
 use opencv::imgproc;
 
 /// Side of the smallest picture that is looked at `[px]`.
@@ -34,13 +34,14 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    pub(super) fn of(grey: &Mat) -> Result<Self, FeatureError> {
+    pub(super) fn of(grey: &Mat, hidden: Hidden) -> Result<Self, FeatureError> {
         let (width, height) = (grey.cols(), grey.rows());
         if grey.typ() != CV_8UC1 || width < LEAST_PX || height < LEAST_PX {
             return Err(FeatureError::Picture { width, height, kind: grey.typ(), least: LEAST_PX });
         }
         let cut = Mat::roi(grey, four_to_three(width, height))?;
-        let fine = reduced(&cut, FINE)?;
+        let mut fine = reduced(&cut, FINE)?;
+        even_out(&mut fine, hidden)?;
         let mut smooth = Mat::default();
         imgproc::gaussian_blur(
             &fine,
@@ -61,6 +62,42 @@ impl Picture {
 fn four_to_three(width: i32, height: i32) -> Rect {
     let (cut_width, cut_height) = (width.min(height * 4 / 3), height.min(width * 3 / 4));
     Rect::new((width - cut_width) / 2, (height - cut_height) / 2, cut_width, cut_height)
+}
+
+/// Fills the hidden disc with the mean of the ring around it, with a soft rim: the head is no part of the print.
+fn even_out(fine: &mut Mat, Hidden(share): Hidden) -> opencv::Result<()> {
+    /// Width of rim and ring, in radii.
+    const RIM: f64 = 0.25;
+    let (columns, rows) = (fine.cols(), fine.rows());
+    let radius = share * f64::from(rows);
+    let inside = share > 0.0 && share <= 0.5;
+    if !inside {
+        return Ok(());
+    }
+    let width = usize::try_from(columns).unwrap_or(1);
+    let middle = (f64::from(columns - 1) / 2.0, f64::from(rows - 1) / 2.0);
+    let places = |index: usize| {
+        #[expect(clippy::cast_precision_loss, reason = "pixels of a small picture")]
+        let (x, y) = ((index % width) as f64, (index / width) as f64);
+        (x - middle.0).hypot(y - middle.1) / radius
+    };
+    let pixels = fine.data_typed_mut::<u8>()?;
+    let ring = pixels.iter().enumerate().filter(|(index, _)| (1.0..1.0 + RIM).contains(&places(*index)));
+    let level = mean(ring.map(|(_, grey)| f64::from(*grey)));
+    for (index, grey) in pixels.iter_mut().enumerate() {
+        let cover = ((1.0 + RIM - places(index)) / RIM).clamp(0.0, 1.0);
+        if cover > 0.0 {
+            let mixed = cover * level + (1.0 - cover) * f64::from(*grey);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "between two grey levels"
+            )]
+            let rounded = mixed.round() as u8;
+            *grey = rounded;
+        }
+    }
+    Ok(())
 }
 
 fn reduced(from: &impl opencv::core::ToInputArray, (width, height): (usize, usize)) -> opencv::Result<Mat> {

@@ -29,7 +29,7 @@ fn roads(angle_rad: f64, contrast: f64) -> Mat {
 
 fn of(grey: &Mat, name: &str) -> f64 {
     let place = names().iter().position(|known| *known == name).unwrap();
-    extract(grey, &NOTHING).unwrap()[place]
+    extract(grey, Hidden(0.0), &NOTHING).unwrap()[place]
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn every_feature_is_named_once_and_finite_on_any_picture() {
     let flat = |level| picture((64, 64), move |_, _| level);
     let checks = picture((65, 311), |x, y| if (x + y) % 2.0 < 1.0 { 1.0 } else { 0.0 });
     for grey in [flat(0.0), flat(1.0), checks, roads(0.3, 0.4)] {
-        let values = extract(&grey, &NOTHING).unwrap();
+        let values = extract(&grey, Hidden(0.0), &NOTHING).unwrap();
         assert_eq!(values.len(), COUNT);
         let odd = values.iter().zip(&names).find(|(value, _)| !value.is_finite());
         assert!(odd.is_none(), "{odd:?}");
@@ -101,20 +101,35 @@ fn a_picture_that_is_none_is_refused() {
     let colour = Mat::new_rows_cols_with_default(100, 100, CV_8UC3, Scalar::all(9.0)).unwrap();
     let tiny = Mat::new_rows_cols_with_default(63, 100, CV_8UC1, Scalar::all(9.0)).unwrap();
     for grey in [Mat::default(), colour, tiny] {
-        assert!(matches!(extract(&grey, &NOTHING), Err(FeatureError::Picture { .. })));
+        assert!(matches!(extract(&grey, Hidden(0.0), &NOTHING), Err(FeatureError::Picture { .. })));
     }
-    assert!(matches!(extract_encoded(b"no picture", &NOTHING), Err(FeatureError::Encoded(10))));
-    assert!(extract_encoded(&[], &NOTHING).is_err());
+    assert!(matches!(extract_encoded(b"no picture", Hidden(0.0), &NOTHING), Err(FeatureError::Encoded(10))));
+    assert!(extract_encoded(&[], Hidden(0.0), &NOTHING).is_err());
+}
+
+#[test]
+fn what_the_head_hides_does_not_count() {
+    let disc = |level: f64| {
+        picture((640, 480), move |x, y| {
+            let road = 0.5 + 0.3 * (std::f64::consts::TAU * x / 14.0).sin();
+            if (x - 319.5).hypot(y - 239.5) < 80.0 { level } else { road }
+        })
+    };
+    let [dark, bright] = [0.0, 1.0].map(|level| extract(&disc(level), Hidden(0.19), &NOTHING).unwrap());
+    // 80 px are 0.167 of the height: inside the disc of 0.19 whatever the reduction does at its rim.
+    for ((one, other), name) in dark.iter().zip(&bright).zip(names()) {
+        assert!((one - other).abs() < 1e-9, "{name}: {one} and {other}");
+    }
 }
 
 #[test]
 fn what_is_measured_stands_after_its_flag() {
     let grey = roads(0.0, 0.3);
     let measured = Measured { width_error_rel: Some(-0.1), offset_m: Some([3e-4, 4e-4]) };
-    let values = extract(&grey, &measured).unwrap();
+    let values = extract(&grey, Hidden(0.0), &measured).unwrap();
     let last = &values[COUNT - 4..];
     assert!(last[..3] == [1.0, -0.1, 1.0] && (last[3] - 0.5).abs() < 1e-12);
-    assert_eq!(extract(&grey, &NOTHING).unwrap()[COUNT - 4..], [0.0; 4]);
+    assert_eq!(extract(&grey, Hidden(0.0), &NOTHING).unwrap()[COUNT - 4..], [0.0; 4]);
     let wild = Measured { width_error_rel: Some(f64::NAN), ..NOTHING };
-    assert!(matches!(extract(&grey, &wild), Err(FeatureError::Measured("width_error_rel"))));
+    assert!(matches!(extract(&grey, Hidden(0.0), &wild), Err(FeatureError::Measured("width_error_rel"))));
 }

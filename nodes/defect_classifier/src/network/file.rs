@@ -43,6 +43,8 @@ pub(crate) struct RawNetwork {
     pub(crate) format: String,
     pub(crate) version: u32,
     pub(crate) view: String,
+    /// Radius of the disc that the head hides, as share of the picture's height.
+    pub(crate) hidden_share: f64,
     pub(crate) trained: String,
     pub(crate) classes: Vec<String>,
     pub(crate) inputs: Vec<String>,
@@ -110,6 +112,7 @@ impl RawNetwork {
             format: FORMAT.into(),
             version: VERSION,
             view: view.into(),
+            hidden_share: 0.0,
             trained: trained.into(),
             classes: classes.iter().map(|&class| class.to_owned()).collect(),
             inputs: vec![],
@@ -139,6 +142,9 @@ impl RawNetwork {
         if self.classes.len() < 2 || self.classes[0] != OK {
             return refuse("classes", self.classes.join(", "), "two or more, the first 'ok'");
         }
+        if !(0.0..=0.5).contains(&self.hidden_share) {
+            return refuse("hidden_share", self.hidden_share, "in [0, 0.5]");
+        }
         length("centre", self.centre.len(), self.inputs.len())?;
         length("scale", self.scale.len(), self.inputs.len())?;
         finite("centre", &self.centre)?;
@@ -151,6 +157,7 @@ impl RawNetwork {
         }
         Ok(Network {
             view: self.view.clone(),
+            hidden: features::Hidden(self.hidden_share),
             classes: self.classes.clone(),
             inputs: self.places()?,
             centre: DVector::from_column_slice(&self.centre),

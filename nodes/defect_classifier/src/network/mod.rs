@@ -9,7 +9,7 @@ pub mod training;
 
 pub use file::NetworkError;
 
-use crate::features::{self, FeatureError, Measured};
+use crate::features::{self, FeatureError, Hidden, Measured};
 use models::quality::softmax_of;
 use nalgebra::{DMatrix, DVector};
 use opencv::core::Mat;
@@ -21,6 +21,7 @@ pub const OK: &str = "ok";
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
     view: String,
+    hidden: Hidden,
     classes: Vec<String>,
     /// For each input its place among [`features::names`].
     inputs: Vec<usize>,
@@ -84,6 +85,12 @@ impl Network {
         &self.view
     }
 
+    /// The disc that the head hides in this view.
+    #[must_use]
+    pub fn hidden(&self) -> Hidden {
+        self.hidden
+    }
+
     /// Names of the classes; the first is [`OK`].
     #[must_use]
     pub fn classes(&self) -> &[String] {
@@ -95,7 +102,7 @@ impl Network {
     /// # Errors
     /// A picture that is empty or of another type; see [`ClassifyError`].
     pub fn classify(&self, grey: &Mat, measured: &Measured) -> Result<Scores, ClassifyError> {
-        self.score(&features::extract(grey, measured)?)
+        self.score(&features::extract(grey, self.hidden, measured)?)
     }
 
     /// Scores of features in the order of [`features::names`].

@@ -12,7 +12,7 @@ fn committed(name: &str) -> String {
 fn small() -> Value {
     let hidden = (0.5 * 1.0_f64.sin() - 0.25 * 2.0_f64.sin() + 0.1).tanh();
     json!({
-        "format": "fdm_loop network", "version": 1, "view": "toolhead", "trained": "by hand",
+        "format": "fdm_loop network", "version": 1, "view": "toolhead", "hidden_share": 0.0, "trained": "by hand",
         "classes": ["ok", "under"], "inputs": ["level_std", "level_mean"],
         "centre": [0.1, 0.5], "scale": [0.05, 0.2], "clip": 4.0,
         "layers": [
@@ -59,12 +59,13 @@ fn a_small_network_gives_what_the_equations_give() {
 #[test]
 fn a_broken_file_is_refused_with_its_field() {
     type Break = fn(&mut Value);
-    let breaks: [(&str, Break); 11] = [
+    let breaks: [(&str, Break); 12] = [
         ("format is", |file| file["version"] = json!(2)),
         ("classes is", |file| file["classes"] = json!(["under", "ok"])),
         ("centre is 1 long", |file| file["centre"] = json!([0.1])),
         ("scale[1] is 0", |file| file["scale"][1] = json!(0.0)),
         ("clip is", |file| file["clip"] = json!(-1.0)),
+        ("hidden_share is", |file| file["hidden_share"] = json!(0.6)),
         ("inputs[0] is colour", |file| file["inputs"][0] = json!("colour")),
         ("layers is 0 long", |file| file["layers"] = json!([])),
         ("layers[0].weights[0] is 1 long", |file| file["layers"][0]["weights"][0] = json!([0.5])),
@@ -124,8 +125,13 @@ fn a_fit_parts_what_can_be_parted_and_repeats() {
         })
         .collect();
     let names = features::names();
-    let purpose =
-        Purpose { view: "toolhead", trained: "in a test", classes: &["ok", "under"], inputs: &names[..2] };
+    let purpose = Purpose {
+        view: "toolhead",
+        hidden: features::Hidden(0.0),
+        trained: "in a test",
+        classes: &["ok", "under"],
+        inputs: &names[..2],
+    };
     let run = || {
         // A linear congruence (Knuth's MMIX constants) is chance enough here.
         let mut state = 1_u64;

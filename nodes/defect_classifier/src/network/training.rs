@@ -75,6 +75,8 @@ impl TryFrom<RawFit> for FitParams {
 pub struct Purpose<'a> {
     /// `toolhead` or `photograph`.
     pub view: &'a str,
+    /// The disc that the head hides in the pictures.
+    pub hidden: features::Hidden,
     /// What it was trained with, for people.
     pub trained: &'a str,
     /// Names of the classes, `ok` first.
@@ -96,6 +98,7 @@ pub fn fit(
     let mut raw = RawNetwork::named(purpose.view, purpose.trained, purpose.classes);
     raw.inputs = purpose.inputs.iter().map(|&name| name.to_owned()).collect();
     raw.clip = params.0.clip;
+    raw.hidden_share = purpose.hidden.0;
     let places = raw.places()?;
     if examples.is_empty() || examples.iter().any(|example| example.values.len() != features::COUNT) {
         return Err(NetworkError::Examples);
