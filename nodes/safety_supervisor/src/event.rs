@@ -8,7 +8,8 @@ use crate::attention::Level;
 use crate::cause::Cause;
 
 /// A stream the supervisor listens to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Stream {
     /// Hot end temperature.
     Hotend,
@@ -26,6 +27,20 @@ pub enum Stream {
     Imu,
     /// What the camera's judge says.
     Vision,
+}
+
+impl Stream {
+    /// Every stream.
+    pub const ALL: [Self; 8] = [
+        Self::Hotend,
+        Self::Bed,
+        Self::Encoder,
+        Self::Printer,
+        Self::Command,
+        Self::Estimate,
+        Self::Imu,
+        Self::Vision,
+    ];
 }
 
 /// A defect that the camera's judge names.

@@ -1,5 +1,6 @@
 //! Every number of the supervisor, as in `config/safety_supervisor.param.yaml`, where ranges and sources stand too.
 
+mod required;
 mod rest;
 mod thermal;
 mod vision;
@@ -8,6 +9,7 @@ use models::command::{Limits, Mode};
 use models::params::{ParamError, in_range};
 use serde::Deserialize;
 
+pub use required::Streams;
 pub use rest::{
     AttentionParams, BurstParams, FilamentParams, ModeParams, RawAttentionParams, RawBurstParams,
     RawFilamentParams, RawModeParams, RawRunOutParams, RawStaleParams, RunOutParams, StaleParams,
@@ -94,6 +96,12 @@ impl std::ops::Deref for Params {
 pub struct RawParams {
     /// Mode after the start.
     pub start_mode: StartMode,
+    /// Streams without which it does not start, and whose silence counts from then on.
+    #[serde(default = "required::at_start")]
+    pub required: Streams,
+    /// Streams that must come as well once corrections may be sent.
+    #[serde(default = "required::to_act")]
+    pub required_to_act: Streams,
     /// Validity of a permit `[s]`.
     pub permit_validity_s: f64,
     /// Envelope of corrections.
@@ -134,6 +142,7 @@ impl TryFrom<RawParams> for Params {
     type Error = ParamError;
 
     fn try_from(raw: RawParams) -> Result<Self, ParamError> {
+        required::check(raw.required)?;
         in_range("permit_validity_s", raw.permit_validity_s, "s", (0.05, 0.25))?;
         in_range("envelope.period_s", raw.envelope.period_s, "s", (0.01, 2.0))?;
         in_range("envelope.rival_hold_s", raw.envelope.rival_hold_s, "s", (0.1, 60.0))?;

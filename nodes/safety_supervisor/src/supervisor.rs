@@ -186,10 +186,9 @@ impl Supervisor {
             return;
         }
         let waited_s = self.started.map_or(0.0, |started| now.0 - started.0);
-        let complete = self.ages.hotend.is_seen() && self.ages.printer.is_seen();
+        let complete = self.params.required.iter().all(|stream| self.is_seen(stream));
         if complete || waited_s > self.params.modes.startup_s {
-            self.ages.hotend.expect(now);
-            self.ages.printer.expect(now);
+            self.ages.expect(self.params.required, now);
             self.modes.initialise();
         }
     }

@@ -110,8 +110,11 @@ impl Supervisor {
         let mut set = |cause: Cause, reaction: Option<Reaction>| raised[cause as usize] = reaction;
         let acting = self.modes.set_mode() == Mode::Act;
         if acting {
-            self.ages.estimate.expect(now);
-            self.ages.encoder.expect(now);
+            self.ages.expect(self.params.required_to_act, now);
+        }
+        if self.printer.is_some_and(|printer| heats(&printer)) {
+            // Whatever the parameters require: what heats has to be measured.
+            self.ages.hotend.expect(now);
         }
         let printing = self.printer.is_some_and(|printer| printer.phase == JobPhase::Printing);
         set(Cause::StaleHotend, self.ages.hotend.reaction(now));
@@ -156,4 +159,9 @@ impl Supervisor {
         set(Cause::PrinterPaused, alone.then_some(Reaction::Pause));
         raised
     }
+}
+
+/// Whether a hot end is, or is about to be, heated.
+fn heats(printer: &PrinterReport) -> bool {
+    printer.hotend_duty > 0.0 || printer.hotend_target.0 > 0.0 || printer.hotend_sliced_target.0 > 0.0
 }

@@ -7,7 +7,7 @@ use models::units::Seconds;
 use super::Supervisor;
 use crate::attention::Level;
 use crate::cause::{Cause, Reaction};
-use crate::event::{Decision, Operator, What};
+use crate::event::{Decision, Operator, Stream, What};
 use crate::modes::Readiness;
 
 impl Supervisor {
@@ -39,7 +39,8 @@ impl Supervisor {
 
     fn acknowledge(&mut self, now: Seconds) -> Result<(), &'static str> {
         // A restored latch has no history: its cause counts as gone only once its sensor reads well again.
-        let well = self.ages.hotend.is_seen() && self.checks.hotend_range.is_inside();
+        let well =
+            self.has_no_hotend() || (self.ages.hotend.is_seen() && self.checks.hotend_range.is_inside());
         if !well {
             return Err("the hot end temperature is missing or outside of its range");
         }
@@ -59,6 +60,11 @@ impl Supervisor {
         self.approved.map(|_| ()).ok_or("no correction waits")
     }
 
+    /// None is required, none was ever heard of, and none was ever expected because the printer heated.
+    fn has_no_hotend(&self) -> bool {
+        !self.params.required.has(Stream::Hotend) && !self.ages.hotend.is_seen()
+    }
+
     pub(super) fn readiness(&self) -> Readiness {
         let Some(printer) = self.printer else {
             return Readiness { homed: false, filament: false, hot: false };
@@ -67,7 +73,7 @@ impl Supervisor {
         Readiness {
             homed: printer.homed,
             filament: printer.filament_present != Some(false),
-            hot: self.hotend.is_some_and(|temp| temp.0 >= wanted_c),
+            hot: self.has_no_hotend() || self.hotend.is_some_and(|temp| temp.0 >= wanted_c),
         }
     }
 

@@ -13,7 +13,8 @@ use crate::checks::run_out::RunOutCheck;
 use crate::checks::shift::ShiftCheck;
 use crate::checks::stale::StaleCheck;
 use crate::event::Stream;
-use crate::params::Params;
+use crate::params::{Params, Streams};
+use models::units::Seconds;
 
 /// Ages of the streams.
 #[derive(Debug, Clone)]
@@ -54,6 +55,24 @@ impl Ages {
             Stream::Imu => &self.imu,
             Stream::Vision => &self.vision,
         }
+    }
+
+    fn of_mut(&mut self, stream: Stream) -> &mut StaleCheck {
+        match stream {
+            Stream::Hotend => &mut self.hotend,
+            Stream::Bed => &mut self.bed,
+            Stream::Encoder => &mut self.encoder,
+            Stream::Printer => &mut self.printer,
+            Stream::Command => &mut self.command,
+            Stream::Estimate => &mut self.estimate,
+            Stream::Imu => &mut self.imu,
+            Stream::Vision => &mut self.vision,
+        }
+    }
+
+    /// Starts the ages of streams that must come but have not.
+    pub(super) fn expect(&mut self, streams: Streams, now: Seconds) {
+        streams.iter().for_each(|stream| self.of_mut(stream).expect(now));
     }
 
     pub(super) fn all_mut(&mut self) -> [&mut StaleCheck; 8] {
