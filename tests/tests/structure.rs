@@ -6,7 +6,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Nodes with a brain.
-const NODES: [&str; 10] = [
+const NODES: [&str; 11] = [
+    "advance_predictor",
     "bag_recorder",
     "camera",
     "filament_encoder",
@@ -56,6 +57,7 @@ fn a_brain_uses_models_and_its_one_solver() {
         let mut allowed = BTreeSet::from(["models", "serde", "thiserror"]);
         allowed.extend(match node {
             "mpc_controller" => &["clarabel", "nalgebra"][..],
+            "advance_predictor" => &["nalgebra", "serde_json"],
             "state_estimator" => &["nalgebra"],
             "printer_sim" => &["nalgebra", "rand", "rand_distr"],
             "bag_recorder" => &["serde_json"],

@@ -1,5 +1,6 @@
 //! `fdm`: starts, watches, simulates and reports. Every figure the project states is printed by one of its commands.
 
+pub mod advance;
 pub mod classify;
 pub mod config;
 pub mod doctor;
@@ -56,6 +57,8 @@ enum Command {
     Classify(classify::ClassifyArgs),
     /// Parse and plan a file: layers, moves, filament, time, oddities.
     Gcode(gcode::GcodeArgs),
+    /// Pressure advance: predict, calibrate, train, export.
+    Advance(advance::AdvanceArgs),
     /// Metal wire laid drop by drop: plan, correct, simulate.
     Wire(wire::WireArgs),
     /// Errors of a five-axis machine of hybrid layout: tables, map, synthesis.
@@ -78,6 +81,7 @@ pub fn main() -> ExitCode {
         Command::Report(args) => report::run(&args),
         Command::Classify(args) => classify::run(&args),
         Command::Gcode(args) => gcode::run(&args),
+        Command::Advance(args) => advance::run(&args),
         Command::Wire(args) => wire::run(&args),
         Command::Kinematics(args) => kinematics::run(&args),
     };

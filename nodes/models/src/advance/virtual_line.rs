@@ -33,13 +33,21 @@ impl VirtualLine {
     /// A line, printed in steps of `step`.
     #[must_use]
     pub fn new(drive: &Drive, polymer: &Polymer, at: &Condition, line: &TestLine, step: Seconds) -> Self {
-        Self {
-            law: drive.law(polymer, at),
-            per_way: drive.outlet_m_s(at, 1.0),
-            line: *line,
-            start_s: drive.secant_s(polymer, at, (line.low_m_s, line.high_m_s)),
-            step_s: step.0,
-        }
+        Self::of_law(drive.law(polymer, at), drive.outlet_m_s(at, 1.0), line, step)
+    }
+
+    /// A line on any printer whose static law is known; `per_way` is the filament per way of the line `[-]`.
+    #[must_use]
+    pub fn of_law(law: StaticLaw, per_way: f64, line: &TestLine, step: Seconds) -> Self {
+        let (low_m_s, high_m_s) = (per_way * line.low_m_s, per_way * line.high_m_s);
+        let start_s = (law.compression_m(high_m_s) - law.compression_m(low_m_s)) / (high_m_s - low_m_s);
+        Self { law, per_way, line: *line, start_s, step_s: step.0 }
+    }
+
+    /// Filament per way `[-]`.
+    #[must_use]
+    pub fn per_way(&self) -> f64 {
+        self.per_way
     }
 
     /// Width errors with a compensation `K_A` `[s]`; the line starts steady at its low speed.

@@ -1,0 +1,145 @@
+//! `K_A` foretold: an ensemble of small networks inside the hull of its data, the physical model outside.
+
+pub mod assess;
+pub mod calibration;
+pub mod data;
+mod ensemble;
+mod file;
+pub mod measured;
+#[cfg(test)]
+pub(crate) mod tests;
+pub mod training;
+
+pub use ensemble::{Ensemble, Hull};
+
+use models::advance::{Condition, DriveKind, Physics};
+use models::params::{ParamError, in_range};
+use models::units::Seconds;
+use serde::{Deserialize, Serialize};
+
+/// Bounds of what is answered at all. Built only from a valid [`RawBounds`].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawBounds")]
+pub struct Bounds(RawBounds);
+
+/// The block `bounds` as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawBounds {
+    /// Temperatures that the physical model is asked for `[degC]`.
+    pub temperature_c: [f64; 2],
+    /// Layer heights `[m]`.
+    pub height_m: [f64; 2],
+    /// Line widths `[m]`.
+    pub width_m: [f64; 2],
+    /// Half width of its interval, relative to its answer `[-]`.
+    pub physics_doubt: f64,
+}
+
+impl TryFrom<RawBounds> for Bounds {
+    type Error = ParamError;
+
+    fn try_from(raw: RawBounds) -> Result<Self, ParamError> {
+        for value in raw.temperature_c {
+            in_range("bounds.temperature_c", value, "degC", (100.0, 500.0))?;
+        }
+        for value in raw.height_m {
+            in_range("bounds.height_m", value, "m", (1e-5, 5e-3))?;
+        }
+        for value in raw.width_m {
+            in_range("bounds.width_m", value, "m", (1e-5, 1e-2))?;
+        }
+        in_range("bounds.physics_doubt", raw.physics_doubt, "-", (0.0, 1.0))?;
+        Ok(Self(raw))
+    }
+}
+
+impl Bounds {
+    fn hold(&self, at: &Condition) -> bool {
+        let within = |[low, high]: [f64; 2], value: f64| (low..=high).contains(&value);
+        within(self.0.temperature_c, at.temperature.0)
+            && within(self.0.height_m, at.height_m)
+            && within(self.0.width_m, at.width_m)
+    }
+}
+
+/// Who answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// The ensemble, inside the hull of its data.
+    Network,
+    /// The physical model: the condition lies outside of the hull.
+    Physics,
+}
+
+/// A `K_A` with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// `K_A`.
+    pub advance: Seconds,
+    /// Half width of the interval.
+    pub half_width: Seconds,
+    /// Who answered.
+    pub source: Source,
+}
+
+/// Why there is no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Unanswered {
+    /// Neither network nor physics know the polymer.
+    #[error("the polymer is unknown")]
+    Polymer,
+    /// A value that is not finite, or one that no printer prints at.
+    #[error("temperature, layer height or line width is out of bounds")]
+    Bounds,
+}
+
+/// Foretells `K_A` for one drive.
+#[derive(Debug, Clone)]
+pub struct Predictor {
+    physics: Physics,
+    bounds: Bounds,
+    ensemble: Ensemble,
+}
+
+impl Predictor {
+    /// A predictor; the ensemble's drive is the predictor's.
+    #[must_use]
+    pub fn new(physics: Physics, bounds: Bounds, ensemble: Ensemble) -> Self {
+        Self { physics, bounds, ensemble }
+    }
+
+    /// Its drive.
+    #[must_use]
+    pub fn drive(&self) -> DriveKind {
+        self.ensemble.drive()
+    }
+
+    /// Its networks.
+    #[must_use]
+    pub fn ensemble(&self) -> &Ensemble {
+        &self.ensemble
+    }
+
+    /// `K_A` of a polymer under a condition.
+    ///
+    /// # Errors
+    /// [`Unanswered`] with the reason.
+    pub fn predict(&self, polymer: &str, at: &Condition) -> Result<Prediction, Unanswered> {
+        // A NaN is in no range.
+        if !self.bounds.hold(at) {
+            return Err(Unanswered::Bounds);
+        }
+        if let Some(foretold) = self.ensemble.predict(polymer, at) {
+            return Ok(foretold);
+        }
+        let advance_s = self.physics.secant_s(self.drive(), polymer, at).ok_or(Unanswered::Polymer)?;
+        Ok(Prediction {
+            advance: Seconds(advance_s),
+            half_width: Seconds(advance_s * self.bounds.0.physics_doubt),
+            source: Source::Physics,
+        })
+    }
+}

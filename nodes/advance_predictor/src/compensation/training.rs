@@ -1,0 +1,110 @@
+//! Fits an ensemble to test lines and its interval to lines that it has not seen.
+
+use super::data::{DataParams, DataSet, Line, Use};
+use super::ensemble::{Ensemble, inputs};
+use super::file::{RawEnsemble, RawPolymerHull};
+use super::measured::Measured;
+use crate::network::chance::Stream;
+use crate::network::training::{Example, FitParams, mean, rounded};
+use crate::network::{NetworkError, refuse};
+use models::advance::{Condition, Physics};
+
+/// Share of the truth that the interval has to hold.
+const COVERED: f64 = 0.95;
+
+/// What an ensemble is fitted with.
+#[derive(Debug, Clone, Copy)]
+pub struct Material<'a> {
+    /// Physics that printed the lines.
+    pub physics: &'a Physics,
+    /// How the lines were made.
+    pub data: &'a DataParams,
+    /// The lines.
+    pub set: &'a DataSet,
+    /// A person's own lines; those of other drives are left out.
+    pub measured: &'a [Measured],
+    /// Weight of one of them against a virtual one.
+    pub measured_weight: f64,
+}
+
+/// Fits an ensemble and returns its file.
+///
+/// # Errors
+/// [`NetworkError`] for no examples, and measured lines of an unknown polymer or out of the drive's range.
+pub fn train(material: &Material, fit: &FitParams, seed: u64) -> Result<String, NetworkError> {
+    let drive = material.set.drive;
+    let range_s = material.physics.drive(drive).advance_range_s;
+    let names: Vec<&String> = material.physics.polymers.keys().collect();
+    let examples = examples(material, &names, range_s)?;
+    if examples.is_empty() {
+        return Err(NetworkError::Examples);
+    }
+    let scaling = fit.scaling(&examples);
+    let trained = format!(
+        "fdm advance train: {} virtual and {} measured lines, seed {seed}",
+        material.set.lines.iter().filter(|line| line.purpose == Use::Train).count(),
+        material.measured.iter().filter(|line| line.drive == drive).count()
+    );
+    let mut raw = RawEnsemble::new(drive, &trained, range_s, &scaling);
+    raw.polymers = material
+        .physics
+        .polymers
+        .iter()
+        .map(|(name, polymer)| RawPolymerHull { name: name.clone(), hull: material.data.hull(polymer) })
+        .collect();
+    let mut chance = Stream::new(seed);
+    raw.members = (0..fit.members()).map(|_| fit.fit(&scaling, &examples, &mut chance)).collect();
+    let ensemble = raw.check()?;
+    (raw.floor_s, raw.factor) = interval(&ensemble, &material.set.calibration);
+    raw.sealed()
+}
+
+fn examples(
+    material: &Material,
+    names: &[&String],
+    [low_s, high_s]: [f64; 2],
+) -> Result<Vec<Example>, NetworkError> {
+    let example = |polymer: &str, at: &Condition, advance_s: f64, weight: f64| {
+        let Some(place) = names.iter().position(|name| *name == polymer) else {
+            return refuse("measured polymer", polymer, "one of config/advance/physics.yaml");
+        };
+        let target = (advance_s - low_s) / (high_s - low_s);
+        if !(0.0..=1.0).contains(&target) {
+            return refuse("advance_s", advance_s, format!("in [{low_s}, {high_s}]"));
+        }
+        Ok(Example { values: inputs(names.len(), place, at), target, weight })
+    };
+    let virtual_lines = material.set.lines.iter().filter(|line| line.purpose == Use::Train);
+    let own = material.measured.iter().filter(|line| line.drive == material.set.drive);
+    let weight = material.measured_weight;
+    virtual_lines
+        .map(|line| example(&line.polymer, &line.at, line.scored_s, 1.0))
+        .chain(own.map(|line| example(&line.polymer, &line.at, line.advance_s, weight)))
+        .collect()
+}
+
+/// Floor of the standard deviation, the mean spread, and the factor with which `factor * hypot(spread, floor)` holds
+/// the share [`COVERED`] of the errors against lines without noise.
+fn interval(ensemble: &Ensemble, lines: &[Line]) -> (f64, f64) {
+    let judged: Vec<(f64, f64)> = lines
+        .iter()
+        .filter_map(|line| {
+            let place = ensemble.polymers.iter().position(|(name, _)| *name == line.polymer)?;
+            let (advance_s, spread_s) = ensemble.mean_and_spread(place, &line.at);
+            Some(((advance_s - line.true_s).abs(), spread_s))
+        })
+        .collect();
+    let floor_s = rounded(mean(judged.iter().map(|(_, spread_s)| *spread_s)).max(f64::MIN_POSITIVE));
+    let mut ratios: Vec<f64> =
+        judged.iter().map(|(error_s, spread_s)| error_s / spread_s.hypot(floor_s)).collect();
+    ratios.sort_by(f64::total_cmp);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "a place in the list"
+    )]
+    let place = (COVERED * ratios.len() as f64) as usize;
+    let factor = ratios.get(place.min(ratios.len().saturating_sub(1))).copied().unwrap_or(1.0);
+    (floor_s, rounded(factor.max(f64::MIN_POSITIVE)))
+}

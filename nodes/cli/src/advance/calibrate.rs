@@ -1,0 +1,150 @@
+//! `fdm advance calibrate`: a pattern of test lines on a simulated printer, its widths measured, K found from them.
+
+use super::{Place, Printed, Setup};
+use crate::config::{Choice, ConfigDir};
+use crate::output::{self, Json};
+use crate::process;
+use advance_predictor::compensation::calibration::{Calibrated, Pattern, calibrate};
+use advance_predictor::network::chance::Stream;
+use clap::{Args, ValueEnum};
+use models::advance::{Condition, DriveKind, VirtualLine};
+use models::extruder::StaticLaw;
+use models::melt::Melt;
+use models::units::Kelvin;
+use mpc_controller::params::Level;
+use serde::Serialize;
+
+/// Where the pattern is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Printer {
+    /// The virtual test line of the model book, 2.4.
+    Line,
+    /// The pressure of the simulated printer, with its own deviations: it has a Bowden drive.
+    Simulated,
+}
+
+/// Prints and measures a pattern.
+#[derive(Debug, Args)]
+pub struct CalibrateArgs {
+    #[command(flatten)]
+    printed: Printed,
+    #[command(flatten)]
+    place: Place,
+    /// Printer that prints the pattern.
+    #[arg(long, value_enum, default_value_t = Printer::Line)]
+    printer: Printer,
+    /// Seed of the measurement's noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// The figures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figures {
+    /// Drive.
+    pub drive: DriveKind,
+    /// Polymer.
+    pub polymer: String,
+    /// K that the pattern gives.
+    pub advance_s: f64,
+    /// Half width of its 95 % interval.
+    pub half_width_s: f64,
+    /// Best K of this printer, which only a simulation knows.
+    pub true_s: f64,
+    /// K foretold.
+    pub foretold_s: f64,
+    /// Half width of its 95 % interval.
+    pub foretold_half_width_s: f64,
+    /// Foretold less measured.
+    pub difference_s: f64,
+    /// Whether the difference lies within both intervals together.
+    pub agree: bool,
+    /// K of each line of the pattern and the mean square of its width error, noise included.
+    pub lines: Vec<[f64; 2]>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line with the reason.
+pub fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
+    let config = ConfigDir::find(args.printed.config.as_deref())?;
+    let json = Json::new(args.printed.json.as_deref());
+    json.check()?;
+    let figures = figures(args, &config)?;
+    if !json.is_stdout() {
+        output::line(&text(&figures))?;
+    }
+    json.write(&figures)
+}
+
+fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> {
+    let setup = Setup::load(config)?;
+    let pattern: Pattern = process::block(config, "advance/pattern.yaml", "advance_pattern")?;
+    let drive = args.printed.drive.into();
+    let (polymer, at) = (args.printed.polymer(), args.place.condition());
+    let foretold = setup.predictor(config, drive)?.predict(&polymer, &at)?;
+    let unknown = || anyhow::anyhow!("polymer '{polymer}' is unknown");
+    let printer = match args.printer {
+        Printer::Line => setup.physics.line(drive, &polymer, &at, pattern.step()).ok_or_else(unknown)?,
+        Printer::Simulated => simulated(config, &setup, (&polymer, &at), &pattern)?,
+    };
+    let mut chance = Stream::new(args.seed);
+    let Calibrated { advance_s, half_width_s, lines } =
+        calibrate(&printer, &pattern, (foretold.advance.0, at.width_m), &mut chance)?;
+    let no_best = || anyhow::anyhow!("no compensation is best");
+    let difference_s = foretold.advance.0 - advance_s;
+    Ok(Figures {
+        drive,
+        polymer,
+        advance_s,
+        half_width_s,
+        true_s: printer.best().ok_or_else(no_best)?.advance_s,
+        foretold_s: foretold.advance.0,
+        foretold_half_width_s: foretold.half_width.0,
+        difference_s,
+        agree: difference_s.abs() <= half_width_s.hypot(foretold.half_width.0),
+        lines,
+    })
+}
+
+/// The pressure of the simulated printer's plant at the condition's temperature.
+fn simulated(
+    config: &ConfigDir,
+    setup: &Setup,
+    (polymer, at): (&str, &Condition),
+    pattern: &Pattern,
+) -> anyhow::Result<VirtualLine> {
+    let choice = Choice {
+        material: polymer.to_owned(),
+        control: Level::Off,
+        host: "native".to_owned(),
+        camera: false,
+    };
+    let simulated = config.load(&choice)?.simulated;
+    let (plant, extruder) = (&simulated.plant, &simulated.plant.extruder);
+    let material = plant.material_deviation.apply(&simulated.material)?;
+    let melt = Melt::new(&material, extruder);
+    let law = StaticLaw::new(&melt, extruder, Kelvin::from(at.temperature), 1.0);
+    let per_way = at.height_m * at.width_m / extruder.filament_area_m2();
+    Ok(VirtualLine::of_law(law, per_way, &setup.physics.test_line, pattern.step()))
+}
+
+fn text(figures: &Figures) -> String {
+    let mut lines: Vec<String> = figures
+        .lines
+        .iter()
+        .map(|[advance_s, square]| {
+            format!("  line K {advance_s:.4} s: width RMS {:.2} %", 1e2 * square.sqrt())
+        })
+        .collect();
+    lines.push(format!("K measured   {:.4} s +- {:.4} s (95 %)", figures.advance_s, figures.half_width_s));
+    lines.push(format!(
+        "K foretold   {:.4} s +- {:.4} s: {}",
+        figures.foretold_s,
+        figures.foretold_half_width_s,
+        if figures.agree { "they agree" } else { "they DIFFER: take the measured one, train with it" }
+    ));
+    lines.push(format!("K in truth   {:.4} s, which a simulation alone knows", figures.true_s));
+    lines.join("\n")
+}

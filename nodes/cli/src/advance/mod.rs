@@ -1,0 +1,204 @@
+//! `fdm advance`: pressure advance foretold, measured, trained and written for slicers and firmware.
+
+pub mod calibrate;
+pub mod data;
+pub mod export;
+pub mod predict;
+pub mod train;
+
+use crate::config::ConfigDir;
+use crate::process;
+use advance_predictor::Params;
+use advance_predictor::compensation::data::{DataParams, DataSet};
+use advance_predictor::compensation::{Ensemble, Predictor};
+use advance_predictor::network::training::FitParams;
+use anyhow::Context;
+use clap::{Args, Subcommand, ValueEnum};
+use models::advance::published::Published;
+use models::advance::{Condition, DriveKind, Physics};
+use models::units::Celsius;
+use runtime::params::{NodePath, Parameters};
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// Pressure advance without printing a pattern, and with one.
+#[derive(Debug, Args)]
+pub struct AdvanceArgs {
+    #[command(subcommand)]
+    command: AdvanceCommand,
+}
+
+#[derive(Debug, Subcommand)]
+enum AdvanceCommand {
+    /// K of a polymer, temperature, layer height and line width, with its interval.
+    Predict(predict::PredictArgs),
+    /// Print a pattern on a simulated printer, measure it, find K, compare with what is foretold.
+    Calibrate(calibrate::CalibrateArgs),
+    /// Train the networks again, with your own lines if you have some, and print their figures.
+    Train(train::TrainArgs),
+    /// A table for slicers and the lines of start code for Marlin and Klipper.
+    Export(export::ExportArgs),
+    /// The lines that the networks are trained with, as comma-separated text.
+    Data(data::DataArgs),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line that says what is wrong and where.
+pub fn run(args: &AdvanceArgs) -> anyhow::Result<()> {
+    match &args.command {
+        AdvanceCommand::Predict(args) => predict::run(args),
+        AdvanceCommand::Calibrate(args) => calibrate::run(args),
+        AdvanceCommand::Train(args) => train::run(args),
+        AdvanceCommand::Export(args) => export::run(args),
+        AdvanceCommand::Data(args) => data::run(args),
+    }
+}
+
+/// A drive on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DriveName {
+    /// On the frame, a tube leads to the hot end.
+    Bowden,
+    /// On the hot end.
+    Direct,
+}
+
+impl From<DriveName> for DriveKind {
+    fn from(name: DriveName) -> Self {
+        match name {
+            DriveName::Bowden => Self::Bowden,
+            DriveName::Direct => Self::Direct,
+        }
+    }
+}
+
+/// What is printed.
+#[derive(Debug, Clone, Args)]
+pub struct Printed {
+    /// Drive of the extruder.
+    #[arg(long, value_enum, default_value_t = DriveName::Bowden)]
+    pub drive: DriveName,
+    /// A polymer of config/advance/physics.yaml.
+    #[arg(long, default_value = "PLA")]
+    pub polymer: String,
+    /// Folder with the parameter files.
+    #[arg(long)]
+    pub config: Option<PathBuf>,
+    /// Write the figures to a file, or to standard output with `-`.
+    #[arg(long)]
+    pub json: Option<PathBuf>,
+}
+
+impl Printed {
+    /// Name of the polymer as the files have it.
+    #[must_use]
+    pub fn polymer(&self) -> String {
+        self.polymer.to_uppercase()
+    }
+}
+
+/// Where it is printed.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct Place {
+    /// Temperature of the hot end `[degC]`.
+    #[arg(long)]
+    pub temperature: f64,
+    /// Height of the layer `[mm]`.
+    #[arg(long)]
+    pub height: f64,
+    /// Width of the line `[mm]`.
+    #[arg(long)]
+    pub width: f64,
+}
+
+impl Place {
+    /// The same in SI units.
+    #[must_use]
+    pub fn condition(&self) -> Condition {
+        Condition {
+            temperature: Celsius(self.temperature),
+            height_m: 1e-3 * self.height,
+            width_m: 1e-3 * self.width,
+        }
+    }
+}
+
+/// `config/models/advance_training.yaml`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Seed of everything that is left to chance.
+    pub seed: u64,
+    /// Weight of a person's own line against a virtual one.
+    pub measured_weight: f64,
+    /// How lines are made.
+    pub data: DataParams,
+    /// How networks are fitted.
+    pub fit: FitParams,
+}
+
+impl Settings {
+    /// Reads the file.
+    ///
+    /// # Errors
+    /// File, line, field and what is wrong.
+    pub fn load(config: &ConfigDir) -> anyhow::Result<Self> {
+        let path = config.file("models/advance_training.yaml");
+        let settings: Self = runtime::params::from_yaml(&path)?;
+        models::params::positive("measured_weight", settings.measured_weight, "-")
+            .with_context(|| path.display().to_string())?;
+        Ok(settings)
+    }
+}
+
+/// Everything that the predictor needs.
+pub struct Setup {
+    /// Physics.
+    pub physics: Physics,
+    /// Parameters of the node.
+    pub params: Params,
+    /// The printed points.
+    pub published: Published,
+}
+
+impl Setup {
+    /// Reads the files.
+    ///
+    /// # Errors
+    /// File, line, field, value and range of what is refused.
+    pub fn load(config: &ConfigDir) -> anyhow::Result<Self> {
+        let path =
+            NodePath { qualified: "/printer/advance_predictor".into(), base: "advance_predictor".into() };
+        let files = [config.file("advance_predictor.param.yaml")];
+        Ok(Self {
+            physics: process::block(config, "advance/physics.yaml", "advance_physics")?,
+            params: Parameters::read(&files, &[], &path)?.parse()?,
+            published: process::block(config, "advance/published.yaml", "advance_published")?,
+        })
+    }
+
+    /// The predictor with the networks of the configuration folder.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is damaged.
+    pub fn predictor(&self, config: &ConfigDir, drive: DriveKind) -> anyhow::Result<Predictor> {
+        let path = network_path(config, drive);
+        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        let ensemble = Ensemble::parse(&text).with_context(|| path.display().to_string())?;
+        Ok(Predictor::new(self.physics.clone(), self.params.bounds, ensemble))
+    }
+
+    /// Prints and scores the lines of a drive.
+    #[must_use]
+    pub fn lines(&self, settings: &Settings, drive: DriveKind) -> DataSet {
+        settings.data.generate(drive, &self.physics, &self.published, settings.seed)
+    }
+}
+
+/// File of a drive's networks.
+#[must_use]
+pub fn network_path(config: &ConfigDir, drive: DriveKind) -> PathBuf {
+    config.file(&format!("models/advance_{}.json", drive.name()))
+}

@@ -1,0 +1,130 @@
+//! `fdm advance train`: the networks anew, and what they reach on lines and files that they never saw.
+
+use super::{Settings, Setup};
+use crate::config::ConfigDir;
+use crate::output::{self, Json};
+use advance_predictor::compensation::Ensemble;
+use advance_predictor::compensation::assess::{Errors, Figures, assess};
+use advance_predictor::compensation::measured::{self, Measured};
+use advance_predictor::compensation::training::{Material, train};
+use anyhow::Context;
+use clap::Args;
+use models::advance::DriveKind;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Trains and judges; seconds long, the same file for the same seed.
+#[derive(Debug, Args)]
+pub struct TrainArgs {
+    /// Your own lines: comma-separated, columns drive, polymer, `temperature_c`, `height_mm`, `width_mm`, `advance_s`.
+    #[arg(long)]
+    measured: Option<PathBuf>,
+    /// Where the networks go: a folder; without it they replace those of `config/models`.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Folder with the parameter files.
+    #[arg(long)]
+    config: Option<PathBuf>,
+    /// Write the figures to a file, or to standard output with `-`.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// What training reached.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trained {
+    /// Figures of each drive's networks.
+    pub compensation: Vec<Figures>,
+    /// Measured lines that were trained with.
+    pub measured: usize,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Files that cannot be read or written, lines that are refused.
+pub fn run(args: &TrainArgs) -> anyhow::Result<()> {
+    let config = ConfigDir::find(args.config.as_deref())?;
+    let json = Json::new(args.json.as_deref());
+    json.check()?;
+    let out = args.out.clone().unwrap_or_else(|| config.file("models"));
+    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let measured = args.measured.as_deref().map(read).transpose()?.unwrap_or_default();
+    let (settings, setup) = (Settings::load(&config)?, Setup::load(&config)?);
+    let one = |drive| compensation(&settings, &setup, (drive, &measured), &out);
+    let trained = Trained {
+        compensation: DriveKind::ALL.into_iter().map(one).collect::<Result<_, _>>()?,
+        measured: measured.len(),
+    };
+    if !json.is_stdout() {
+        output::line(&text(&trained))?;
+    }
+    json.write(&trained)
+}
+
+fn read(path: &Path) -> anyhow::Result<Vec<Measured>> {
+    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    measured::parse(&text).with_context(|| path.display().to_string())
+}
+
+fn compensation(
+    settings: &Settings,
+    setup: &Setup,
+    (drive, measured): (DriveKind, &[Measured]),
+    out: &Path,
+) -> anyhow::Result<Figures> {
+    output::note(&format!("printing and scoring virtual lines, {}", drive.name()));
+    let set = setup.lines(settings, drive);
+    output::note("fitting the networks");
+    let material = Material {
+        physics: &setup.physics,
+        data: &settings.data,
+        set: &set,
+        measured,
+        measured_weight: settings.measured_weight,
+    };
+    let text = train(&material, &settings.fit, settings.seed)?;
+    let path = out.join(format!("advance_{}.json", drive.name()));
+    std::fs::write(&path, &text).with_context(|| path.display().to_string())?;
+    let ensemble = Ensemble::parse(&text).with_context(|| path.display().to_string())?;
+    Ok(assess(&ensemble, &setup.physics, (&settings.data, &set), &setup.published))
+}
+
+fn text(trained: &Trained) -> String {
+    let mut lines = vec!["synthetic lines and seven printed points; no printer was involved".to_owned()];
+    for figures in &trained.compensation {
+        lines.push(format!("{}: trained with {} lines", figures.drive.name(), figures.trained));
+        lines.push(format!("  held out     {}", errors(&figures.held_out)));
+        lines.push(format!("  anywhere     {}", errors(&figures.anywhere)));
+        for point in &figures.published {
+            lines.push(format!(
+                "  printed      h {:.1} mm: {:.3} s, foretold {:.3} s ({:+.3})",
+                point.height_mm, point.printed_s, point.foretold_s, point.error_s
+            ));
+        }
+        let trends = &figures.trends;
+        let broken = trends.temperature_broken + trends.height_broken + trends.width_broken;
+        lines.push(format!(
+            "  trends       {broken} of {} pairs broken, order at 230 degC broken at {} of {}",
+            trends.pairs, trends.order_broken, trends.ordered
+        ));
+        let widths = &figures.widths;
+        lines.push(format!(
+            "  width RMS    none {:.4}, best {:.4}, foretold {:.4}, over {} conditions held out",
+            widths.none, widths.best, widths.foretold, widths.count
+        ));
+    }
+    lines.join("\n")
+}
+
+fn errors(errors: &Errors) -> String {
+    format!(
+        "{} conditions: mean {:.4} s, largest {:.4} s, within 15 ms {:.1} %, within 10 % {:.1} %, interval holds {:.1} %",
+        errors.count,
+        errors.mean_abs_s,
+        errors.max_abs_s,
+        1e2 * errors.within_15_ms,
+        1e2 * errors.within_10_percent,
+        1e2 * errors.covered
+    )
+}
