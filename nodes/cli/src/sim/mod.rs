@@ -179,6 +179,12 @@ impl Task {
             nis_mean: channels.into_iter().zip(printing.nis_mean).collect(),
             nees_median: printing.consistency.median(),
             detections: printing.noticed.iter().filter(|found| found.onset_s.is_some()).cloned().collect(),
+            false_alarm_list: printing
+                .noticed
+                .iter()
+                .filter(|found| found.onset_s.is_none())
+                .cloned()
+                .collect(),
             false_alarms: printing.noticed.iter().filter(|found| found.onset_s.is_none()).count(),
             max_command: printing.extremes,
             camera: printing.sight(),

@@ -69,8 +69,10 @@ pub struct Run {
     pub nees_median: Option<f64>,
     /// What the loop noticed after the onset.
     pub detections: Vec<Detection>,
-    /// What it noticed with nothing wrong.
+    /// How often it noticed something with nothing wrong.
     pub false_alarms: usize,
+    /// What that was.
+    pub false_alarm_list: Vec<Detection>,
     /// Largest corrections.
     pub max_command: Extremes,
     /// What the camera saw, beside the truth; absent without `--camera`.

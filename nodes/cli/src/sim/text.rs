@@ -62,6 +62,7 @@ pub fn table(groups: &[Group]) -> String {
             let found: Vec<String> = run
                 .detections
                 .iter()
+                .chain(&run.false_alarm_list)
                 .map(|found| format!("{} at {:.1} s -> {}", found.fault, found.detected_s, found.action))
                 .collect();
             let list = found.join(", ");
