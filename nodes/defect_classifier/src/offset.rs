@@ -23,6 +23,9 @@ use models::units::Seconds;
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, Size};
 use opencv::imgproc;
 
+/// Parts of one in which ratios are counted: whole numbers add up four to eight at a time.
+const FINENESS: f64 = 64.0;
+
 /// Where the old part lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Offset {
@@ -99,7 +102,9 @@ impl OffsetFinder {
         }
         self.marked_until_s = marked_until_s;
         let mut view = OldView::new(&self.footprint, &fresh, (camera, tool_m))?;
-        view.close(self.params.gap_m / (camera.scale_m * REDUCTION))?;
+        view.leave_out(
+            [self.params.gap_m, self.params.fringe_m].map(|way_m| way_m / (camera.scale_m * REDUCTION)),
+        )?;
         if let Some(ratios) = view.ratios(grey, &self.params, camera)? {
             self.weigh(&view, &ratios, camera);
         }
@@ -114,9 +119,9 @@ impl OffsetFinder {
     }
 
     /// Adds `sum ratio(q) s(q - d) / 2` over the pixels that count: s is 1 where the outline has part, -1 for bed.
-    fn weigh(&mut self, view: &OldView, ratios: &[f32], camera: &Camera) {
+    fn weigh(&mut self, view: &OldView, ratios: &[i16], camera: &Camera) {
         let step_px = self.params.step_m / (camera.scale_m * REDUCTION);
-        let weight = 0.5 / self.params.alike;
+        let weight = 0.5 / (self.params.alike * FINENESS);
         let mut place = 0;
         for y in -self.reach..=self.reach {
             for x in -self.reach..=self.reach {
@@ -169,8 +174,8 @@ impl OffsetFinder {
 struct OldView {
     columns: usize,
     rows: usize,
-    /// 1 for part, -1 for bed, 0 for a gap inside of the part: it may look like either.
-    signs: Vec<f32>,
+    /// 1 for part, -1 for bed, 0 for what may look like either.
+    signs: Vec<i16>,
     /// The pixel shows neither head nor newer road.
     counts: Vec<bool>,
 }
@@ -188,7 +193,7 @@ impl OldView {
             #[expect(clippy::cast_precision_loss, reason = "coarse pixels are far below 2^52")]
             let coarse = [(place % columns) as f64, (place / columns) as f64];
             let pixel = coarse.map(|value| (value + 0.5) * REDUCTION - 0.5);
-            signs.push(if footprint.at(camera.bed(tool_m, pixel)) { 1.0 } else { -1.0 });
+            signs.push(if footprint.at(camera.bed(tool_m, pixel)) { 1 } else { -1 });
             counts.push(*level == 0 && camera.sees(pixel, 1.0));
         }
         Ok(Self { columns, rows, signs, counts })
@@ -200,10 +205,10 @@ impl OldView {
         grey: &Mat,
         params: &OffsetParams,
         camera: &Camera,
-    ) -> Result<Option<Vec<f32>>, opencv::Error> {
+    ) -> Result<Option<Vec<i16>>, opencv::Error> {
         let sure_px = params.sure_m / (camera.scale_m * REDUCTION);
-        let part = self.eroded(1.0, sure_px)?;
-        let bed = self.eroded(-1.0, sure_px)?;
+        let part = self.eroded(1, sure_px)?;
+        let bed = self.eroded(-1, sure_px)?;
         let taught: Vec<Taught> = (0..self.signs.len())
             .map(|place| match (self.counts[place], part[place], bed[place]) {
                 (true, true, _) => Taught::Part,
@@ -218,48 +223,49 @@ impl OldView {
         };
         let looks = Looks::of(grey, self.columns, self.rows)?;
         let ratios = looks.ratios(&taught, &bounds);
-        let counted = |ratios: Vec<f32>| {
-            ratios
-                .iter()
-                .zip(&self.counts)
-                .map(|(ratio, counts)| if *counts { *ratio } else { 0.0 })
-                .collect()
+        #[expect(clippy::cast_possible_truncation, reason = "bounded by ratio_max; a cast saturates")]
+        let counted = |ratios: Vec<f64>| {
+            let fine = |(ratio, counts): (&f64, &bool)| if *counts { (ratio * FINENESS) as i16 } else { 0 };
+            ratios.iter().zip(&self.counts).map(fine).collect()
         };
         Ok(ratios.map(counted))
     }
 
-    /// Takes gaps inside the part up to `gap_px` from the bed.
-    fn close(&mut self, gap_px: f64) -> Result<(), opencv::Error> {
-        let part = self.plane(1.0)?;
-        let mut out = Mat::default();
-        imgproc::morphology_ex_def(&part, &mut out, imgproc::MORPH_CLOSE, &disc(0.5 * gap_px)?)?;
+    /// Takes gaps inside the part up to `gap_px`, and a fringe around it, from the bed.
+    fn leave_out(&mut self, [gap_px, fringe_px]: [f64; 2]) -> Result<(), opencv::Error> {
+        let (mut closed, mut out) = (Mat::default(), Mat::default());
+        imgproc::morphology_ex_def(&self.plane(1)?, &mut closed, imgproc::MORPH_CLOSE, &disc(0.5 * gap_px)?)?;
+        imgproc::dilate_def(&closed, &mut out, &disc(fringe_px)?)?;
         for (sign, level) in self.signs.iter_mut().zip(out.data_bytes()?) {
-            if *level > 0 && *sign < 0.0 {
-                *sign = 0.0;
+            if *level > 0 && *sign < 0 {
+                *sign = 0;
             }
         }
         Ok(())
     }
 
     /// Pixels around which all is of one sign, as far as `reach_px`.
-    fn eroded(&self, sign: f32, reach_px: f64) -> Result<Vec<bool>, opencv::Error> {
+    fn eroded(&self, sign: i16, reach_px: f64) -> Result<Vec<bool>, opencv::Error> {
         let mut out = Mat::default();
         imgproc::erode_def(&self.plane(sign)?, &mut out, &disc(reach_px)?)?;
         Ok(out.data_bytes()?.iter().map(|level| *level > 0).collect())
     }
 
     /// 255 where the pixel has this sign.
-    fn plane(&self, sign: f32) -> Result<Mat, opencv::Error> {
-        let bytes: Vec<u8> =
-            self.signs.iter().map(|own| if (own - sign).abs() < 0.5 { 255 } else { 0 }).collect();
+    fn plane(&self, sign: i16) -> Result<Mat, opencv::Error> {
+        let bytes: Vec<u8> = self.signs.iter().map(|own| if *own == sign { 255 } else { 0 }).collect();
         let flat = Mat::from_slice(&bytes)?;
         flat.reshape(1, i32::try_from(self.rows).unwrap_or(1))?.try_clone()
     }
 
     /// `sum ratio(q) s(q - d)` with `d` in coarse pixels; beyond the view the outline is carried on from its border.
-    fn agreement(&self, ratios: &[f32], moved: [i32; 2]) -> f64 {
+    fn agreement(&self, ratios: &[i16], moved: [i32; 2]) -> f64 {
         let inside =
             |value: i32, size: usize| usize::try_from(value.max(0)).unwrap_or(0).min(size.saturating_sub(1));
+        let product = |ratios: &[i16], signs: &[i16]| -> i32 {
+            ratios.iter().zip(signs).map(|(ratio, sign)| i32::from(*ratio) * i32::from(*sign)).sum()
+        };
+        let alone = |ratios: &[i16]| -> i32 { ratios.iter().map(|ratio| i32::from(*ratio)).sum() };
         let mut sum = 0.0;
         for (row, ratios) in ratios.chunks_exact(self.columns).enumerate() {
             let from = inside(i32::try_from(row).unwrap_or(0) - moved[1], self.rows) * self.columns;
@@ -267,9 +273,9 @@ impl OldView {
             let ahead = usize::try_from(moved[0].max(0)).unwrap_or(0).min(self.columns);
             let behind = usize::try_from((-moved[0]).max(0)).unwrap_or(0).min(self.columns);
             let middle = &ratios[ahead..self.columns - behind];
-            let line: f32 = middle.iter().zip(&signs[behind..self.columns - ahead]).map(|(a, b)| a * b).sum();
-            let left: f32 = ratios[..ahead].iter().sum::<f32>() * signs[0];
-            let right: f32 = ratios[self.columns - behind..].iter().sum::<f32>() * signs[self.columns - 1];
+            let line = product(middle, &signs[behind..self.columns - ahead]);
+            let left = alone(&ratios[..ahead]) * i32::from(signs[0]);
+            let right = alone(&ratios[self.columns - behind..]) * i32::from(signs[self.columns - 1]);
             sum += f64::from(line + left + right);
         }
         sum

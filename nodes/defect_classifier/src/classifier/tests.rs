@@ -14,13 +14,14 @@ fn config(file: &str) -> PathBuf {
 
 #[derive(serde::Deserialize)]
 struct RosFile<T> {
-    ros__parameters: T,
+    #[serde(rename = "ros__parameters")]
+    parameters: T,
 }
 
 fn load<T: DeserializeOwned>(file: &str) -> T {
     let text = std::fs::read_to_string(config(file)).unwrap();
     let mut nodes: HashMap<String, RosFile<T>> = serde_saphyr::from_str(&text).unwrap();
-    nodes.remove("/**").unwrap().ros__parameters
+    nodes.remove("/**").unwrap().parameters
 }
 
 #[derive(serde::Deserialize)]

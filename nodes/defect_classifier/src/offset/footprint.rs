@@ -45,7 +45,7 @@ impl Footprint {
     /// Whether something was laid at a place.
     pub(crate) fn at(&self, place_m: [f64; 2]) -> bool {
         let cell = [0, 1].map(|axis| (place_m[axis] - self.corner_m[axis]) / self.cell_m);
-        if cell.iter().any(|value| !(*value >= 0.0)) {
+        if cell.iter().any(|value| !value.is_sign_positive() || value.is_nan()) {
             return false;
         }
         let [column, row] = cell.map(index);

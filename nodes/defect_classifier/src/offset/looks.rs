@@ -58,7 +58,7 @@ impl Looks {
     }
 
     /// Log likelihood ratio of part against bed for every coarse pixel; `None` where the two look alike.
-    pub(crate) fn ratios(&self, teach: &[Taught], bounds: &Bounds) -> Option<Vec<f32>> {
+    pub(crate) fn ratios(&self, teach: &[Taught], bounds: &Bounds) -> Option<Vec<f64>> {
         let mut classes = [Class::default(), Class::default()];
         for (place, taught) in teach.iter().enumerate() {
             match taught {
@@ -84,8 +84,7 @@ impl Looks {
         let ratio = |place: usize| {
             (direction.dot(&self.at(place)) - middle).clamp(-bounds.ratio_max, bounds.ratio_max)
         };
-        #[expect(clippy::cast_possible_truncation, reason = "a bounded ratio needs no more digits")]
-        Some((0..teach.len()).map(|place| ratio(place) as f32).collect())
+        Some((0..teach.len()).map(ratio).collect())
     }
 }
 

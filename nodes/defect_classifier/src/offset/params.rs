@@ -36,6 +36,8 @@ pub struct RawOffset {
     pub alike: f64,
     /// Gaps up to this width inside the old part are part: the room in sparse infill `[m]`.
     pub gap_m: f64,
+    /// Next to the old part so much bed is shaded by it and looks like either `[m]`.
+    pub fringe_m: f64,
     /// What an offset of a step or more must be better supported than none, as log likelihood `[-]`: it is rare.
     pub rarity: f64,
     /// Memory of the evidence `[s]`.
@@ -74,6 +76,7 @@ impl TryFrom<RawOffset> for OffsetParams {
         positive("offset.ratio_max", raw.ratio_max, "-")?;
         in_range("offset.alike", raw.alike, "-", (1.0, 1e4))?;
         in_range("offset.gap_m", raw.gap_m, "m", (0.0, 1e-2))?;
+        in_range("offset.fringe_m", raw.fringe_m, "m", (0.0, 5e-3))?;
         in_range("offset.rarity", raw.rarity, "-", (0.0, 100.0))?;
         in_range("offset.memory_s", raw.memory_s, "s", (0.1, 600.0))?;
         positive("offset.sigma_floor_m", raw.sigma_floor_m, "m")?;

@@ -189,7 +189,7 @@ impl EdgeModel {
 
 /// Value between two samples, linearly.
 fn between(profile: &[f64], place: f64) -> Option<f64> {
-    if !(place >= 0.0 && place < 1e5) {
+    if !(0.0..1e5).contains(&place) {
         return None;
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked just above")]

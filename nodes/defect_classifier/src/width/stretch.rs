@@ -63,33 +63,10 @@ pub fn pieces(path: &PathHistory, exposed: Seconds, params: &WidthParams) -> Vec
         stretch.height_m = road.height_m;
         stretch.layer = road.layer;
         stretch.last = Some((road.run, along));
-        gather(path, road, (Seconds(from_s), exposed), params, &mut stretch, &mut found);
+        stretch.gather((path, road), (Seconds(from_s), exposed), params, &mut found);
     }
     stretch.cut(params, &mut found);
     found
-}
-
-/// Adds the stations of a road; a slow or an old place ends the stretch.
-fn gather(
-    path: &PathHistory,
-    road: &Road,
-    (from, exposed): (Seconds, Seconds),
-    params: &WidthParams,
-    stretch: &mut Stretch,
-    found: &mut Vec<Piece>,
-) {
-    let along = road.along();
-    let left = [-along[1], along[0]];
-    let laid_m = path.laid_m(road, exposed);
-    let mut way_m = 0.5 * params.station_m;
-    while way_m < laid_m {
-        let laid = path.laid_at(road, way_m);
-        match laid.filter(|laid| laid.0 >= from.0 && steady(road, way_m, params.cruise_share)) {
-            Some(laid) => stretch.stations.push((Station { point_m: road.point_m(way_m), left }, laid)),
-            None => stretch.cut(params, found),
-        }
-        way_m += params.station_m;
-    }
 }
 
 /// Whether a road is laid at nearly its highest speed there.
@@ -110,6 +87,28 @@ fn steady(road: &Road, way_m: f64, share: f64) -> bool {
 }
 
 impl Stretch {
+    /// Adds the stations of a road; a slow or an old place ends the stretch.
+    fn gather(
+        &mut self,
+        (path, road): (&PathHistory, &Road),
+        (from, exposed): (Seconds, Seconds),
+        params: &WidthParams,
+        found: &mut Vec<Piece>,
+    ) {
+        let along = road.along();
+        let left = [-along[1], along[0]];
+        let laid_m = path.laid_m(road, exposed);
+        let mut way_m = 0.5 * params.station_m;
+        while way_m < laid_m {
+            let laid = path.laid_at(road, way_m);
+            match laid.filter(|laid| laid.0 >= from.0 && steady(road, way_m, params.cruise_share)) {
+                Some(laid) => self.stations.push((Station { point_m: road.point_m(way_m), left }, laid)),
+                None => self.cut(params, found),
+            }
+            way_m += params.station_m;
+        }
+    }
+
     /// Cuts what was gathered into pieces without its ends, and starts anew.
     fn cut(&mut self, params: &WidthParams, found: &mut Vec<Piece>) {
         let stations = std::mem::take(&mut self.stations);
