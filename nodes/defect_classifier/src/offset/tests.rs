@@ -36,12 +36,12 @@ fn laid() -> PathHistory {
     path
 }
 
-/// The block as it looks with the tool at (0.1, 0.1), `moved_px` to the right and downwards, with some grain.
+/// The block as it looks with the tool at (0.1, 0.1), `moved_px` to the right and downwards, with some grain; roads end round, half a width beyond their last point.
 fn seen(moved_px: [i64; 2], grain: u64) -> Mat {
     picture(640, 480, |u, v| {
         let at =
             [(u, moved_px[0]), (v, moved_px[1])].map(|(place, moved)| i64::try_from(place).unwrap() - moved);
-        let inside = (453..720).contains(&at[0]) && (-16..247).contains(&at[1]);
+        let inside = (446..720).contains(&at[0]) && (-16..247).contains(&at[1]);
         let dust = (u as u64 * 7919 + v as u64 * 104_729 + grain * 31).wrapping_mul(2_654_435_761) >> 29 & 7;
         u8::try_from(dust).unwrap() + if inside { 150 } else { 60 }
     })
@@ -64,14 +64,14 @@ fn a_part_where_it_was_laid_has_no_offset() {
     assert!(offset.offset_m.iter().all(|value| value.abs() < 1.2e-4), "{offset:?}");
 }
 
-/// P8: 0.8 mm are 26.7 px; image y runs against bed y. Within a step of the grid, 0.24 mm.
+/// P8: 0.8 mm are 26.7 px; image y runs against bed y. Where one edge alone is in view the fringe leaves 0.36 mm open.
 #[test]
 fn lost_steps_show_as_an_offset_of_the_old_part() {
     for (moved_px, wanted_m) in [([-27, 0], [-8e-4, 0.0]), ([0, -27], [0.0, 8e-4]), ([27, 27], [8e-4, -8e-4])]
     {
         let offset = found(moved_px).unwrap();
         let off = offset.offset_m.iter().zip(wanted_m).map(|(found, wanted)| (found - wanted).abs());
-        assert!(off.into_iter().all(|off_m| off_m < 2.4e-4), "{moved_px:?}: {offset:?}");
+        assert!(off.into_iter().all(|off_m| off_m < 3.6e-4), "{moved_px:?}: {offset:?}");
     }
 }
 
