@@ -44,34 +44,8 @@ pub fn table(groups: &[Group]) -> String {
     }
     for group in groups {
         _ = writeln!(text, "{:<9} NIS {}", group.control, nis(&group.runs));
-        for (run, seen) in group.runs.iter().filter_map(|run| Some((run, run.camera?))) {
-            let um = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.1}", value * 1e6));
-            _ = writeln!(
-                text,
-                "  seed {}: {} frames, {} not usable; {} widths, bias {} um, sigma {} um; largest offset {:.0} um",
-                run.seed,
-                seen.frames,
-                seen.unusable,
-                seen.widths,
-                um(seen.width_bias_m),
-                um(seen.width_sigma_m),
-                seen.offset_max_m * 1e6
-            );
-        }
-        for run in group.runs.iter().filter(|run| !run.detections.is_empty() || run.false_alarms > 0) {
-            let found: Vec<String> = run
-                .detections
-                .iter()
-                .chain(&run.false_alarm_list)
-                .map(|found| format!("{} at {:.1} s -> {}", found.fault, found.detected_s, found.action))
-                .collect();
-            let list = found.join(", ");
-            _ = writeln!(
-                text,
-                "  seed {}: {list}; false alarms {}; ended {}",
-                run.seed, run.false_alarms, run.ended
-            );
-        }
+        seen(&mut text, group);
+        noticed(&mut text, group);
     }
     text
 }
@@ -88,4 +62,40 @@ fn nis(runs: &[Run]) -> String {
     };
     let parts: Vec<String> = first.nis_mean.keys().map(|name| format!("{name} {}", channel(name))).collect();
     parts.join(", ")
+}
+
+/// What the camera saw, one line a seed.
+fn seen(text: &mut String, group: &Group) {
+    for (run, seen) in group.runs.iter().filter_map(|run| Some((run, run.camera?))) {
+        let um = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.1}", value * 1e6));
+        _ = writeln!(
+            text,
+            "  seed {}: {} frames, {} not usable; {} widths, bias {} um, sigma {} um; largest offset {:.0} um",
+            run.seed,
+            seen.frames,
+            seen.unusable,
+            seen.widths,
+            um(seen.width_bias_m),
+            um(seen.width_sigma_m),
+            seen.offset_max_m * 1e6
+        );
+    }
+}
+
+/// What the loop noticed, one line a seed.
+fn noticed(text: &mut String, group: &Group) {
+    for run in group.runs.iter().filter(|run| !run.detections.is_empty() || run.false_alarms > 0) {
+        let found: Vec<String> = run
+            .detections
+            .iter()
+            .chain(&run.false_alarm_list)
+            .map(|found| format!("{} at {:.1} s -> {}", found.fault, found.detected_s, found.action))
+            .collect();
+        let list = found.join(", ");
+        _ = writeln!(
+            text,
+            "  seed {}: {list}; false alarms {}; ended {}",
+            run.seed, run.false_alarms, run.ended
+        );
+    }
 }
