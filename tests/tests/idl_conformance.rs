@@ -9,10 +9,10 @@ mod tracer;
 
 use definition::{fields_of, flatten};
 use fdm_loop_msgs::{
-    BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport, DiagnosticArray,
+    AdvancePrediction, BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport, DiagnosticArray,
     FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, Log,
-    MotionSegment, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode, SimTruth, SimWire,
-    StateEstimate, Temperature, TemperatureReport, Trigger,
+    MotionSegment, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode, SimTruth,
+    SimWire, StateEstimate, Temperature, TemperatureReport, Trigger,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -29,6 +29,7 @@ fn message<T: RosType>() -> (String, Fields, Fields) {
 
 fn messages() -> Vec<(String, Fields, Fields)> {
     vec![
+        message::<AdvancePrediction>(),
         message::<BeadWidth>(),
         message::<ControlCommand>(),
         message::<DefectReport>(),

@@ -1,6 +1,6 @@
 //! `fdm wire correct`: the correction law beside the paper's tables.
 
-use super::{ModeName, Process, material};
+use super::{ModeName, material};
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
 use clap::Args;

@@ -2,9 +2,11 @@
 
 pub mod closed_loop;
 pub mod correct;
+pub mod follow;
 mod picture;
 pub mod plan;
 pub mod sim;
+pub mod up;
 
 use crate::config::ConfigDir;
 use crate::process;
@@ -13,7 +15,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use models::wire::{Material, Mode, Process};
 use std::collections::BTreeMap;
 
-/// The wire process: plan, correct, simulate.
+/// The wire process: plan, correct, simulate, run.
 #[derive(Debug, Args)]
 pub struct WireArgs {
     #[command(subcommand)]
@@ -28,6 +30,8 @@ enum WireCommand {
     Correct(correct::CorrectArgs),
     /// Height error of a simulated wall layer by layer, open against closed.
     Sim(sim::SimArgs),
+    /// Machine, controller and supervisor as processes over DDS.
+    Up(up::UpArgs),
 }
 
 /// Runs the command.
@@ -39,6 +43,7 @@ pub fn run(args: &WireArgs) -> anyhow::Result<()> {
         WireCommand::Plan(args) => plan::run(args),
         WireCommand::Correct(args) => correct::run(args),
         WireCommand::Sim(args) => sim::run(args),
+        WireCommand::Up(args) => up::run(args),
     }
 }
 

@@ -1,6 +1,6 @@
 //! `fdm wire plan`: what a wire, a metal and a power give.
 
-use super::{Process, material};
+use super::material;
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
 use clap::Args;
