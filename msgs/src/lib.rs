@@ -7,6 +7,7 @@
 //! the host), simulated seconds under `use_sim_time`.
 #![forbid(unsafe_code)]
 
+mod advance;
 mod control;
 mod definition;
 mod estimate;
@@ -19,6 +20,7 @@ mod standard;
 mod standard_sensors;
 mod time;
 
+pub use advance::AdvancePrediction;
 pub use control::ControlCommand;
 pub use definition::{Definition, RosService, RosType};
 pub use estimate::StateEstimate;

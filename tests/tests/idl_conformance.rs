@@ -9,10 +9,10 @@ mod tracer;
 
 use definition::{fields_of, flatten};
 use fdm_loop_msgs::{
-    AdvancePrediction, BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport, DiagnosticArray,
-    FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, Log,
-    MotionSegment, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode, SimTruth,
-    SimWire, StateEstimate, Temperature, TemperatureReport, Trigger,
+    AdvancePrediction, BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport,
+    DiagnosticArray, FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight,
+    LayerQuality, Log, MotionSegment, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState,
+    SetMode, SimTruth, SimWire, StateEstimate, Temperature, TemperatureReport, Trigger,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

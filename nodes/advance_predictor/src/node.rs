@@ -1,12 +1,123 @@
-//! The shell.
+//! The shell: moves and printer state in, predictions out.
 
-use runtime::{Node, RuntimeError};
+use std::path::{Path, PathBuf};
+
+use models::advance::Physics;
+use models::units::Seconds;
+use runtime::params::ParamFileError;
+use runtime::{Diagnostics, Node, RuntimeError, topics};
+
+use crate::compensation::{Ensemble, Predictor};
+use crate::convert;
+use crate::network::NetworkError;
+use crate::params::Params;
+use crate::predictor::AdvancePredictor;
+use crate::turn::TurnNetwork;
+
+/// Older messages are refused.
+const AGE_LIMIT: Seconds = Seconds(1.0);
+/// Heartbeat of a node that hears nothing.
+const IDLE_PERIOD: Seconds = Seconds(0.2);
+
+/// Why the node ended.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum NodeError {
+    /// The graph.
+    #[error(transparent)]
+    Runtime(#[from] RuntimeError),
+    /// Parameters.
+    #[error(transparent)]
+    Parameters(#[from] ParamFileError),
+    /// A network's file that cannot be read.
+    #[error("models: {}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A network's file that is refused.
+    #[error("models: {}: {source}", path.display())]
+    Network {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: NetworkError,
+    },
+}
 
 /// Runs the node to its end.
 ///
 /// # Errors
-/// [`RuntimeError`] where it cannot start.
-pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
-    node.shutdown().await;
-    Ok(())
+/// [`NodeError`] where it cannot start.
+pub async fn run(mut node: Node) -> Result<(), NodeError> {
+    let setup = Setup::read(&node)?;
+    let mut motion = node.inlet(&topics::PRINTER_MOTION, AGE_LIMIT)?;
+    let mut printer = node.inlet(&topics::PRINTER_STATE, AGE_LIMIT)?;
+    let predictions = node.publish_on(&topics::ADVANCE_PREDICTION)?;
+    let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
+    let (mut predictor, mut jumps) = (setup.predictor(), clock.jumps_back());
+    let mut idle = node.timer(IDLE_PERIOD);
+    loop {
+        let taken = tokio::select! {
+            biased;
+            () = node.shutdown() => return Ok(()),
+            taken = motion.next(convert::motion) => taken,
+            taken = printer.next(convert::printer) => taken,
+            _ = idle.next() => {
+                work.done();
+                continue;
+            }
+        };
+        if std::mem::replace(&mut jumps, clock.jumps_back()) != clock.jumps_back() {
+            predictor = setup.predictor();
+        }
+        if let Ok(event) = taken {
+            if let Some(output) = predictor.on_event(event) {
+                predictions.send(convert::prediction(clock.now(), &output));
+            }
+            show(&diagnostics, &predictor);
+        }
+        work.done();
+    }
+}
+
+/// What a predictor is made of.
+struct Setup {
+    params: Params,
+    compensation: Predictor,
+    network: TurnNetwork,
+}
+
+impl Setup {
+    fn read(node: &Node) -> Result<Self, NodeError> {
+        let parameters = node.raw_parameters();
+        let params: Params = parameters.without(&["advance_physics"]).parse()?;
+        let physics: Physics = parameters.block("advance_physics")?;
+        let ensemble = network(params.models.of(params.drive), Ensemble::parse)?;
+        let network = network(&params.models.turn, TurnNetwork::parse)?;
+        Ok(Self { compensation: Predictor::new(physics, params.bounds, ensemble), params, network })
+    }
+
+    /// A predictor that has seen nothing: at the start, and when time jumped back.
+    fn predictor(&self) -> AdvancePredictor {
+        AdvancePredictor::new(self.params.clone(), self.compensation.clone(), self.network.clone())
+    }
+}
+
+fn network<T>(path: &Path, parse: impl Fn(&str) -> Result<T, NetworkError>) -> Result<T, NodeError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| NodeError::File { path: path.to_path_buf(), source })?;
+    parse(&text).map_err(|source| NodeError::Network { path: path.to_path_buf(), source })
+}
+
+fn show(diagnostics: &Diagnostics, predictor: &AdvancePredictor) {
+    let counts = predictor.counts();
+    diagnostics.set("moves", counts.moves);
+    diagnostics.set("outside_hull", counts.outside_hull);
+    diagnostics.set("unanswered", counts.unanswered);
+    if let Some(reason) = predictor.refused() {
+        diagnostics.set("last_unanswered", reason);
+    }
 }

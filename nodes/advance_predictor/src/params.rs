@@ -1,8 +1,11 @@
 //! Parameters of the node.
 
 use crate::compensation::Bounds;
-use models::advance::DriveKind;
+use crate::turn::TurnParams;
+use models::advance::{Condition, DriveKind};
+use models::params::{ParamError, positive};
 use serde::Deserialize;
+use std::path::PathBuf;
 
 /// All of `config/advance_predictor.param.yaml`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -12,6 +15,72 @@ pub struct Params {
     pub drive: DriveKind,
     /// Polymer that is printed.
     pub polymer: String,
+    /// Files of the networks.
+    pub models: Files,
     /// Bounds of what is answered.
     pub bounds: Bounds,
+    /// Changes of the conditions that are answered anew.
+    pub steps: Steps,
+    /// Foresight of turns.
+    pub turn: TurnParams,
+}
+
+/// Files, relative to the folder that the node is started in.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Files {
+    /// Networks of a Bowden drive.
+    pub bowden: PathBuf,
+    /// Networks of a direct drive.
+    pub direct: PathBuf,
+    /// Network of turns.
+    pub turn: PathBuf,
+}
+
+impl Files {
+    /// File of a drive's networks.
+    #[must_use]
+    pub fn of(&self, drive: DriveKind) -> &PathBuf {
+        match drive {
+            DriveKind::Bowden => &self.bowden,
+            DriveKind::Direct => &self.direct,
+        }
+    }
+}
+
+/// Changes of the conditions that are answered anew. Built only from a valid [`RawSteps`].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawSteps")]
+pub struct Steps(RawSteps);
+
+/// The block `steps` as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawSteps {
+    /// Of the temperature `[K]`.
+    pub temperature_k: f64,
+    /// Of the layer's height `[m]`.
+    pub height_m: f64,
+    /// Of the road's width `[m]`.
+    pub width_m: f64,
+}
+
+impl TryFrom<RawSteps> for Steps {
+    type Error = ParamError;
+
+    fn try_from(raw: RawSteps) -> Result<Self, ParamError> {
+        positive("steps.temperature_k", raw.temperature_k, "K")?;
+        positive("steps.height_m", raw.height_m, "m")?;
+        positive("steps.width_m", raw.width_m, "m")?;
+        Ok(Self(raw))
+    }
+}
+
+impl Steps {
+    /// Whether two conditions differ by less than a step; a NaN differs.
+    pub(crate) fn same(&self, a: &Condition, b: &Condition) -> bool {
+        (a.temperature.0 - b.temperature.0).abs() < self.0.temperature_k
+            && (a.height_m - b.height_m).abs() < self.0.height_m
+            && (a.width_m - b.width_m).abs() < self.0.width_m
+    }
 }

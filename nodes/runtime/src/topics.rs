@@ -4,10 +4,10 @@
 
 use crate::qos::{self, Qos};
 use fdm_loop_msgs::{
-    BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport, Definition, DiagnosticArray,
-    FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, Log,
-    MotionSegment, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode, SimTruth, SimWire,
-    StateEstimate, Temperature, TemperatureReport, Trigger,
+    AdvancePrediction, BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport,
+    Definition, DiagnosticArray, FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault,
+    LayerHeight, LayerQuality, Log, MotionSegment, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState,
+    SetMode, SimTruth, SimWire, StateEstimate, Temperature, TemperatureReport, Trigger,
 };
 use models::units::Seconds;
 use std::marker::PhantomData;
@@ -116,6 +116,8 @@ pub const ANNOTATED: Topic<CompressedImage> = Topic::new("vision/annotated/compr
 pub const LAYER_QUALITY: Topic<LayerQuality> = Topic::new("quality/layer", qos::RELIABLE);
 /// Measured width of the road.
 pub const BEAD_WIDTH: Topic<BeadWidth> = Topic::new("vision/bead_width", qos::RELIABLE);
+/// Pressure advance and the next turn.
+pub const ADVANCE_PREDICTION: Topic<AdvancePrediction> = Topic::new("advance/prediction", qos::RELIABLE);
 /// State estimate.
 pub const ESTIMATE: Topic<StateEstimate> = Topic::new("estimate/state", qos::RELIABLE);
 /// The controller's wish.
@@ -167,6 +169,7 @@ pub const ALL: &[TopicInfo] = &[
     ANNOTATED.info(),
     LAYER_QUALITY.info(),
     BEAD_WIDTH.info(),
+    ADVANCE_PREDICTION.info(),
     ESTIMATE.info(),
     CONTROL_COMMAND.info(),
     SAFETY_COMMAND.info(),

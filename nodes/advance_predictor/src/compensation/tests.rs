@@ -21,7 +21,7 @@ struct Settings {
     _others: BTreeMap<String, serde_json::Value>,
 }
 
-fn text(file: &str) -> String {
+pub(crate) fn text(file: &str) -> String {
     let path = format!("{}/../../config/{file}", env!("CARGO_MANIFEST_DIR"));
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"))
 }

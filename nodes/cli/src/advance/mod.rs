@@ -5,6 +5,7 @@ pub mod data;
 pub mod export;
 pub mod predict;
 pub mod train;
+mod turns;
 
 use crate::config::ConfigDir;
 use crate::process;
@@ -12,6 +13,7 @@ use advance_predictor::Params;
 use advance_predictor::compensation::data::{DataParams, DataSet};
 use advance_predictor::compensation::{Ensemble, Predictor};
 use advance_predictor::network::training::FitParams;
+use advance_predictor::turn::training::Training;
 use anyhow::Context;
 use clap::{Args, Subcommand, ValueEnum};
 use models::advance::published::Published;
@@ -137,6 +139,8 @@ pub struct Settings {
     pub data: DataParams,
     /// How networks are fitted.
     pub fit: FitParams,
+    /// How the network of turns is trained.
+    pub turn: Training,
 }
 
 impl Settings {

@@ -1,5 +1,6 @@
 //! `fdm advance train`: the networks anew, and what they reach on lines and files that they never saw.
 
+use super::turns::{self, FileFigures};
 use super::{Settings, Setup};
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
@@ -19,6 +20,12 @@ pub struct TrainArgs {
     /// Your own lines: comma-separated, columns drive, polymer, `temperature_c`, `height_mm`, `width_mm`, `advance_s`.
     #[arg(long)]
     measured: Option<PathBuf>,
+    /// Folder with G-code that the network of turns is trained with; without it that one stays as it is.
+    #[arg(long)]
+    gcode: Option<PathBuf>,
+    /// Judge the network of turns too: for each file one that was trained with the others.
+    #[arg(long, requires = "gcode")]
+    judge: bool,
     /// Where the networks go: a folder; without it they replace those of `config/models`.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -37,6 +44,8 @@ pub struct Trained {
     pub compensation: Vec<Figures>,
     /// Measured lines that were trained with.
     pub measured: usize,
+    /// Figures of the network of turns, file by file, each from a network that has not seen it.
+    pub turns: Vec<FileFigures>,
 }
 
 /// Runs the command.
@@ -55,6 +64,10 @@ pub fn run(args: &TrainArgs) -> anyhow::Result<()> {
     let trained = Trained {
         compensation: DriveKind::ALL.into_iter().map(one).collect::<Result<_, _>>()?,
         measured: measured.len(),
+        turns: match &args.gcode {
+            Some(folder) => turns::train_and_judge((&config, &settings, &setup), folder, &out, args.judge)?,
+            None => vec![],
+        },
     };
     if !json.is_stdout() {
         output::line(&text(&trained))?;
@@ -114,6 +127,7 @@ fn text(trained: &Trained) -> String {
             widths.none, widths.best, widths.foretold, widths.count
         ));
     }
+    lines.extend(trained.turns.iter().map(FileFigures::text));
     lines.join("\n")
 }
 

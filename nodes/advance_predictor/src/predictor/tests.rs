@@ -1,0 +1,93 @@
+//! Laws of the whole predictor. The networks are the committed ones.
+
+use super::*;
+use crate::compensation::tests::{params, shipped, text};
+use models::motion::{Role, Trapezoid};
+
+fn predictor() -> AdvancePredictor {
+    let params = params();
+    let network = TurnNetwork::parse(&text("models/turn.json")).unwrap();
+    AdvancePredictor::new(params.clone(), shipped(params.drive), network)
+}
+
+fn road(start_mm: [f64; 2], end_mm: [f64; 2], width_mm: f64) -> Event {
+    let length_m = 1e-3 * (end_mm[0] - start_mm[0]).hypot(end_mm[1] - start_mm[1]);
+    Event::Move(Segment {
+        line: 1,
+        layer: Some(0),
+        start_m: [1e-3 * start_mm[0], 1e-3 * start_mm[1], 2e-4],
+        end_m: [1e-3 * end_mm[0], 1e-3 * end_mm[1], 2e-4],
+        length_m,
+        filament_m: 0.03 * length_m,
+        kind: MoveKind::Deposit,
+        role: Role::ExternalPerimeter,
+        arc: false,
+        target_width_m: Some(1e-3 * width_mm),
+        stated_width_m: None,
+        layer_height_m: Some(2e-4),
+        profile: Trapezoid::new(length_m, (0.05, 0.05), 0.05, 0.5),
+    })
+}
+
+/// 0.45 mm wide and 0.2 mm high the stadium is as large as a rectangle of 0.45 - 0.2 (1 - pi/4) = 0.4071 mm.
+#[test]
+fn the_answer_is_for_the_roads_cross_section() {
+    let mut predictor = predictor();
+    assert!(predictor.on_event(Event::Target(Celsius(215.0))).is_none());
+    let output = predictor.on_event(road([0.0, 0.0], [10.0, 0.0], 0.45)).unwrap();
+    let advance = output.advance.unwrap();
+    assert!((advance.at.width_m - 4.070_796e-4).abs() < 1e-9, "{advance:?}");
+    // Model book 2.4: 0.635 s at 0.4 mm, less for wider roads.
+    assert!((0.60..0.64).contains(&advance.prediction.advance.0), "{advance:?}");
+    assert!(output.turn.is_some());
+}
+
+/// A set-point that changes is told at once; one that stays, or a heater that is off, is not answered for.
+#[test]
+fn a_changed_set_point_is_told_and_an_equal_one_is_not() {
+    let mut predictor = predictor();
+    _ = predictor.on_event(Event::Target(Celsius(215.0)));
+    let warm = predictor.on_event(road([0.0, 0.0], [10.0, 0.0], 0.45)).unwrap();
+    assert!(predictor.on_event(Event::Target(Celsius(215.2))).is_none());
+    let hot = predictor.on_event(Event::Target(Celsius(225.0))).unwrap();
+    assert!(hot.advance.unwrap().prediction.advance < warm.advance.unwrap().prediction.advance);
+    let off = predictor.on_event(Event::Target(Celsius(0.0))).unwrap();
+    assert!(off.advance.is_none());
+    assert_eq!(predictor.counts().unanswered, 0);
+}
+
+/// A road 4 mm wide lies out of bounds: no answer, counted, with the reason.
+#[test]
+fn conditions_out_of_bounds_are_counted() {
+    let mut predictor = predictor();
+    _ = predictor.on_event(Event::Target(Celsius(215.0)));
+    let output = predictor.on_event(road([0.0, 0.0], [10.0, 0.0], 4.0)).unwrap();
+    assert!(output.advance.is_none());
+    assert_eq!((predictor.counts().unanswered, predictor.refused()), (1, Some(Unanswered::Bounds)));
+}
+
+/// The second layer of a square in pieces of half a millimetre: behind each piece the memory knows the corners.
+#[test]
+fn a_repeated_square_is_foreseen_without_any_buffer() {
+    let mut predictor = predictor();
+    _ = predictor.on_event(Event::Target(Celsius(215.0)));
+    let corners = [[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0], [0.0, 0.0]];
+    let (mut right, mut all) = (0, 0);
+    for layer in 0..4 {
+        for pair in corners.windows(2) {
+            let at = |step: i32| {
+                [0, 1].map(|axis| pair[0][axis] + (pair[1][axis] - pair[0][axis]) * f64::from(step) / 40.0)
+            };
+            for step in 0..40 {
+                let output = predictor.on_event(road(at(step), at(step + 1), 0.45)).unwrap();
+                // The horizon is 100 ms at 50 mm/s, 5 mm: 10 pieces; the two at its edge may fall either way.
+                let left = 40 - step;
+                if layer == 3 && !(9..=12).contains(&left) {
+                    all += 1;
+                    right += i32::from(output.expected == (left <= 10));
+                }
+            }
+        }
+    }
+    assert!(all == 144 && right >= 137, "{right} of {all}");
+}

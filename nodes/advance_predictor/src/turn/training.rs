@@ -1,0 +1,122 @@
+//! Fits the turn network to the moments at which the buffer ends too early.
+
+use super::curves::generate;
+use super::file::{RawTurnNetwork, TurnNetwork};
+use super::params::TurnParams;
+use super::path::Piece;
+use super::samples::Track;
+use crate::network::NetworkError;
+use crate::network::chance::Stream;
+use crate::network::training::{Example, FitParams};
+use models::params::{ParamError, in_range};
+use serde::Deserialize;
+
+/// How the network is trained. Built only from a valid [`RawTraining`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "RawTraining")]
+pub struct Training(RawTraining);
+
+/// The block `turn` of `config/models/advance_training.yaml` as it is written.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawTraining {
+    /// Moves that the buffer holds behind the current one; each is trained with.
+    pub buffers: Vec<u32>,
+    /// Moments of one path with one buffer at most, taken by chance.
+    pub moments_max: u32,
+    /// Made-up paths.
+    pub made_paths: u32,
+    /// Share of the turns behind the buffer that the threshold has to foresee on the training paths.
+    pub recall: f64,
+    /// Fit.
+    pub fit: FitParams,
+}
+
+impl TryFrom<RawTraining> for Training {
+    type Error = ParamError;
+
+    fn try_from(raw: RawTraining) -> Result<Self, ParamError> {
+        for buffered in &raw.buffers {
+            in_range("turn.buffers", f64::from(*buffered), "-", (0.0, 1000.0))?;
+        }
+        in_range("turn.moments_max", f64::from(raw.moments_max), "-", (1.0, 1e7))?;
+        in_range("turn.made_paths", f64::from(raw.made_paths), "-", (0.0, 1e5))?;
+        in_range("turn.recall", raw.recall, "-", (0.01, 1.0))?;
+        Ok(Self(raw))
+    }
+}
+
+impl Training {
+    /// Made-up paths of a seed.
+    #[must_use]
+    pub fn made(&self, seed: u64) -> Vec<Piece> {
+        generate(self.0.made_paths, &mut Stream::new(seed))
+    }
+}
+
+/// Fits to paths, each with every buffer, and returns the file.
+///
+/// # Errors
+/// No path in which a buffer ends early.
+pub fn train(
+    paths: &[&[Piece]],
+    params: &TurnParams,
+    (training, seed): (&Training, u64),
+) -> Result<String, NetworkError> {
+    let RawTraining { buffers, moments_max, recall, fit, .. } = &training.0;
+    let (mut examples, mut chance) = (vec![], Stream::new(seed));
+    for path in paths {
+        let track = Track::new(path, params);
+        let before = examples.len();
+        for buffered in buffers {
+            let mut moments = vec![];
+            track.run(*buffered as usize, params, |watcher, moment| {
+                if watcher.by_buffer(moment.gone_m).is_none() {
+                    let (inputs, _) = watcher.inputs(moment.gone_m);
+                    let target = f64::from(u8::from(moment.turns));
+                    moments.push(Example { values: inputs.to_vec(), target, weight: 1.0 });
+                }
+            });
+            chance.shuffle(&mut moments);
+            moments.truncate(*moments_max as usize);
+            examples.append(&mut moments);
+        }
+        weigh(&mut examples[before..]);
+    }
+    if examples.is_empty() {
+        return Err(NetworkError::Examples);
+    }
+    let scaling = fit.scaling(&examples);
+    let layers = fit.fit(&scaling, &examples, &mut chance);
+    let trained =
+        format!("fdm advance train: {} moments of {} paths, seed {seed}", examples.len(), paths.len());
+    let mut raw = RawTurnNetwork::new(&trained, &scaling, layers);
+    raw.threshold = threshold(&raw.check()?, &examples, *recall);
+    raw.sealed()
+}
+
+/// A long path counts as the root of its length: no file is to drown the others.
+fn weigh(examples: &mut [Example]) {
+    #[expect(clippy::cast_precision_loss, reason = "a count of moments")]
+    let weight = 1.0 / (examples.len() as f64).max(1.0).sqrt();
+    examples.iter_mut().for_each(|example| example.weight = weight);
+}
+
+/// The highest threshold that foresees a share of the turns.
+fn threshold(network: &TurnNetwork, examples: &[Example], recall: f64) -> f64 {
+    let mut seen: Vec<(f64, f64)> = examples
+        .iter()
+        .filter(|example| example.target > 0.5)
+        .map(|example| (network.of(&example.values), example.weight))
+        .collect();
+    seen.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let wanted = recall * seen.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut sum = 0.0;
+    for (probability, weight) in seen {
+        sum += weight;
+        if sum >= wanted {
+            return crate::network::training::rounded(probability);
+        }
+    }
+    0.5
+}
