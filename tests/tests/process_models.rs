@@ -1,6 +1,9 @@
 //! `fdm wire` and `fdm kinematics`: the figures of both papers, the simulated wire wall, and what is refused.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
+#[path = "process_models/budget.rs"]
+mod budget;
+
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,5 +1,6 @@
 //! `fdm kinematics`: what wrong axes of a five-axis machine do to the surface.
 
+pub mod budget;
 pub mod error;
 pub mod map;
 mod picture;
@@ -27,6 +28,8 @@ enum KinematicsCommand {
     Error(error::ErrorArgs),
     /// Error over a whole part: an STL file, or the paper's hemisphere.
     Map(map::MapArgs),
+    /// Offset between layers that the machine alone explains, as parameters of classifier and supervisor.
+    Budget(budget::BudgetArgs),
     /// Motor step, microsteps and lead for a wanted accuracy, and whether a carriage needs an encoder.
     Synthesize(synthesize::SynthesizeArgs),
 }
@@ -39,6 +42,7 @@ pub fn run(args: &KinematicsArgs) -> anyhow::Result<()> {
     match &args.command {
         KinematicsCommand::Error(args) => error::run(args),
         KinematicsCommand::Map(args) => map::run(args),
+        KinematicsCommand::Budget(args) => budget::run(args),
         KinematicsCommand::Synthesize(args) => synthesize::run(args),
     }
 }
