@@ -41,7 +41,9 @@ fn meaning(process: &Value) -> [String; 4] {
     let args = Args::parse(words).unwrap();
     let (node, namespace) = (text("node"), args.namespace.unwrap());
     let path = NodePath { qualified: format!("{namespace}/{node}"), base: node.clone() };
-    let parameters = Parameters::read(&args.params_files, &args.parameters, &path).unwrap();
+    // Relative paths are those of the folder that both were started in.
+    let files: Vec<PathBuf> = args.params_files.iter().map(|file| root().join(file)).collect();
+    let parameters = Parameters::read(&files, &args.parameters, &path).unwrap();
     [node, text("program"), namespace, parameters.text()]
 }
 
