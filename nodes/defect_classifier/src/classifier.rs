@@ -9,7 +9,6 @@ mod tests;
 
 use crate::annotate;
 use crate::event::{Defects, EstimateReading, Event, Judged, Note, Output, Weight};
-use crate::features::Measured;
 use crate::frame::{FrameGate, Unusable};
 use crate::fusion::{Fusion, FusionError};
 use crate::layer::{LayerQuality, Nominal, SeenWidth};
@@ -18,6 +17,7 @@ use crate::offset::{Offset, OffsetFinder};
 use crate::params::Params;
 use crate::path::PathHistory;
 use crate::surroundings::in_view;
+use crate::unexplained::Surface;
 use crate::width::{EdgeModel, Seen, WidthGauge, WidthMeasurement};
 use models::motion::Segment;
 use models::status::{JobPhase, PrinterStatus};
@@ -61,6 +61,7 @@ pub struct Classifier {
     path: PathHistory,
     gauge: WidthGauge,
     finder: OffsetFinder,
+    surface: Surface,
     fusion: Fusion,
     quality: LayerQuality,
     status: Option<PrinterStatus>,
@@ -83,6 +84,7 @@ impl Classifier {
             path: PathHistory::new(params.history),
             gauge: WidthGauge::new(params.width, models.edge),
             finder: OffsetFinder::new(params.offset, &params.camera),
+            surface: Surface::new(params.unexplained),
             fusion: Fusion::new(params.fusion.clone(), models.network.classes())?,
             quality: LayerQuality::new(params.layer, models.nominal),
             network: models.network,
@@ -105,7 +107,7 @@ impl Classifier {
     /// What was refused so far.
     #[must_use]
     pub fn counts(&self) -> Counts {
-        Counts { path_refused: self.path.refused(), ..self.counts }
+        Counts { path_refused: self.path.refused() + self.surface.refused(), ..self.counts }
     }
 
     /// Takes one event in.
@@ -126,6 +128,7 @@ impl Classifier {
 
     fn on_motion(&mut self, start: Seconds, segment: &Segment) {
         self.path.on_move(start, segment);
+        self.surface.on_move(segment);
     }
 
     fn on_status(&mut self, status: &PrinterStatus) -> Vec<Output> {
@@ -136,6 +139,9 @@ impl Classifier {
             // After a start or a resume the past says nothing of now.
             self.fusion.reset(status.stamp);
             self.finder.forget();
+            if before.is_none_or(|before| before.phase != JobPhase::Paused) {
+                self.surface.clear();
+            }
         }
         if !printing {
             return Vec::new();
@@ -206,7 +212,8 @@ impl Classifier {
                 height_m: width.height_m,
             });
         }
-        Ok(Found { width, seen, offset })
+        let unexplained = self.surface.find(grey, view)?;
+        Ok(Found { width, seen, offset, unexplained })
     }
 
     fn picture(
@@ -277,17 +284,6 @@ impl Classifier {
             after: cause.unwrap_or_else(|| crate::network::OK.into()),
         })
     }
-
-    fn judge(&mut self, grey: &Mat, exposed: Seconds, found: &Found) -> Result<Judged, Unusable> {
-        let measured = Measured {
-            width_error_rel: self.width_error_rel,
-            offset_m: found.offset.map(|offset| offset.offset_m),
-        };
-        let scores = self.network.classify(grey, &measured).map_err(|_| Unusable::Failed)?;
-        let fused = self.fusion.on_frame(exposed, &scores, &measured).ok_or(Unusable::Failed)?;
-        let region_px = judge::region(&self.params.camera, found, &fused.cause);
-        Ok(Judged { probabilities: scores.probabilities, fused, offset: found.offset, region_px })
-    }
 }
 
 /// What was measured in a frame.
@@ -295,4 +291,6 @@ struct Found {
     width: Option<WidthMeasurement>,
     seen: Seen,
     offset: Option<Offset>,
+    /// Share of the strong edges that no road explains.
+    unexplained: f64,
 }

@@ -7,6 +7,7 @@
 //! | [`path`] | which road was laid where and when, as commanded |
 //! | [`width`] | width of fresh road from its edges in the picture |
 //! | [`offset`] | where what was laid before lies, beside where it was laid |
+//! | [`unexplained`] | edges in the picture that no commanded road explains |
 //! | [`features`] [`network`] [`fusion`] | what the picture looks like, what that means, and how sure it is over time |
 //! | [`layer`] | quality Q_k of a layer and its terms |
 //! | [`annotate`] | the frame with what was found drawn in it |
@@ -30,6 +31,7 @@ pub mod offset;
 pub mod params;
 pub mod path;
 mod surroundings;
+pub mod unexplained;
 pub mod width;
 
 pub use classifier::{Classifier, Counts, Models};

@@ -7,6 +7,7 @@ use crate::fusion::FusionParams;
 use crate::layer::LayerParams;
 use crate::offset::OffsetParams;
 use crate::path::HistoryParams;
+use crate::unexplained::UnexplainedParams;
 use crate::width::WidthParams;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -27,6 +28,8 @@ pub struct Params {
     pub width: WidthParams,
     /// Where what was laid before lies.
     pub offset: OffsetParams,
+    /// Edges that no road explains.
+    pub unexplained: UnexplainedParams,
     /// Memory over frames.
     pub fusion: FusionParams,
     /// Quality of the layers.

@@ -1,13 +1,31 @@
 //! What is said of a frame in words, and where to look.
 
-use super::Found;
+use super::{Classifier, Found};
 use crate::camera::Camera;
 use crate::event::Judged;
+use crate::features::Measured;
+use crate::frame::Unusable;
 use crate::network::OK;
 use models::units::Seconds;
+use opencv::core::Mat;
 
 /// Smallest share of an edge's reach by which a region is widened, so that it shows what lies around `[px]`.
 const AROUND_PX: f64 = 12.0;
+
+impl Classifier {
+    /// What features, measurements and memory say together.
+    pub(super) fn judge(&mut self, grey: &Mat, exposed: Seconds, found: &Found) -> Result<Judged, Unusable> {
+        let measured = Measured {
+            width_error_rel: self.width_error_rel,
+            offset_m: found.offset.map(|offset| offset.offset_m),
+            unexplained: Some(found.unexplained),
+        };
+        let scores = self.network.classify(grey, &measured).map_err(|_| Unusable::Failed)?;
+        let fused = self.fusion.on_frame(exposed, &scores, &measured).ok_or(Unusable::Failed)?;
+        let region_px = region(&self.params.camera, found, &fused.cause);
+        Ok(Judged { probabilities: scores.probabilities, fused, offset: found.offset, region_px })
+    }
+}
 
 /// Lines over the annotated picture.
 pub(super) fn captions(exposed: Seconds, found: &Found, judged: &Judged) -> Vec<String> {
@@ -33,6 +51,7 @@ pub(super) fn captions(exposed: Seconds, found: &Found, judged: &Judged) -> Vec<
         let [x_mm, y_mm] = offset.offset_m.map(|value| 1e3 * value);
         lines.push(format!("offset {x_mm:+.2}, {y_mm:+.2} +- {:.2} mm", 1e3 * offset.sigma_m));
     }
+    lines.push(format!("edges without a road {:.0} %", 100.0 * found.unexplained));
     lines
 }
 

@@ -7,7 +7,7 @@
 mod brightness;
 mod edges;
 mod gradient;
-mod picture;
+pub(crate) mod picture;
 mod spectrum;
 mod strands;
 #[cfg(test)]
@@ -37,6 +37,8 @@ pub struct Measured {
     pub width_error_rel: Option<f64>,
     /// Offset of the layers below, bed x and y `[m]`.
     pub offset_m: Option<[f64; 2]>,
+    /// Share of the strong edges in the picture that no commanded road explains `[0, 1]`.
+    pub unexplained: Option<f64>,
 }
 
 /// Radius of the disc around the middle that shows the head, as share of the picture's height `[0, 0.5]`; 0 for none.
@@ -49,7 +51,7 @@ impl Measured {
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let offset = self.offset_m.is_none_or(|offset| offset.iter().all(|value| value.is_finite()));
-        offset && self.width_error_rel.is_none_or(f64::is_finite)
+        offset && [self.width_error_rel, self.unexplained].iter().flatten().all(|value| value.is_finite())
     }
 }
 
@@ -120,11 +122,19 @@ pub fn extract(grey: &Mat, hidden: Hidden, measured: &Measured) -> Result<Vec<f6
 /// # Errors
 /// As [`extract`], and bytes that are no picture.
 pub fn extract_encoded(bytes: &[u8], hidden: Hidden, measured: &Measured) -> Result<Vec<f64>, FeatureError> {
+    extract(&decode(bytes)?, hidden, measured)
+}
+
+/// An encoded picture (JPEG, PNG), reduced to grey.
+///
+/// # Errors
+/// Bytes that are no picture.
+pub fn decode(bytes: &[u8]) -> Result<Mat, FeatureError> {
     let grey = imgcodecs::imdecode(&Mat::from_slice(bytes)?, imgcodecs::IMREAD_GRAYSCALE)?;
     if grey.empty() {
         return Err(FeatureError::Encoded(bytes.len()));
     }
-    extract(&grey, hidden, measured)
+    Ok(grey)
 }
 
 /// Each value after a flag that says whether it is known.

@@ -15,10 +15,10 @@ pub(super) const CELLS: (usize, usize) = (10, 8);
 
 /// A plane of values, row by row.
 #[derive(Debug, Clone)]
-pub(super) struct Plane {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    pub(super) values: Vec<f32>,
+pub(crate) struct Plane {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) values: Vec<f32>,
 }
 
 /// The picture, reduced.
@@ -109,13 +109,13 @@ fn reduced(from: &impl opencv::core::ToInputArray, (width, height): (usize, usiz
 
 impl Plane {
     /// An 8 bit picture as levels from 0 to 1.
-    pub(super) fn of(grey: &Mat) -> opencv::Result<Self> {
+    pub(crate) fn of(grey: &Mat) -> opencv::Result<Self> {
         let side = |pixels: i32| usize::try_from(pixels).unwrap_or(0);
         let values = grey.data_typed::<u8>()?.iter().map(|level| f32::from(*level) / 255.0).collect();
         Ok(Self { width: side(grey.cols()), height: side(grey.rows()), values })
     }
 
-    pub(super) fn at(&self, x: usize, y: usize) -> f32 {
+    pub(crate) fn at(&self, x: usize, y: usize) -> f32 {
         self.values[y * self.width + x]
     }
 

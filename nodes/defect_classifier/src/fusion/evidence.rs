@@ -6,13 +6,19 @@ use models::params::{ParamError, ordered, positive};
 use serde::Deserialize;
 
 /// The `fusion.evidence` block as it is written: below `fine` a class is excluded, from `defect` on it is certain.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawEvidence {
     /// Width error that is none `[-]`, above 0.
     pub width_fine_rel: f64,
     /// Width error that is a defect `[-]`, above `width_fine_rel`.
     pub width_defect_rel: f64,
+    /// Classes that a measurement alone can convict of: what the network says of them does not count.
+    pub measured_only: Vec<String>,
+    /// Unexplained share of edges that is none `[-]`, above 0.
+    pub unexplained_fine: f64,
+    /// Unexplained share of edges that is a tangle `[-]`, above `unexplained_fine`.
+    pub unexplained_defect: f64,
     /// Offset of the layers that is none `[m]`, above 0.
     pub offset_fine_m: f64,
     /// Offset of the layers that is a defect `[m]`, above `offset_fine_m`.
@@ -23,10 +29,15 @@ impl RawEvidence {
     pub(super) fn check(&self) -> Result<(), ParamError> {
         positive("evidence.width_fine_rel", self.width_fine_rel, "-")?;
         positive("evidence.offset_fine_m", self.offset_fine_m, "m")?;
+        positive("evidence.unexplained_fine", self.unexplained_fine, "-")?;
         let pair = |lower, upper| ordered(lower, upper);
         pair(
             ("evidence.width_fine_rel", self.width_fine_rel),
             ("evidence.width_defect_rel", self.width_defect_rel),
+        )?;
+        pair(
+            ("evidence.unexplained_fine", self.unexplained_fine),
+            ("evidence.unexplained_defect", self.unexplained_defect),
         )?;
         pair(
             ("evidence.offset_fine_m", self.offset_fine_m),
@@ -36,22 +47,36 @@ impl RawEvidence {
 
     /// How sure a measurement is of a class `[0, 1]`; `None` where it does not tell that class, or is not known.
     fn share(&self, class: &str, measured: &Measured) -> Option<f64> {
-        let ramp = |value: f64, (fine, defect): (f64, f64)| ((value - fine) / (defect - fine)).clamp(0.0, 1.0);
+        let ramp =
+            |value: f64, (fine, defect): (f64, f64)| ((value - fine) / (defect - fine)).clamp(0.0, 1.0);
         let width = (self.width_fine_rel, self.width_defect_rel);
+        let odd =
+            measured.unexplained.map(|share| ramp(share, (self.unexplained_fine, self.unexplained_defect)));
+        let offset = measured
+            .offset_m
+            .map(|[x_m, y_m]| ramp(x_m.hypot(y_m), (self.offset_fine_m, self.offset_defect_m)));
         match class {
             "under" => measured.width_error_rel.map(|error| ramp(-error, width)),
             "over" => measured.width_error_rel.map(|error| ramp(error, width)),
-            "shift" => measured
-                .offset_m
-                .map(|[x_m, y_m]| ramp(x_m.hypot(y_m), (self.offset_fine_m, self.offset_defect_m))),
+            "shift" => offset,
+            // Shifted roads leave edges where none were commanded: the offset explains those.
+            "spaghetti" => odd.map(|odd| odd * (1.0 - offset.unwrap_or(0.0))),
+            // Without an edge too many there is no string and no lump; with some, the network may say which.
+            "stringing" | "blobs" => odd.filter(|odd| *odd <= 0.0),
             _ => None,
         }
+    }
+
+    /// As [`Self::share`], and 0 for a class that only a measurement could tell while there is none.
+    fn verdict(&self, class: &String, measured: &Measured) -> Option<f64> {
+        let needed = self.measured_only.contains(class);
+        self.share(class, measured).or_else(|| needed.then_some(0.0))
     }
 
     /// Scores in which a measurement's word stands for the classes that it tells: `p_class` becomes its share, and
     /// `ok` keeps what the defects leave. Defects that together exceed 1 are scaled down to it.
     pub(super) fn weigh(&self, classes: &[String], scores: &Scores, measured: &Measured) -> Scores {
-        let shares: Vec<Option<f64>> = classes.iter().map(|class| self.share(class, measured)).collect();
+        let shares: Vec<Option<f64>> = classes.iter().map(|class| self.verdict(class, measured)).collect();
         let mut probabilities = scores.probabilities.clone();
         for (probability, share) in probabilities.iter_mut().zip(&shares) {
             *probability = share.unwrap_or(*probability);

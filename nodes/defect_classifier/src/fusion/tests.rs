@@ -3,7 +3,7 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 
 const CLASSES: [&str; 4] = ["ok", "under", "shift", "spaghetti"];
-const NOTHING: Measured = Measured { width_error_rel: None, offset_m: None };
+const NOTHING: Measured = Measured { width_error_rel: None, offset_m: None, unexplained: None };
 
 fn classes() -> Vec<String> {
     CLASSES.iter().map(|&class| class.to_owned()).collect()
@@ -21,6 +21,9 @@ fn raw() -> RawFusionParams {
         evidence: RawEvidence {
             width_fine_rel: 0.08,
             width_defect_rel: 0.12,
+            measured_only: vec![],
+            unexplained_fine: 0.1,
+            unexplained_defect: 0.2,
             offset_fine_m: 2e-4,
             offset_defect_m: 4e-4,
         },
@@ -58,7 +61,10 @@ fn six_of_ten_frames_confirm_and_five_do_not() {
     let fused = fusion.on_frame(Seconds(20.0), &sure_of(3), &NOTHING).unwrap();
     assert!(!fused.confirmed);
     let fused = fusion.on_frame(Seconds(21.0), &sure_of(3), &NOTHING).unwrap();
-    assert_eq!((fused.confirmed, fused.cause.as_str(), fused.in_favour, fused.window), (true, "spaghetti", 6, 10));
+    assert_eq!(
+        (fused.confirmed, fused.cause.as_str(), fused.in_favour, fused.window),
+        (true, "spaghetti", 6, 10)
+    );
 }
 
 #[test]
@@ -73,7 +79,8 @@ fn a_resume_forgets_and_its_grace_counts_nothing() {
         assert_eq!((fused.confirmed, fused.in_favour, fused.detection), (false, 0, 0.0), "{step}");
     }
     // Grace is over at 13 s: six frames later the cause stands again.
-    let last = (13..19_u32).map(|step| fusion.on_frame(Seconds(f64::from(step)), &sure_of(3), &NOTHING).unwrap());
+    let last =
+        (13..19_u32).map(|step| fusion.on_frame(Seconds(f64::from(step)), &sure_of(3), &NOTHING).unwrap());
     assert!(last.last().unwrap().confirmed);
 }
 
@@ -94,7 +101,10 @@ fn a_width_as_wanted_acquits_and_one_far_off_convicts() {
     let width = |error| Measured { width_error_rel: Some(error), ..NOTHING };
     let cause = |scores: &Scores, measured: Measured| {
         let mut fusion = fusion();
-        (0..10_u32).map(|step| fusion.on_frame(Seconds(f64::from(step)), scores, &measured).unwrap()).last().unwrap()
+        (0..10_u32)
+            .map(|step| fusion.on_frame(Seconds(f64::from(step)), scores, &measured).unwrap())
+            .last()
+            .unwrap()
     };
     assert!(!cause(&sure_of(1), width(-0.03)).confirmed);
     let under = cause(&sure_of(0), width(-0.2));
@@ -103,6 +113,27 @@ fn a_width_as_wanted_acquits_and_one_far_off_convicts() {
     assert_eq!((shift.confirmed, shift.cause.as_str()), (true, "shift"));
     // Spaghetti is not for a width to tell.
     assert_eq!(cause(&sure_of(3), width(0.0)).cause, "spaghetti");
+}
+
+#[test]
+fn edges_without_a_road_convict_of_spaghetti_unless_the_layers_are_offset() {
+    let verdict = |scores: &Scores, measured: Measured, measured_only: &[&str]| {
+        let mut raw = raw();
+        raw.evidence.measured_only = measured_only.iter().map(|&class| class.to_owned()).collect();
+        let mut fusion = Fusion::new(raw.try_into().unwrap(), &classes()).unwrap();
+        let frames =
+            (0..10_u32).map(|step| fusion.on_frame(Seconds(f64::from(step)), scores, &measured).unwrap());
+        frames.last().unwrap()
+    };
+    let odd = |share| Measured { unexplained: Some(share), ..NOTHING };
+    assert!(!verdict(&sure_of(3), odd(0.05), &[]).confirmed);
+    assert_eq!(verdict(&sure_of(0), odd(0.3), &[]).cause, "spaghetti");
+    let both = Measured { offset_m: Some([8e-4, 0.0]), ..odd(0.3) };
+    assert_eq!(verdict(&sure_of(3), both, &[]).cause, "shift");
+    // A look alone convicts of what needs no measurement only.
+    assert!(
+        verdict(&sure_of(1), NOTHING, &[]).confirmed && !verdict(&sure_of(1), NOTHING, &["under"]).confirmed
+    );
 }
 
 /// `c = 0.5 min(1, 75.132 / 37.58) + 0.5 p_det`: residuals alone give 0.5 while they are fresh.
@@ -115,7 +146,9 @@ fn residuals_alone_give_their_share_and_stale_ones_nothing() {
     assert!((fused.confidence - 0.5).abs() < 1e-12 && (fused.residual_limit - 37.59).abs() < 0.05);
     let fused = fusion.on_frame(Seconds(1.5), &calm, &NOTHING).unwrap();
     assert_eq!((fused.confidence, fused.residual), (0.0, 0.0));
-    assert!(!fusion.on_estimate(Seconds(2.0), &[f64::NAN], 20) && !fusion.on_estimate(Seconds(2.0), &[-1.0], 20));
+    assert!(
+        !fusion.on_estimate(Seconds(2.0), &[f64::NAN], 20) && !fusion.on_estimate(Seconds(2.0), &[-1.0], 20)
+    );
 }
 
 #[test]
@@ -129,10 +162,12 @@ fn what_does_not_fit_is_not_taken() {
     assert_eq!(fusion.on_frame(Seconds(0.0), &sure_of(0), &wild), None);
     fusion.on_frame(Seconds(1.0), &sure_of(0), &NOTHING).unwrap();
     assert_eq!(fusion.on_frame(Seconds(0.5), &sure_of(0), &NOTHING), None);
-    let rules = BTreeMap::from([("fire".to_owned(), ConfirmRule { frames: 1, in_favour: 1, probability_min: 0.5 })]);
+    let rules =
+        BTreeMap::from([("fire".to_owned(), ConfirmRule { frames: 1, in_favour: 1, probability_min: 0.5 })]);
     let params = RawFusionParams { confirm: rules, ..raw() }.try_into().unwrap();
     assert!(Fusion::new(params, &classes()).unwrap_err().to_string().starts_with("confirm.fire"));
-    let rules = BTreeMap::from([("shift".to_owned(), ConfirmRule { frames: 5, in_favour: 6, probability_min: 0.5 })]);
+    let rules =
+        BTreeMap::from([("shift".to_owned(), ConfirmRule { frames: 5, in_favour: 6, probability_min: 0.5 })]);
     assert!(FusionParams::try_from(RawFusionParams { confirm: rules, ..raw() }).is_err());
 }
 
@@ -145,7 +180,11 @@ proptest! {
         fusion.on_estimate(Seconds(0.0), &[chi], 20);
         let sum: f64 = weights.iter().sum();
         let scores = Scores { probabilities: weights.iter().map(|weight| weight / sum).collect() };
-        let measured = Measured { width_error_rel: Some(error), offset_m: Some([error * 1e-3, 0.0]) };
+        let measured = Measured {
+            width_error_rel: Some(error),
+            offset_m: Some([error * 1e-3, 0.0]),
+            unexplained: Some(error.abs()),
+        };
         for step in 0..4_u32 {
             let fused = fusion.on_frame(Seconds(f64::from(step) * 0.2), &scores, &measured).unwrap();
             prop_assert!((0.0..=1.0).contains(&fused.confidence) && (0.0..=1.0).contains(&fused.detection));
