@@ -9,6 +9,7 @@ use runtime::wire::{self, JpegFrame, WireError};
 
 use crate::event::{Defects, EstimateReading, Event, Note, Weight};
 use crate::layer::LayerFigure;
+use crate::params::MachineParams;
 use crate::width::WidthMeasurement;
 
 /// Optical frame of the camera.
@@ -93,7 +94,7 @@ pub(crate) fn defects(defects: &Defects, classes: &[String]) -> DefectReport {
     }
 }
 
-pub(crate) fn quality(figure: &LayerFigure) -> LayerQuality {
+pub(crate) fn quality(figure: &LayerFigure, machine: &MachineParams) -> LayerQuality {
     LayerQuality {
         header: Header::at(figure.stamp.0),
         layer: figure.layer,
@@ -108,7 +109,8 @@ pub(crate) fn quality(figure: &LayerFigure) -> LayerQuality {
         width_rms_rel: figure.width_rms_rel,
         widths: figure.widths,
         frames: figure.frames,
-        ..LayerQuality::default()
+        machine_error_known: machine.error_m.is_some(),
+        machine_error_m: machine.error_m.unwrap_or(0.0),
     }
 }
 

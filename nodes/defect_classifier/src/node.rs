@@ -12,7 +12,7 @@ use crate::event::Output;
 use crate::fusion::FusionError;
 use crate::layer::Nominal;
 use crate::network::{Network, NetworkError};
-use crate::params::Params;
+use crate::params::{MachineParams, Params};
 use crate::width::{EdgeError, EdgeModel};
 
 /// Blocks of the parameters that other nodes share.
@@ -68,7 +68,7 @@ pub async fn run(mut node: Node) -> Result<(), NodeError> {
     let mut motion = node.inlet(&topics::PRINTER_MOTION, AGE_LIMIT)?;
     let mut printer = node.inlet(&topics::PRINTER_STATE, AGE_LIMIT)?;
     let mut estimates = node.inlet(&topics::ESTIMATE, AGE_LIMIT)?;
-    let outlets = Outlets::open(&mut node)?;
+    let outlets = Outlets::open(&mut node, setup.params.machine)?;
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut jumps, mut idle) = (clock.jumps_back(), node.timer(IDLE_PERIOD));
     loop {
@@ -132,6 +132,8 @@ fn read(path: &Path) -> Result<String, NodeError> {
 /// Everything that the node says.
 struct Outlets {
     who: String,
+    /// Stands beside every figure of quality.
+    machine: MachineParams,
     defects: Publisher<DefectReport>,
     widths: Publisher<BeadWidth>,
     quality: Publisher<LayerQuality>,
@@ -140,9 +142,10 @@ struct Outlets {
 }
 
 impl Outlets {
-    fn open(node: &mut Node) -> Result<Self, RuntimeError> {
+    fn open(node: &mut Node, machine: MachineParams) -> Result<Self, RuntimeError> {
         Ok(Self {
             who: node.name(),
+            machine,
             defects: node.publish_on(&topics::DEFECTS)?,
             widths: node.publish_on(&topics::BEAD_WIDTH)?,
             quality: node.publish_on(&topics::LAYER_QUALITY)?,
@@ -155,7 +158,7 @@ impl Outlets {
         match output {
             Output::Defects(defects) => self.defects.send(convert::defects(&defects, classes)),
             Output::Width(width) => self.widths.send(convert::width(&width)),
-            Output::Quality(figure) => self.quality.send(convert::quality(&figure)),
+            Output::Quality(figure) => self.quality.send(convert::quality(&figure, &self.machine)),
             Output::Picture { exposed, jpeg } => self.pictures.send(convert::picture(exposed, jpeg)),
             Output::Note(note) => self.events.send(convert::note(&note, &self.who)),
         };
