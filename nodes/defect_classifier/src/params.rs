@@ -7,6 +7,7 @@ use crate::fusion::FusionParams;
 use crate::layer::LayerParams;
 use crate::offset::OffsetParams;
 use crate::path::HistoryParams;
+use crate::unexplained::UnexplainedParams;
 use crate::width::WidthParams;
 use models::params::{ParamError, in_range};
 use serde::Deserialize;
@@ -28,6 +29,8 @@ pub struct Params {
     pub width: WidthParams,
     /// Where what was laid before lies.
     pub offset: OffsetParams,
+    /// Edges that no road explains.
+    pub unexplained: UnexplainedParams,
     /// Memory over frames.
     pub fusion: FusionParams,
     /// Quality of the layers.
