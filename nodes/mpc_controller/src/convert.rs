@@ -52,7 +52,7 @@ pub(crate) fn height(message: &LayerHeight) -> Result<(Seconds, WireEvent), Wire
 
 pub(crate) fn wire_printer(message: &PrinterState) -> Result<(Seconds, WireEvent), WireError> {
     let status = wire::status_from_wire(message)?;
-    Ok((status.stamp, WireEvent::Printer(status)))
+    Ok((status.stamp, WireEvent::Printer(Box::new(status))))
 }
 
 /// The brain's counters by the reasons of the diagnostics.

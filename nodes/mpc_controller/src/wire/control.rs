@@ -63,7 +63,7 @@ pub enum WireEvent {
     /// A measured height.
     Height(Measured),
     /// State of the machine.
-    Printer(PrinterStatus),
+    Printer(Box<PrinterStatus>),
     /// The period has passed.
     Tick {
         /// The node's time.
@@ -135,7 +135,7 @@ impl WireControl {
         match event {
             // A refused height is counted in the controller.
             WireEvent::Height(measured) => _ = self.controller.on_height(measured),
-            WireEvent::Printer(status) => self.take_status(status),
+            WireEvent::Printer(status) => self.take_status(*status),
             WireEvent::Tick { now } => return self.tick(now),
         }
         None

@@ -54,7 +54,7 @@ fn height(layer: u32, height_m: f64) -> WireEvent {
 }
 
 fn flow(control: &mut WireControl, status: PrinterStatus) -> f64 {
-    control.on_event(WireEvent::Printer(status));
+    control.on_event(WireEvent::Printer(Box::new(status)));
     control.on_event(WireEvent::Tick { now: status.stamp }).unwrap().trims.flow
 }
 
@@ -98,7 +98,7 @@ fn the_flow_stays_inside_the_range_of_the_law() {
 fn without_a_fresh_state_there_is_no_command() {
     let mut control = control();
     assert_eq!(control.on_event(WireEvent::Tick { now: Seconds(1.0) }), None);
-    control.on_event(WireEvent::Printer(laying(60.0, 1, 0.02)));
+    control.on_event(WireEvent::Printer(Box::new(laying(60.0, 1, 0.02))));
     assert!(control.on_event(WireEvent::Tick { now: Seconds(60.3) }).is_some());
     assert_eq!(control.on_event(WireEvent::Tick { now: Seconds(60.31) }), None);
     assert_eq!(control.report().starved, 2);
@@ -112,8 +112,8 @@ fn bad_inputs_are_refused_and_counted() {
     }
     let heights = control.report().heights;
     assert_eq!((heights.not_finite, heights.out_of_range, heights.old_layer), (1, 1, 1));
-    control.on_event(WireEvent::Printer(laying(60.0, 1, 0.02)));
-    control.on_event(WireEvent::Printer(laying(59.0, 1, 0.02)));
-    control.on_event(WireEvent::Printer(laying(61.0, 1, f64::NAN)));
+    control.on_event(WireEvent::Printer(Box::new(laying(60.0, 1, 0.02))));
+    control.on_event(WireEvent::Printer(Box::new(laying(59.0, 1, 0.02))));
+    control.on_event(WireEvent::Printer(Box::new(laying(61.0, 1, f64::NAN))));
     assert_eq!(control.report().printer, Counted { invalid: 1, late: 1 });
 }
