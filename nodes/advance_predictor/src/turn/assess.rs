@@ -4,6 +4,7 @@ use super::file::TurnNetwork;
 use super::params::TurnParams;
 use super::path::Piece;
 use super::samples::Track;
+use super::training::Path;
 use serde::Serialize;
 
 /// Figures of one path with one buffer.
@@ -125,7 +126,9 @@ impl Standing {
 
 /// Judges a network on a path.
 #[must_use]
-pub fn assess(network: &TurnNetwork, pieces: &[Piece], buffered: u32, params: &TurnParams) -> Figures {
+pub fn assess(network: &TurnNetwork, path: &Path, params: &TurnParams) -> Figures {
+    let Path { buffered, pieces } = path;
+    let buffered = *buffered;
     let track = Track::new(pieces, params);
     let turns: Vec<usize> = track.turns().collect();
     let (mut all, mut when_starved) = (Methods::default(), Methods::default());

@@ -96,6 +96,10 @@ impl Memory {
         }
     }
 
+    pub(super) fn len(&self) -> usize {
+        self.points.len()
+    }
+
     fn point(&self, number: u64) -> Option<&Point> {
         self.points.get(usize::try_from(number.checked_sub(self.first)?).ok()?)
     }

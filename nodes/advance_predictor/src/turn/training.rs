@@ -47,41 +47,53 @@ impl TryFrom<RawTraining> for Training {
 }
 
 impl Training {
-    /// Made-up paths of a seed.
+    /// Buffers to train with.
     #[must_use]
-    pub fn made(&self, seed: u64) -> Vec<Piece> {
-        generate(self.0.made_paths, &mut Stream::new(seed))
+    pub fn buffers(&self) -> &[u32] {
+        &self.0.buffers
+    }
+
+    /// Made-up paths of a seed, each with every buffer.
+    #[must_use]
+    pub fn made(&self, seed: u64) -> Vec<Path> {
+        let pieces = generate(self.0.made_paths, &mut Stream::new(seed));
+        self.0.buffers.iter().map(|buffered| Path { buffered: *buffered, pieces: pieces.clone() }).collect()
     }
 }
 
-/// Fits to paths, each with every buffer, and returns the file.
+/// A path as a printer sees it that knows so many moves behind the current one: its speeds are planned with them alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    /// Moves known behind the current one.
+    pub buffered: u32,
+    /// The path.
+    pub pieces: Vec<Piece>,
+}
+
+/// Fits to paths and returns the file.
 ///
 /// # Errors
 /// No path in which a buffer ends early.
 pub fn train(
-    paths: &[&[Piece]],
+    paths: &[&Path],
     params: &TurnParams,
     (training, seed): (&Training, u64),
 ) -> Result<String, NetworkError> {
-    let RawTraining { buffers, moments_max, recall, fit, .. } = &training.0;
+    let RawTraining { moments_max, recall, fit, .. } = &training.0;
     let (mut examples, mut chance) = (vec![], Stream::new(seed));
     for path in paths {
-        let track = Track::new(path, params);
-        let before = examples.len();
-        for buffered in buffers {
-            let mut moments = vec![];
-            track.run(*buffered as usize, params, |watcher, moment| {
-                if watcher.by_buffer(moment.gone_m).is_none() {
-                    let (inputs, _) = watcher.inputs(moment.gone_m);
-                    let target = f64::from(u8::from(moment.turns));
-                    moments.push(Example { values: inputs.to_vec(), target, weight: 1.0 });
-                }
-            });
-            chance.shuffle(&mut moments);
-            moments.truncate(*moments_max as usize);
-            examples.append(&mut moments);
-        }
-        weigh(&mut examples[before..]);
+        let mut moments = vec![];
+        Track::new(&path.pieces, params).run(path.buffered as usize, params, |watcher, moment| {
+            if watcher.by_buffer(moment.gone_m).is_none() {
+                let (inputs, _) = watcher.inputs(moment.gone_m);
+                let target = f64::from(u8::from(moment.turns));
+                moments.push(Example { values: inputs.to_vec(), target, weight: 1.0 });
+            }
+        });
+        chance.shuffle(&mut moments);
+        moments.truncate(*moments_max as usize);
+        weigh(&mut moments);
+        examples.append(&mut moments);
     }
     if examples.is_empty() {
         return Err(NetworkError::Examples);

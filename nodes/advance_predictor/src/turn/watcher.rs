@@ -93,6 +93,12 @@ impl Watcher {
         self.known
     }
 
+    /// Points of the path that are remembered.
+    #[must_use]
+    pub fn remembered(&self) -> usize {
+        self.memory.len()
+    }
+
     fn forget(&mut self) {
         while self.tail.len() > self.known.max(CONTEXT + 1) {
             self.tail.pop_front();

@@ -4,15 +4,14 @@ use super::{Settings, Setup};
 use crate::config::ConfigDir;
 use crate::output;
 use advance_predictor::turn::assess::{Figures, Methods, assess};
-use advance_predictor::turn::training::train;
+use advance_predictor::turn::training::{Path, train};
 use advance_predictor::turn::{Piece, TurnNetwork};
 use anyhow::{Context, bail};
 use models::motion::{Job, MotionParams, Step};
 use serde::Serialize;
-use std::path::Path;
 
-/// Buffers that are judged: moves behind the current one.
-const BUFFERS: [u32; 3] = [4, 8, 16];
+/// The planner knows no fewer moves.
+const LOOKAHEAD_MIN: usize = 2;
 
 /// Figures of one file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -57,22 +56,27 @@ fn methods(methods: &Methods) -> String {
     )
 }
 
+/// A file's path, planned once per buffer.
+struct File {
+    name: String,
+    paths: Vec<Path>,
+}
+
 /// Trains with all files of a folder and made-up paths, writes the network; judges where asked.
 ///
 /// # Errors
 /// Files that cannot be read or written, a folder without G-code.
 pub(super) fn train_and_judge(
     (config, settings, setup): (&ConfigDir, &Settings, &Setup),
-    folder: &Path,
-    out: &Path,
+    folder: &std::path::Path,
+    out: &std::path::Path,
     judge: bool,
 ) -> anyhow::Result<Vec<FileFigures>> {
-    let files = read(folder, &config.motion()?)?;
+    let files = read(folder, &config.motion()?, settings.turn.buffers())?;
     let made = settings.turn.made(settings.seed);
     let fit = |left_out: Option<usize>| -> anyhow::Result<(String, TurnNetwork)> {
         let kept = files.iter().enumerate().filter(|(place, _)| Some(*place) != left_out);
-        let mut paths: Vec<&[Piece]> = kept.map(|(_, (_, pieces))| pieces.as_slice()).collect();
-        paths.push(&made);
+        let paths: Vec<&Path> = kept.flat_map(|(_, file)| &file.paths).chain(&made).collect();
         let text = train(&paths, &setup.params.turn, (&settings.turn, settings.seed))?;
         let network = TurnNetwork::parse(&text)?;
         Ok((text, network))
@@ -81,17 +85,17 @@ pub(super) fn train_and_judge(
     let path = out.join("turn.json");
     std::fs::write(&path, fit(None)?.0).with_context(|| path.display().to_string())?;
     let mut figures = vec![];
-    for (place, (name, pieces)) in files.iter().enumerate().filter(|_| judge) {
-        output::note(&format!("fitting without {name}"));
+    for (place, file) in files.iter().enumerate().filter(|_| judge) {
+        output::note(&format!("fitting without {}", file.name));
         let network = fit(Some(place))?.1;
-        let one = |buffered| assess(&network, pieces, buffered, &setup.params.turn);
-        figures.push(FileFigures { file: name.clone(), buffers: BUFFERS.into_iter().map(one).collect() });
+        let one = |path: &Path| assess(&network, path, &setup.params.turn);
+        figures.push(FileFigures { file: file.name.clone(), buffers: file.paths.iter().map(one).collect() });
     }
     Ok(figures)
 }
 
 /// The paths of all files, in the order of their names.
-fn read(folder: &Path, motion: &MotionParams) -> anyhow::Result<Vec<(String, Vec<Piece>)>> {
+fn read(folder: &std::path::Path, motion: &MotionParams, buffers: &[u32]) -> anyhow::Result<Vec<File>> {
     let listing = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
     let mut paths: Vec<_> = listing.flatten().map(|entry| entry.path()).collect();
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "gcode"));
@@ -99,15 +103,22 @@ fn read(folder: &Path, motion: &MotionParams) -> anyhow::Result<Vec<(String, Vec
     if paths.is_empty() {
         bail!("{}: no *.gcode", folder.display());
     }
-    let file = |path: &std::path::PathBuf| -> anyhow::Result<(String, Vec<Piece>)> {
+    let file = |path: &std::path::PathBuf| -> anyhow::Result<File> {
         let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-        let steps = Job::from_bytes(&bytes, motion);
-        let pieces = steps.filter_map(|step| match step {
-            Step::Move(segment) => Piece::of(&segment),
-            Step::Action(..) => None,
-        });
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        Ok((name, pieces.collect()))
+        let paths = buffers.iter().map(|buffered| planned(&bytes, motion, *buffered)).collect();
+        Ok(File { name, paths })
     };
     paths.iter().map(file).collect()
+}
+
+/// The path under a look-ahead of the buffer alone: a longer one would tell the future by its speeds.
+fn planned(bytes: &[u8], motion: &MotionParams, buffered: u32) -> Path {
+    let lookahead_moves = (buffered as usize).max(LOOKAHEAD_MIN);
+    let steps = Job::from_bytes(bytes, &MotionParams { lookahead_moves, ..*motion });
+    let pieces = steps.filter_map(|step| match step {
+        Step::Move(segment) => Piece::of(&segment),
+        Step::Action(..) => None,
+    });
+    Path { buffered, pieces: pieces.collect() }
 }
