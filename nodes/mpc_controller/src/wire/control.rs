@@ -58,7 +58,7 @@ impl TryFrom<RawLoop> for LoopParams {
 }
 
 /// What the loop reacts to.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum WireEvent {
     /// A measured height.
     Height(Measured),
