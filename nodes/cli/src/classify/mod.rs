@@ -1,6 +1,7 @@
 //! `fdm classify`: probabilities of pictures, metrics on a labelled set, and the training of the committed networks.
 
 mod chance;
+mod edge;
 mod figures;
 mod photographs;
 mod renders;
@@ -21,9 +22,10 @@ use std::path::{Path, PathBuf};
 
 /// Judges pictures with the committed networks.
 #[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("training").args(["train", "train_edge"]))]
 pub struct ClassifyArgs {
     /// Pictures to judge.
-    #[arg(required_unless_present_any = ["manifest", "train"])]
+    #[arg(required_unless_present_any = ["manifest", "train", "train_edge"])]
     images: Vec<PathBuf>,
     /// Labelled set: a CSV file with at least the columns file, class and group; files lie beside it.
     #[arg(long, conflicts_with = "images")]
@@ -35,8 +37,10 @@ pub struct ClassifyArgs {
     #[arg(long, conflicts_with = "images")]
     train: bool,
     /// Where the trained networks go: a folder; without it they replace those of `config/models`.
-    #[arg(long, requires = "train")]
+    #[arg(long, requires = "training")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    edge: edge::EdgeArgs,
     /// Network to judge with.
     #[arg(long, value_enum, default_value_t = View::Photograph)]
     view: View,
@@ -76,6 +80,10 @@ pub fn run(args: &ClassifyArgs) -> anyhow::Result<()> {
     let json = Json::new(args.json.as_deref());
     json.check()?;
     let config = ConfigDir::find(args.config.as_deref())?;
+    if args.edge.train_edge {
+        let figures = edge::run(&config, &args.edge, args.out.as_deref())?;
+        return report(&json, &figures, figures.text());
+    }
     if args.train {
         let out = args.out.clone().unwrap_or_else(|| config.file("models"));
         let figures = train::run(&config, args.manifest.as_deref(), &out)?;

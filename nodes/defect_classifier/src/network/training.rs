@@ -129,21 +129,21 @@ pub fn fit(
 }
 
 /// To [`DIGITS`] significant digits.
-fn rounded(value: f64) -> f64 {
+pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value)
 }
 
 /// A layer with Adam's averages; the bias is the last column.
-struct Fitted {
-    weights: DMatrix<f64>,
+pub(crate) struct Fitted {
+    pub(crate) weights: DMatrix<f64>,
     first: DMatrix<f64>,
     second: DMatrix<f64>,
-    gradient: DMatrix<f64>,
+    pub(crate) gradient: DMatrix<f64>,
 }
 
 impl Fitted {
     /// Weights evenly spread in `+-sqrt(6 / (inputs + outputs))` (Glorot and Bengio 2010), biases 0.
-    fn new(inputs: usize, outputs: usize, uniform: &mut dyn FnMut() -> f64) -> Self {
+    pub(crate) fn new(inputs: usize, outputs: usize, uniform: &mut dyn FnMut() -> f64) -> Self {
         let reach = (6.0 / (inputs + outputs) as f64).sqrt();
         let zero = DMatrix::zeros(outputs, inputs + 1);
         let mut weights = zero.clone();
@@ -153,12 +153,12 @@ impl Fitted {
         Self { weights, first: zero.clone(), second: zero.clone(), gradient: zero }
     }
 
-    fn output(&self, input: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn output(&self, input: &DVector<f64>) -> DVector<f64> {
         let last = self.weights.ncols() - 1;
         self.weights.columns(0, last) * input + self.weights.column(last)
     }
 
-    fn step(&mut self, rate: f64, decay: f64, steps: i32) {
+    pub(crate) fn step(&mut self, rate: f64, decay: f64, steps: i32) {
         let last = self.weights.ncols() - 1;
         let (one, two) = (1.0 - BETA.0.powi(steps), 1.0 - BETA.1.powi(steps));
         for column in 0..=last {

@@ -5,9 +5,13 @@
 //! and their spread made one, and answers how far off the assumed edge is: `d = s (w_2 tanh(W_1 x + b_1) + b_2)`.
 //! Moving the window by the answer and asking again makes the result independent of where it began.
 
+#[cfg(test)]
+mod tests;
+pub mod training;
+
 use super::profile::Ruler;
 use nalgebra::{DMatrix, DVector};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// First field of the file.
 const FORMAT: &str = "fdm_loop road edge";
@@ -29,6 +33,9 @@ pub enum EdgeError {
     /// Numbers that do not belong together, or are not finite.
     #[error("edge file: {0} cannot be")]
     Field(&'static str),
+    /// Nothing to learn from.
+    #[error("edge: no profile to learn from")]
+    Profiles,
 }
 
 /// The file as it is written.
@@ -68,41 +75,42 @@ impl EdgeModel {
     /// # Errors
     /// [`EdgeError`]
     pub fn parse(text: &str) -> Result<Self, EdgeError> {
-        let raw: RawEdge = serde_json::from_str(text).map_err(|error| EdgeError::Json(error.to_string()))?;
-        if raw.format != FORMAT {
-            return Err(EdgeError::Format);
+        serde_json::from_str::<RawEdge>(text).map_err(|error| EdgeError::Json(error.to_string()))?.try_into()
+    }
+
+    /// The same network, trained on what these words say.
+    #[must_use]
+    pub fn with_trained(mut self, trained: String) -> Self {
+        self.trained = trained;
+        self
+    }
+
+    /// The file of the network, a row of weights to a line.
+    ///
+    /// # Errors
+    /// [`EdgeError::Json`], which numbers that were checked do not give.
+    pub fn text(&self) -> Result<String, EdgeError> {
+        fn json<T: Serialize + ?Sized>(value: &T) -> Result<String, EdgeError> {
+            // A space after a comma, for people; no text passes here that could hold one.
+            let text = serde_json::to_string(value).map_err(|error| EdgeError::Json(error.to_string()))?;
+            Ok(text.replace(',', ", "))
         }
-        let (units, inputs) = (raw.hidden.len(), raw.hidden.first().map_or(0, Vec::len));
-        if !(1..=SIZE_MAX).contains(&units) || !(4..=SIZE_MAX).contains(&inputs) {
-            return Err(EdgeError::Field("hidden"));
-        }
-        let even = raw.hidden.iter().all(|row| row.len() == inputs);
-        if !even || raw.hidden_bias.len() != units || raw.output.len() != units {
-            return Err(EdgeError::Field("the lengths of hidden, hidden_bias and output"));
-        }
-        let values: Vec<f64> = raw.hidden.into_iter().flatten().collect();
-        let all =
-            values.iter().chain(&raw.hidden_bias).chain(&raw.output).chain([&raw.output_bias, &raw.from_m]);
-        if all.into_iter().any(|value| !value.is_finite()) {
-            return Err(EdgeError::Field("a number that is not finite"));
-        }
-        if !(raw.step_m > 0.0 && raw.step_m.is_finite() && raw.scale_m > 0.0 && raw.scale_m.is_finite()) {
-            return Err(EdgeError::Field("step_m or scale_m"));
-        }
-        if !(0.0..1.0).contains(&raw.contrast_min) {
-            return Err(EdgeError::Field("contrast_min"));
-        }
-        Ok(Self {
-            from_m: raw.from_m,
-            step_m: raw.step_m,
-            scale_m: raw.scale_m,
-            hidden: DMatrix::from_row_slice(units, inputs, &values),
-            hidden_bias: DVector::from_vec(raw.hidden_bias),
-            output: DVector::from_vec(raw.output),
-            output_bias: raw.output_bias,
-            contrast_min: raw.contrast_min,
-            trained: raw.trained,
-        })
+        let row = |row: usize| json(&self.hidden.row(row).iter().collect::<Vec<_>>());
+        let rows = (0..self.hidden.nrows()).map(row).collect::<Result<Vec<_>, _>>()?;
+        let fields = [
+            ("format", serde_json::Value::from(FORMAT).to_string()),
+            ("trained", serde_json::Value::from(self.trained.as_str()).to_string()),
+            ("from_m", json(&self.from_m)?),
+            ("step_m", json(&self.step_m)?),
+            ("scale_m", json(&self.scale_m)?),
+            ("contrast_min", json(&self.contrast_min)?),
+            ("hidden", format!("[\n  {}\n ]", rows.join(",\n  "))),
+            ("hidden_bias", json(self.hidden_bias.as_slice())?),
+            ("output", json(self.output.as_slice())?),
+            ("output_bias", json(&self.output_bias)?),
+        ];
+        let lines: Vec<String> = fields.iter().map(|(name, value)| format!(" \"{name}\": {value}")).collect();
+        Ok(format!("{{\n{}\n}}\n", lines.join(",\n")))
     }
 
     /// On what it was trained, in words.
@@ -168,6 +176,13 @@ impl EdgeModel {
     }
 
     fn answer(&self, profile: &[f64], ruler: &Ruler, assumed_m: f64) -> Option<f64> {
+        let window = self.window(profile, ruler, assumed_m)?;
+        let signal = (&self.hidden * window + &self.hidden_bias).map(f64::tanh);
+        Some(self.scale_m * (self.output.dot(&signal) + self.output_bias))
+    }
+
+    /// What the network sees around an assumed edge.
+    fn window(&self, profile: &[f64], ruler: &Ruler, assumed_m: f64) -> Option<DVector<f64>> {
         let inputs = self.hidden.ncols();
         let mut window = DVector::zeros(inputs);
         let first = (assumed_m + self.from_m - ruler.from_m) / ruler.step_m;
@@ -182,8 +197,48 @@ impl EdgeModel {
         let spread = (window.norm_squared() / inputs as f64).sqrt();
         // Below one grey level there is nothing to see but noise.
         window /= spread.max(1.0);
-        let signal = (&self.hidden * window + &self.hidden_bias).map(f64::tanh);
-        Some(self.scale_m * (self.output.dot(&signal) + self.output_bias))
+        Some(window)
+    }
+}
+
+impl TryFrom<RawEdge> for EdgeModel {
+    type Error = EdgeError;
+
+    fn try_from(raw: RawEdge) -> Result<Self, EdgeError> {
+        if raw.format != FORMAT {
+            return Err(EdgeError::Format);
+        }
+        let (units, inputs) = (raw.hidden.len(), raw.hidden.first().map_or(0, Vec::len));
+        if !(1..=SIZE_MAX).contains(&units) || !(4..=SIZE_MAX).contains(&inputs) {
+            return Err(EdgeError::Field("hidden"));
+        }
+        let even = raw.hidden.iter().all(|row| row.len() == inputs);
+        if !even || raw.hidden_bias.len() != units || raw.output.len() != units {
+            return Err(EdgeError::Field("the lengths of hidden, hidden_bias and output"));
+        }
+        let values: Vec<f64> = raw.hidden.into_iter().flatten().collect();
+        let all =
+            values.iter().chain(&raw.hidden_bias).chain(&raw.output).chain([&raw.output_bias, &raw.from_m]);
+        if all.into_iter().any(|value| !value.is_finite()) {
+            return Err(EdgeError::Field("a number that is not finite"));
+        }
+        if !(raw.step_m > 0.0 && raw.step_m.is_finite() && raw.scale_m > 0.0 && raw.scale_m.is_finite()) {
+            return Err(EdgeError::Field("step_m or scale_m"));
+        }
+        if !(0.0..1.0).contains(&raw.contrast_min) {
+            return Err(EdgeError::Field("contrast_min"));
+        }
+        Ok(Self {
+            from_m: raw.from_m,
+            step_m: raw.step_m,
+            scale_m: raw.scale_m,
+            hidden: DMatrix::from_row_slice(units, inputs, &values),
+            hidden_bias: DVector::from_vec(raw.hidden_bias),
+            output: DVector::from_vec(raw.output),
+            output_bias: raw.output_bias,
+            contrast_min: raw.contrast_min,
+            trained: raw.trained,
+        })
     }
 }
 

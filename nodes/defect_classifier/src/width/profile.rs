@@ -2,6 +2,8 @@
 
 use super::stretch::Station;
 use crate::camera::Camera;
+use opencv::core::{Mat, MatTraitConst, MatTraitConstManual};
+use opencv::imgcodecs;
 
 /// A grey picture as its rows of bytes.
 #[derive(Debug, Clone, Copy)]
@@ -10,6 +12,31 @@ pub struct Pixels<'a> {
     pub levels: &'a [u8],
     /// Pixels to a row.
     pub columns: usize,
+}
+
+/// A decoded picture, for whoever has no other.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Picture {
+    levels: Vec<u8>,
+    columns: usize,
+}
+
+impl Picture {
+    /// Decodes a JPEG as the node does, without the checks of [`crate::frame::FrameGate`].
+    ///
+    /// # Errors
+    /// A picture that cannot be decoded.
+    pub fn decode(jpeg: &[u8]) -> Result<Self, opencv::Error> {
+        let grey = imgcodecs::imdecode(&Mat::from_slice(jpeg)?, imgcodecs::IMREAD_GRAYSCALE)?;
+        let columns = usize::try_from(grey.cols()).unwrap_or(0);
+        Ok(Self { levels: grey.data_bytes()?.to_vec(), columns })
+    }
+
+    /// Its levels.
+    #[must_use]
+    pub fn pixels(&self) -> Pixels<'_> {
+        Pixels { levels: &self.levels, columns: self.columns }
+    }
 }
 
 impl Pixels<'_> {
