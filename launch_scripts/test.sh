@@ -19,7 +19,7 @@ cargo fmt --all --check
 cargo clippy --workspace --all-targets --locked -- -D warnings
 
 step "brains build without ROS"
-for node in thermistor filament_encoder imu camera state_estimator mpc_controller advance_predictor safety_supervisor printer_sim printer_bridge bag_recorder; do
+for node in thermistor filament_encoder imu camera defect_classifier state_estimator mpc_controller advance_predictor safety_supervisor printer_sim printer_bridge bag_recorder; do
   cargo check -q --locked -p "$node" --lib --no-default-features
 done
 

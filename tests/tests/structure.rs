@@ -6,10 +6,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Nodes with a brain.
-const NODES: [&str; 11] = [
+const NODES: [&str; 12] = [
     "advance_predictor",
     "bag_recorder",
     "camera",
+    "defect_classifier",
     "filament_encoder",
     "imu",
     "mpc_controller",
@@ -59,7 +60,9 @@ fn a_brain_uses_models_and_its_one_solver() {
             "mpc_controller" => &["clarabel", "nalgebra"][..],
             "advance_predictor" => &["nalgebra", "serde_json"],
             "state_estimator" => &["nalgebra"],
-            "printer_sim" => &["nalgebra", "rand", "rand_distr"],
+            // A simulated camera says JPEG.
+            "printer_sim" => &["jpeg-encoder", "nalgebra", "rand", "rand_distr"],
+            "defect_classifier" => &["nalgebra", "opencv", "serde_json"],
             "bag_recorder" => &["serde_json"],
             _ => &[],
         });
