@@ -37,7 +37,7 @@ pub struct ClassifyArgs {
     #[arg(long, conflicts_with = "images")]
     train: bool,
     /// Where the trained networks go: a folder; without it they replace those of `config/models`.
-    #[arg(long, requires = "training")]
+    #[arg(long, requires = "training", conflicts_with = "images")]
     out: Option<PathBuf>,
     #[command(flatten)]
     edge: edge::EdgeArgs,

@@ -28,7 +28,7 @@ pub(super) struct EdgeArgs {
     #[arg(long, conflicts_with_all = ["images", "manifest", "train"])]
     pub(super) train_edge: bool,
     /// Looks to train with, the last one left out; without it those of `config/models/edge_training.yaml`.
-    #[arg(long, value_name = "A..B", value_parser = seeds, requires = "train_edge")]
+    #[arg(long, value_name = "A..B", value_parser = seeds, requires = "train_edge", conflicts_with_all = ["images", "manifest", "train"])]
     pub(super) seeds: Option<Range<u64>>,
 }
 

@@ -55,6 +55,34 @@ fn a_tiny_training_improves_on_next_to_none_and_does_not_depend_on_the_threads()
     assert!(late_m < 0.5 * early_m, "{early_m:e} {late_m:e}");
 }
 
+/// A requirement that another argument rules out is dropped by the parser, so each wrong pair must be ruled out itself.
+#[test]
+fn what_belongs_to_the_edge_alone_is_refused_elsewhere() {
+    #[derive(Debug, clap::Parser)]
+    struct Command {
+        #[command(flatten)]
+        classify: crate::classify::ClassifyArgs,
+    }
+    let refused = |words: &[&str]| {
+        let words = ["classify"].iter().chain(words);
+        <Command as clap::Parser>::try_parse_from(words).map(|command| command.classify.edge.seeds).is_err()
+    };
+    assert!(!refused(&["--train-edge"]) && !refused(&["--train", "--out", "x"]));
+    assert!(!refused(&["--train-edge", "--seeds", "1..3", "--out", "x"]));
+    let wrong: [&[&str]; 7] = [
+        &["--train-edge", "--train"],
+        &["--train-edge", "a.png"],
+        &["--train", "--seeds", "1..3"],
+        &["--seeds", "1..3", "a.png"],
+        &["--train-edge", "--seeds", "3..1"],
+        &["--out", "x", "a.png"],
+        &["--out", "x", "--manifest", "m.csv"],
+    ];
+    for words in wrong {
+        assert!(refused(words), "{words:?}");
+    }
+}
+
 #[test]
 fn seeds_are_two_numbers_in_order() {
     assert_eq!(seeds("3..9"), Ok(3..9));
