@@ -2,7 +2,11 @@
 //!
 //! The loop makes the wall flatter than the same wall in the mode observe; without its controller the machine is back at
 //! its planned speeds; what lies outside of the limits is cut twice; bad heights are refused, counted and shown.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests: a failure is the test's failure")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests: a failure is the test's failure"
+)]
 
 #[path = "wire_loop/fleet.rs"]
 mod fleet;
