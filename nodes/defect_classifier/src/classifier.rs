@@ -66,8 +66,6 @@ pub struct Classifier {
     quality: LayerQuality,
     status: Option<PrinterStatus>,
     exposed: Option<Seconds>,
-    /// Newest width over the wanted one less one.
-    width_error_rel: Option<f64>,
     unusable: Option<String>,
     confirmed: Option<String>,
     counts: Counts,
@@ -91,7 +89,6 @@ impl Classifier {
             params,
             status: None,
             exposed: None,
-            width_error_rel: None,
             unusable: None,
             confirmed: None,
             counts: Counts::default(),
@@ -204,7 +201,6 @@ impl Classifier {
         let offset = self.finder.on_frame(grey, (&self.path, exposed), view)?;
         if let Some(width) = width {
             self.counts.widths += 1;
-            self.width_error_rel = Some(width.width_m / width.wanted_m - 1.0);
             self.quality.on_width(&SeenWidth {
                 width_m: width.width_m,
                 sigma_m: width.sigma_m,

@@ -85,6 +85,8 @@ pub struct Judged {
     pub fused: Fused,
     /// Where what was laid before lies, where known.
     pub offset: Option<Offset>,
+    /// Share of the strong edges in the picture that no commanded road explains `[0, 1]`.
+    pub unexplained: f64,
     /// Place of the defect: column, row, width, height `[px]`, where known.
     pub region_px: Option<[u32; 4]>,
 }

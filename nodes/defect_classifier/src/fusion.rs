@@ -108,9 +108,9 @@ impl Fusion {
         }
         let graced = self.grace_until.is_some_and(|until| exposed.0 < until.0);
         if !graced {
-            let judged = self.params.evidence.weigh(&self.classes, scores, measured);
+            let (judged, told) = self.params.evidence.weigh(&self.classes, scores, measured);
             self.smooth(exposed, &judged);
-            self.vote(&judged);
+            self.vote(&judged, &told);
         }
         self.fuse(exposed)
     }
@@ -139,10 +139,11 @@ impl Fusion {
         }
     }
 
-    fn vote(&mut self, scores: &Scores) {
+    /// A frame that could not tell a class has no vote on it.
+    fn vote(&mut self, scores: &Scores, told: &[bool]) {
         let best = scores.best();
         for (class, (votes, rule)) in self.votes.iter_mut().zip(&self.rules).enumerate() {
-            let Some(rule) = rule else { continue };
+            let Some(rule) = rule.filter(|_| told[class]) else { continue };
             votes.push_back(class == best && scores.probabilities[class] >= rule.probability_min);
             while votes.len() > rule.frames as usize {
                 votes.pop_front();

@@ -92,7 +92,8 @@ impl Surface {
     }
 
     /// Share of the strong edges that no road explains `[0, 1]`, weighed by their height, in a frame taken with the
-    /// tool at `tool_m`; 0 where hardly any road was commanded in view, so that little can have gone wrong there.
+    /// tool at `tool_m`; 0 where few roads were commanded in view: at the start of a print little can have
+    /// gone wrong, and the bare bed's texture would drown it.
     ///
     /// # Errors
     /// Those of OpenCV.
@@ -123,7 +124,11 @@ impl Surface {
             }
         }
         let texture = self.texture_of(bare, bare_pixels);
-        let odd = across + (bare - texture * bare_pixels).max(0.0);
+        let odd = across + (bare - self.params.texture_margin * texture * bare_pixels).max(0.0);
+        let (roads, visible) = (pixels(on_roads.len()), pixels(edges.len()));
+        if roads < self.params.roads_share_min * visible {
+            return Ok(0.0);
+        }
         Ok(if odd > 0.0 { odd / (odd + explained) } else { 0.0 })
     }
 
@@ -227,6 +232,11 @@ fn single(value: f64) -> f32 {
 #[expect(clippy::cast_possible_truncation, reason = "sizes and places of a map; a cast saturates")]
 fn whole(value: f64) -> i32 {
     value as i32
+}
+
+#[expect(clippy::cast_precision_loss, reason = "pixels of a picture")]
+fn pixels(count: usize) -> f64 {
+    count as f64
 }
 
 fn whole_of(count: usize) -> i32 {

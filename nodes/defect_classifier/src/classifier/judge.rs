@@ -15,15 +15,24 @@ const AROUND_PX: f64 = 12.0;
 impl Classifier {
     /// What features, measurements and memory say together.
     pub(super) fn judge(&mut self, grey: &Mat, exposed: Seconds, found: &Found) -> Result<Judged, Unusable> {
+        // What the loop corrects is wrong all the same: the width is held against what the file alone would have laid.
+        let flow = self.status.map_or(1.0, |status| status.trims.flow);
         let measured = Measured {
-            width_error_rel: self.width_error_rel,
+            width_error_rel: found.width.map(|width| width.width_m / width.wanted_m / flow - 1.0),
             offset_m: found.offset.map(|offset| offset.offset_m),
             unexplained: Some(found.unexplained),
         };
         let scores = self.network.classify(grey, &measured).map_err(|_| Unusable::Failed)?;
         let fused = self.fusion.on_frame(exposed, &scores, &measured).ok_or(Unusable::Failed)?;
         let region_px = region(&self.params.camera, found, &fused.cause);
-        Ok(Judged { probabilities: scores.probabilities, fused, offset: found.offset, region_px })
+        let unexplained = found.unexplained;
+        Ok(Judged {
+            probabilities: scores.probabilities,
+            fused,
+            offset: found.offset,
+            unexplained,
+            region_px,
+        })
     }
 }
 

@@ -33,7 +33,7 @@ pub const COUNT: usize = PICTURE + MEASURED.len();
 /// What was measured in the frame apart from the features; all unknown by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Measured {
-    /// Road width over the wanted one less one `[-]`.
+    /// Road width over the wanted one less one `[-]`, corrections of the flow taken out.
     pub width_error_rel: Option<f64>,
     /// Offset of the layers below, bed x and y `[m]`.
     pub offset_m: Option<[f64; 2]>,

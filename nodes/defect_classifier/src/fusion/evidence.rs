@@ -67,28 +67,28 @@ impl RawEvidence {
         }
     }
 
-    /// As [`Self::share`], and 0 for a class that only a measurement could tell while there is none.
-    fn verdict(&self, class: &String, measured: &Measured) -> Option<f64> {
-        let needed = self.measured_only.contains(class);
-        self.share(class, measured).or_else(|| needed.then_some(0.0))
-    }
-
     /// Scores in which a measurement's word stands for the classes that it tells: `p_class` becomes its share, and
-    /// `ok` keeps what the defects leave. Defects that together exceed 1 are scaled down to it.
-    pub(super) fn weigh(&self, classes: &[String], scores: &Scores, measured: &Measured) -> Scores {
-        let shares: Vec<Option<f64>> = classes.iter().map(|class| self.verdict(class, measured)).collect();
+    /// `ok` keeps what the defects leave. Defects that together exceed 1 are scaled down to it. And per class whether
+    /// this frame could tell it.
+    pub(super) fn weigh(
+        &self,
+        classes: &[String],
+        scores: &Scores,
+        measured: &Measured,
+    ) -> (Scores, Vec<bool>) {
+        let shares: Vec<Option<f64>> = classes.iter().map(|class| self.share(class, measured)).collect();
+        let needed: Vec<bool> = classes.iter().map(|class| self.measured_only.contains(class)).collect();
         let mut probabilities = scores.probabilities.clone();
-        for (probability, share) in probabilities.iter_mut().zip(&shares) {
-            *probability = share.unwrap_or(*probability);
+        for (probability, (share, needed)) in probabilities.iter_mut().zip(shares.iter().zip(&needed)) {
+            *probability = share.unwrap_or(if *needed { 0.0 } else { *probability });
         }
         let defects: f64 = probabilities.iter().skip(1).sum();
         if defects > 1.0 {
             probabilities.iter_mut().for_each(|probability| *probability /= defects);
         }
         let defects: f64 = probabilities.iter().skip(1).sum();
-        if shares.iter().any(Option::is_some) {
-            probabilities[0] = (1.0 - defects).clamp(0.0, 1.0);
-        }
-        Scores { probabilities }
+        probabilities[0] = (1.0 - defects).clamp(0.0, 1.0);
+        let told = shares.iter().zip(&needed).map(|(share, needed)| share.is_some() || !needed);
+        (Scores { probabilities }, told.collect())
     }
 }

@@ -136,6 +136,23 @@ fn edges_without_a_road_convict_of_spaghetti_unless_the_layers_are_offset() {
     );
 }
 
+/// Four widths far off between frames without one: six of ten frames, but of the four votes none is lost.
+#[test]
+fn frames_without_a_width_have_no_vote_on_it() {
+    let mut raw = raw();
+    raw.evidence.measured_only = vec!["under".into()];
+    raw.confirm.insert("under".into(), ConfirmRule { frames: 5, in_favour: 4, probability_min: 0.5 });
+    let mut fusion = Fusion::new(raw.try_into().unwrap(), &classes()).unwrap();
+    let thin = Measured { width_error_rel: Some(-0.2), ..NOTHING };
+    let fused: Vec<Fused> = (0..8_u32)
+        .map(|step| {
+            let measured = if step % 2 == 0 { thin } else { NOTHING };
+            fusion.on_frame(Seconds(f64::from(step)), &sure_of(0), &measured).unwrap()
+        })
+        .collect();
+    assert!(!fused[5].confirmed && fused[6].confirmed && fused[7].confirmed);
+}
+
 /// `c = 0.5 min(1, 75.132 / 37.58) + 0.5 p_det`: residuals alone give 0.5 while they are fresh.
 #[test]
 fn residuals_alone_give_their_share_and_stale_ones_nothing() {

@@ -36,7 +36,11 @@ pub struct RawUnexplained {
     pub texture_rise: f64,
     /// And a frame with less `[-]`.
     pub texture_fall: f64,
-    /// Fewest pixels on roads to tell what they typically have.
+    /// So many times the known texture is not counted `[-]`, 1 or more.
+    pub texture_margin: f64,
+    /// Least share of the visible pixels on roads to tell anything `[-]`.
+    pub roads_share_min: f64,
+    /// Fewest pixels on roads to tell what they typically have, and off them to learn the texture.
     pub pixels_min: u32,
 }
 
@@ -56,6 +60,8 @@ impl TryFrom<RawUnexplained> for UnexplainedParams {
         positive("unexplained.strong_share", raw.strong_share, "-")?;
         in_range("unexplained.texture_rise", raw.texture_rise, "-", (0.0, 1.0))?;
         in_range("unexplained.texture_fall", raw.texture_fall, "-", (0.0, 1.0))?;
+        in_range("unexplained.texture_margin", raw.texture_margin, "-", (1.0, 100.0))?;
+        in_range("unexplained.roads_share_min", raw.roads_share_min, "-", (0.0, 1.0))?;
         in_range("unexplained.pixels_min", f64::from(raw.pixels_min), "px", (10.0, 1e5))?;
         Ok(Self(raw))
     }

@@ -16,7 +16,9 @@ fn surface() -> Surface {
             strong_share: 0.8,
             texture_rise: 0.02,
             texture_fall: 0.2,
-            pixels_min: 2000,
+            texture_margin: 1.0,
+            roads_share_min: 0.25,
+            pixels_min: 1000,
         }
         .try_into()
         .unwrap(),
