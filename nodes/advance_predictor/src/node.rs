@@ -30,7 +30,7 @@ pub enum NodeError {
     #[error(transparent)]
     Parameters(#[from] ParamFileError),
     /// A network's file that cannot be read.
-    #[error("models: {}: {source}", path.display())]
+    #[error("models: {}", path.display())]
     File {
         /// The file.
         path: PathBuf,
@@ -38,7 +38,7 @@ pub enum NodeError {
         source: std::io::Error,
     },
     /// A network's file that is refused.
-    #[error("models: {}: {source}", path.display())]
+    #[error("models: {}", path.display())]
     Network {
         /// The file.
         path: PathBuf,
