@@ -4,6 +4,9 @@
 long=${1:-}
 case "$long" in '' | --long) ;; *) echo "usage: test.sh [--long]" >&2; exit 2 ;; esac
 
+# A checkout that is built once needs no state for the next build: a third less disk.
+if [ -n "${CI:-}" ]; then export CARGO_INCREMENTAL=0; fi
+
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
 
 step "Python readers of bags (PyPI, in target/venv); a browser that looks at reports"

@@ -1,6 +1,6 @@
 //! Time of one simulated millisecond on a real file, without and with the inertial unit.
 //!
-//! `cargo run --release -p printer_sim --no-default-features --example step_time -- [G-code file]`
+//! `cargo run --release -p printer_sim --no-default-features --example plant_time -- [G-code file]`
 
 use models::gcode::Header;
 use models::status::JobPhase;

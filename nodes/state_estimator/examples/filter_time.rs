@@ -1,6 +1,6 @@
 //! Time of a filter cycle: one prediction and three scalar updates, as in golden vector `ukf_cycle-1`.
 //!
-//! `cargo run --release -p state_estimator --no-default-features --example step_time`
+//! `cargo run --release -p state_estimator --no-default-features --example filter_time`
 
 use models::hotend::{Hotend, RawHotend};
 use models::material::{Material, RawMaterial};
