@@ -7,7 +7,6 @@ mod photographs;
 mod renders;
 mod scored;
 mod settings;
-mod table;
 mod train;
 
 use crate::config::ConfigDir;

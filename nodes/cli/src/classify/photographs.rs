@@ -1,9 +1,10 @@
 //! Photographs with labels: read where they lie, never copied.
 
 use super::chance::digest;
-use super::{read_picture, table};
+use super::read_picture;
 use anyhow::{Context, bail};
 use defect_classifier::features::{self, Hidden, Measured};
+use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -32,6 +33,19 @@ pub(super) struct Set {
     pub(super) left_out: usize,
     /// Rows that name a file that an earlier row named.
     pub(super) merged: usize,
+}
+
+/// A row of a manifest; other columns are left alone.
+#[derive(Debug, Deserialize)]
+struct Row {
+    file: String,
+    class: String,
+    #[serde(default)]
+    group: String,
+    #[serde(default)]
+    source_repo: String,
+    #[serde(default)]
+    licence: String,
 }
 
 /// Digests of a file like [`SEEN`]; none where it does not exist.
@@ -70,14 +84,11 @@ pub(super) fn read(manifest: &Path, hidden: Hidden, seen: &[u64]) -> anyhow::Res
         bail!("{} is absent: the labelled photographs are not part of this repository", context());
     }
     let folder = manifest.parent().unwrap_or(Path::new("."));
-    let text = std::fs::read_to_string(manifest).with_context(context)?;
-    let rows = table::rows(&text).with_context(context)?;
+    let mut table = csv::Reader::from_path(manifest).with_context(context)?;
     let mut set = Set::default();
     let mut labels: BTreeMap<String, String> = BTreeMap::new();
-    for row in &rows {
-        let column =
-            |name: &str| row.get(name).cloned().with_context(|| format!("{}: no column {name}", context()));
-        let (file, class) = (column("file")?, column("class")?);
+    for row in table.deserialize() {
+        let Row { file, class, group, source_repo, licence } = row.with_context(context)?;
         if let Some(before) = labels.insert(file.clone(), class.clone()) {
             if before != class {
                 bail!("{}: {file} is labelled {before} and {class}", context());
@@ -94,12 +105,11 @@ pub(super) fn read(manifest: &Path, hidden: Hidden, seen: &[u64]) -> anyhow::Res
         let start = Instant::now();
         let values =
             features::extract_encoded(&bytes, hidden, &Measured::default()).with_context(|| file.clone())?;
-        let optional = |name: &str| row.get(name).cloned().unwrap_or_default();
         set.photographs.push(Photograph {
             class,
-            group: row.get("group").filter(|group| !group.is_empty()).cloned().unwrap_or(file),
-            source: optional("source_repo"),
-            licence: optional("licence"),
+            group: if group.is_empty() { file } else { group },
+            source: source_repo,
+            licence,
             digest,
             values,
             took: start.elapsed(),
@@ -107,3 +117,6 @@ pub(super) fn read(manifest: &Path, hidden: Hidden, seen: &[u64]) -> anyhow::Res
     }
     Ok(set)
 }
+
+#[cfg(test)]
+mod tests;
