@@ -26,7 +26,7 @@ fn nodes_end_with_the_command_that_started_them() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // "7 node processes: bag_recorder 123, ..."
+    // "10 node processes: bag_recorder 123, ..."
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
     let list = lines.find(|line| line.contains("node processes:")).unwrap();
     let pids: Vec<Pid> = list
@@ -35,9 +35,9 @@ fn nodes_end_with_the_command_that_started_them() {
         .filter(|pid| *pid > 100)
         .filter_map(Pid::from_raw)
         .collect();
-    assert_eq!(pids.len(), 7, "{list}");
     child.kill().unwrap();
     child.wait().unwrap();
+    assert_eq!(pids.len(), 10, "{list}");
     let killed = Instant::now();
     while pids.iter().any(|pid| test_kill_process(*pid).is_ok()) {
         let left: Vec<_> = pids.iter().filter(|pid| test_kill_process(**pid).is_ok()).collect();

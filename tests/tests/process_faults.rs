@@ -92,7 +92,7 @@ async fn wait_for_print(observer: &mut Observer, graph: &mut Graph) {
         acts && prints
     });
     assert!(closed.await, "no closed loop within {} s: acts {acts}, prints {prints}", START.0);
-    assert_eq!(graph.pids().len(), 7, "{:?}", graph.pids());
+    assert_eq!(graph.pids().len(), 10, "{:?}", graph.pids());
     println!("closed loop after {:.1} s", (observer.now() - begin).0);
 }
 
