@@ -17,7 +17,7 @@ pub use params::{OffsetParams, RawOffset};
 use crate::camera::Camera;
 use crate::path::{PathHistory, Road};
 use crate::surroundings::{Mask, REDUCTION};
-use footprint::Footprint;
+use footprint::{Footprint, Lies};
 use looks::{Bounds, Looks, Taught};
 use models::units::Seconds;
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, Size};
@@ -83,8 +83,8 @@ impl OffsetFinder {
         (camera, tool_m): (&Camera, [f64; 2]),
     ) -> Result<Option<Offset>, opencv::Error> {
         self.fade(exposed);
-        let newest = path.roads(exposed).next_back().map(|road| road.layer);
-        let is_old = |road: &Road| Some(road.layer) != newest || exposed.0 - road.start.0 > self.params.old_s;
+        let Some(&newest) = path.roads(exposed).next_back() else { return Ok(self.offset()) };
+        let is_old = |road: &Road| road.layer != newest.layer || exposed.0 - road.start.0 > self.params.old_s;
         let mut fresh = Mask::empty(camera)?;
         let beside_px = 2.0 * self.params.beside_new_m / camera.scale_m;
         let mut marked_until_s = self.marked_until_s;
@@ -101,7 +101,8 @@ impl OffsetFinder {
             fresh.draw(line.0, line.1, road.width_m / camera.scale_m + beside_px)?;
         }
         self.marked_until_s = marked_until_s;
-        let mut view = OldView::new(&self.footprint, &fresh, (camera, tool_m))?;
+        let level = (newest.top_m, self.params.depth_m);
+        let mut view = OldView::new((&self.footprint, level), &fresh, (camera, tool_m))?;
         view.leave_out(
             [self.params.gap_m, self.params.fringe_m].map(|way_m| way_m / (camera.scale_m * REDUCTION)),
         )?;
@@ -182,24 +183,29 @@ struct OldView {
 
 impl OldView {
     fn new(
-        footprint: &Footprint,
+        (footprint, level): (&Footprint, (f64, f64)),
         fresh: &Mask,
         (camera, tool_m): (&Camera, [f64; 2]),
     ) -> Result<Self, opencv::Error> {
         let (fresh, columns) = fresh.levels()?;
         let rows = fresh.len() / columns.max(1);
         let (mut signs, mut counts) = (Vec::with_capacity(fresh.len()), Vec::with_capacity(fresh.len()));
-        for (place, level) in fresh.iter().enumerate() {
+        for (place, hidden) in fresh.iter().enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "coarse pixels are far below 2^52")]
             let coarse = [(place % columns) as f64, (place / columns) as f64];
             let pixel = coarse.map(|value| (value + 0.5) * REDUCTION - 0.5);
-            signs.push(if footprint.at(camera.bed(tool_m, pixel)) { 1 } else { -1 });
-            counts.push(*level == 0 && camera.sees(pixel, 1.0));
+            signs.push(match footprint.at(camera.bed(tool_m, pixel), level) {
+                Lies::Part => 1,
+                Lies::Deep => 0,
+                Lies::Bed => -1,
+            });
+            counts.push(*hidden == 0 && camera.sees(pixel, 1.0));
         }
         Ok(Self { columns, rows, signs, counts })
     }
 
-    /// Teaches the looks and yields the ratio of every pixel, 0 where none counts.
+    /// Teaches the looks and yields the ratio of every pixel, 0 where none counts. What may look like either does not
+    /// count wherever the outline is moved: it would speak for every offset that makes bed of it.
     fn ratios(
         &self,
         grey: &Mat,
@@ -225,8 +231,12 @@ impl OldView {
         let ratios = looks.ratios(&taught, &bounds);
         #[expect(clippy::cast_possible_truncation, reason = "bounded by ratio_max; a cast saturates")]
         let counted = |ratios: Vec<f64>| {
-            let fine = |(ratio, counts): (&f64, &bool)| if *counts { (ratio * FINENESS) as i16 } else { 0 };
-            ratios.iter().zip(&self.counts).map(fine).collect()
+            let told = self.counts.iter().zip(&self.signs).map(|(counts, sign)| *counts && *sign != 0);
+            ratios
+                .iter()
+                .zip(told)
+                .map(|(ratio, told)| if told { (ratio * FINENESS) as i16 } else { 0 })
+                .collect()
         };
         Ok(ratios.map(counted))
     }

@@ -22,8 +22,8 @@ pub struct HistoryParams(RawHistory);
 pub struct RawHistory {
     /// Roads kept at most, the oldest go first.
     pub roads_max: u32,
-    /// Layers kept, the newest included.
-    pub layers: u32,
+    /// Roads whose top lies farther from the newest one's are forgotten `[m]`.
+    pub depth_m: f64,
     /// Moves of any kind kept to place the tool.
     pub moves_max: u32,
     /// Statuses kept to tell the plan's time.
@@ -39,7 +39,7 @@ impl TryFrom<RawHistory> for HistoryParams {
 
     fn try_from(raw: RawHistory) -> Result<Self, ParamError> {
         in_range("history.roads_max", f64::from(raw.roads_max), "roads", (16.0, 1e6))?;
-        in_range("history.layers", f64::from(raw.layers), "layers", (1.0, 100.0))?;
+        in_range("history.depth_m", raw.depth_m, "m", (1e-4, 1e-2))?;
         in_range("history.moves_max", f64::from(raw.moves_max), "moves", (2.0, 1e5))?;
         in_range("history.statuses_max", f64::from(raw.statuses_max), "statuses", (8.0, 1e5))?;
         in_range("history.ahead_max_s", raw.ahead_max_s, "s", (0.0, 2.0))?;
@@ -63,6 +63,8 @@ pub struct Road {
     pub width_m: f64,
     /// Its height `[m]`.
     pub height_m: f64,
+    /// Height of its top over the bed `[m]`.
+    pub top_m: f64,
     /// What it is for.
     pub role: Role,
     /// Number of the unbroken run of roads that it belongs to.
@@ -163,7 +165,9 @@ impl PathHistory {
         if self.roads.len() == self.params.0.roads_max as usize {
             self.roads.pop_front();
         }
-        while self.roads.front().is_some_and(|road| road.layer + self.params.0.layers <= layer) {
+        // By height, not by number: support has layers of its own between those of the part.
+        let far = |road: &Road| (road.top_m - to[2]).abs() > self.params.0.depth_m;
+        while self.roads.front().is_some_and(far) {
             self.roads.pop_front();
         }
         self.roads.push_back(Road {
@@ -173,6 +177,7 @@ impl PathHistory {
             layer,
             width_m,
             height_m,
+            top_m: to[2],
             role: segment.role,
             run: self.run,
             start,

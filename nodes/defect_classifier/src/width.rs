@@ -1,7 +1,7 @@
 //! Width of fresh road from the picture.
 //!
-//! Straight stretches laid at a steady speed a moment ago are cut into pieces; on each side where no other road of
-//! the layer lies, the grey levels across the road are averaged along the piece and its edge is found in them. One
+//! Straight stretches laid at a steady speed a moment ago are cut into pieces; on each side where no other road
+//! lies as high, the grey levels across the road are averaged along the piece and its edge is found in them. One
 //! side gives half the width from the commanded centre line, two give the whole, whatever the tool's place was.
 
 pub mod combine;
@@ -90,13 +90,14 @@ impl WidthGauge {
         let pixels =
             Pixels { levels: grey.data_bytes()?, columns: usize::try_from(grey.cols()).unwrap_or(0) };
         let roads: Vec<(Road, f64)> = in_view(path, exposed, view);
-        let mut mask: Option<(u32, Mask)> = None;
+        let mut mask: Option<(f64, Mask)> = None;
         for piece in &pieces {
-            if mask.as_ref().is_none_or(|(layer, _)| *layer != piece.layer) {
-                mask = Some((piece.layer, side::layer_mask(view, &roads, piece.layer)?));
+            let floor_m = side::floor_m(piece, &self.params);
+            if mask.as_ref().is_none_or(|(before_m, _)| (before_m - floor_m).abs() > 1e-9) {
+                mask = Some((floor_m, side::mask_above(view, &roads, floor_m)?));
             }
-            let Some((_, layer)) = &mask else { continue };
-            let sides = side::sides(&Scene { view, roads: &roads, layer }, piece, &self.params)?;
+            let Some((_, beside)) = &mask else { continue };
+            let sides = side::sides(&Scene { view, roads: &roads, beside }, piece, &self.params)?;
             self.measure(piece, &sides, (&pixels, view), &mut seen);
         }
         Ok(seen)

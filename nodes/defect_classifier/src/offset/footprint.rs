@@ -1,6 +1,20 @@
-//! Where on the bed anything was laid, as commanded: one bit a cell, whatever the layer.
+//! Where on the bed anything was laid, as commanded, and how high: two bytes a cell.
 
 use crate::path::Road;
+
+/// Heights are kept in steps of 10 um: 0.65 m at most.
+const STEP_M: f64 = 1e-5;
+
+/// What lies at a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Lies {
+    /// Part, near the level that was asked for or above it.
+    Part,
+    /// Part far below: dark, out of focus, like part or like bed.
+    Deep,
+    /// Nothing was laid.
+    Bed,
+}
 
 /// The bed as cells; bounded by its size.
 #[derive(Debug, Clone)]
@@ -8,19 +22,21 @@ pub(crate) struct Footprint {
     corner_m: [f64; 2],
     cell_m: f64,
     cells: [usize; 2],
-    bits: Vec<u64>,
+    /// Top of what was laid there last, in steps; 0 for nothing.
+    tops: Vec<u16>,
 }
 
 impl Footprint {
     /// An empty bed from `low_m` to `high_m`.
     pub(crate) fn new(low_m: [f64; 2], high_m: [f64; 2], cell_m: f64) -> Self {
         let cells = [0, 1].map(|axis| index((high_m[axis] - low_m[axis]) / cell_m) + 1);
-        Self { corner_m: low_m, cell_m, cells, bits: vec![0; (cells[0] * cells[1]).div_ceil(64)] }
+        Self { corner_m: low_m, cell_m, cells, tops: vec![0; cells[0] * cells[1]] }
     }
 
     /// Marks the first `laid_m` of a road.
     pub(crate) fn mark(&mut self, road: &Road, laid_m: f64) {
         let half_m = 0.5 * road.width_m;
+        let top = steps(road.top_m).max(1);
         let (from, to, along) = (road.from_m, road.point_m(laid_m), road.along());
         let row_of = |y_m: f64| (y_m - self.corner_m[1]) / self.cell_m;
         let rows = (row_of(from[1].min(to[1]) - half_m), row_of(from[1].max(to[1]) + half_m));
@@ -35,22 +51,27 @@ impl Footprint {
                 let way_m = ((x_m - from[0]) * along[0] + (y_m - from[1]) * along[1]).clamp(0.0, laid_m);
                 let off_m = (x_m - from[0] - way_m * along[0]).hypot(y_m - from[1] - way_m * along[1]);
                 if off_m <= half_m {
-                    let cell = row * self.cells[0] + column;
-                    self.bits[cell / 64] |= 1 << (cell % 64);
+                    self.tops[row * self.cells[0] + column] = top;
                 }
             }
         }
     }
 
-    /// Whether something was laid at a place.
-    pub(crate) fn at(&self, place_m: [f64; 2]) -> bool {
+    /// What lies at a place, for one who looks at the level `level_m` and sees `depth_m` below it well.
+    pub(crate) fn at(&self, place_m: [f64; 2], (level_m, depth_m): (f64, f64)) -> Lies {
         let cell = [0, 1].map(|axis| (place_m[axis] - self.corner_m[axis]) / self.cell_m);
         if cell.iter().any(|value| !value.is_sign_positive() || value.is_nan()) {
-            return false;
+            return Lies::Bed;
         }
         let [column, row] = cell.map(index);
-        let place = row * self.cells[0] + column;
-        column < self.cells[0] && row < self.cells[1] && self.bits[place / 64] >> (place % 64) & 1 == 1
+        if column >= self.cells[0] || row >= self.cells[1] {
+            return Lies::Bed;
+        }
+        match self.tops[row * self.cells[0] + column] {
+            0 => Lies::Bed,
+            top if top >= steps(level_m - depth_m) => Lies::Part,
+            _ => Lies::Deep,
+        }
     }
 
     fn centre_m(&self, cell: [usize; 2]) -> [f64; 2] {
@@ -60,6 +81,11 @@ impl Footprint {
             self.corner_m[axis] + (count + 0.5) * self.cell_m
         })
     }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a cast saturates, as meant")]
+fn steps(height_m: f64) -> u16 {
+    (height_m / STEP_M).round() as u16
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "negative becomes 0, as meant")]

@@ -16,6 +16,8 @@ pub struct RawOffset {
     pub bed_low_m: [f64; 2],
     /// Upper corner of it `[m]`.
     pub bed_high_m: [f64; 2],
+    /// What lies deeper below the newest road is dark and out of focus and may look like bed `[m]`.
+    pub depth_m: f64,
     /// Roads of the layer under way count as laid before from this age on `[s]`.
     pub old_s: f64,
     /// What is nearer to newer roads does not count `[m]`.
@@ -66,6 +68,7 @@ impl TryFrom<RawOffset> for OffsetParams {
             let bounds = (raw.bed_low_m[axis], raw.bed_high_m[axis]);
             ordered(("offset.bed_low_m", bounds.0), ("offset.bed_high_m", bounds.1))?;
         }
+        in_range("offset.depth_m", raw.depth_m, "m", (1e-4, 0.1))?;
         in_range("offset.old_s", raw.old_s, "s", (0.1, 3600.0))?;
         in_range("offset.beside_new_m", raw.beside_new_m, "m", (0.0, 5e-3))?;
         in_range("offset.range_m", raw.range_m, "m", (2e-4, 5e-3))?;

@@ -7,6 +7,7 @@ fn params() -> OffsetParams {
     OffsetParams::try_from(RawOffset {
         bed_low_m: [0.0, 0.0],
         bed_high_m: [0.25, 0.25],
+        depth_m: 2e-3,
         old_s: 20.0,
         beside_new_m: 3e-4,
         range_m: 1.44e-3,
@@ -89,4 +90,17 @@ fn a_part_that_looks_like_its_bed_tells_nothing() {
     let (path, mut finder) = (laid(), OffsetFinder::new(params(), &camera()));
     let grey = seen([-2000, 0], 1);
     assert_eq!(finder.on_frame(&grey, (&path, Seconds(60.0)), (&camera(), [0.1, 0.1])).unwrap(), None);
+}
+
+/// A skirt around a part of 2 cm lies in the dark: taken for the part's outline it let offsets pass that were none.
+#[test]
+fn what_lies_far_below_is_neither_part_nor_bed() {
+    let (mut path, mut footprint) = (PathHistory::new(history()), Footprint::new([0.0; 2], [0.2; 2], 1.2e-4));
+    path.on_move(Seconds(0.0), &road(0, [0.1, 0.1], [0.11, 0.1]));
+    let skirt = *path.roads(Seconds(1.0)).next().unwrap();
+    footprint.mark(&skirt, skirt.length_m);
+    let found = |place_m, level_m| footprint.at(place_m, (level_m, 2e-3));
+    assert_eq!(found([0.105, 0.1], 1e-3), Lies::Part);
+    assert_eq!(found([0.105, 0.1], 2e-2), Lies::Deep);
+    assert_eq!((found([0.105, 0.102], 1e-3), found([-1.0, f64::NAN], 1e-3)), (Lies::Bed, Lies::Bed));
 }

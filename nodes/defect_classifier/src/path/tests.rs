@@ -4,7 +4,7 @@ use proptest::prelude::*;
 pub(crate) fn params() -> HistoryParams {
     HistoryParams::try_from(RawHistory {
         roads_max: 64,
-        layers: 2,
+        depth_m: 3e-4,
         moves_max: 64,
         statuses_max: 256,
         ahead_max_s: 0.1,
@@ -15,11 +15,12 @@ pub(crate) fn params() -> HistoryParams {
 
 pub(crate) fn road(layer: u32, from_m: [f64; 2], to_m: [f64; 2]) -> Segment {
     let length_m = (to_m[0] - from_m[0]).hypot(to_m[1] - from_m[1]);
+    let top_m = 2e-4 * f64::from(layer + 1);
     Segment {
         line: 1,
         layer: Some(layer),
-        start_m: [from_m[0], from_m[1], 2e-4],
-        end_m: [to_m[0], to_m[1], 2e-4],
+        start_m: [from_m[0], from_m[1], top_m],
+        end_m: [to_m[0], to_m[1], top_m],
         length_m,
         filament_m: 1e-3,
         kind: MoveKind::Deposit,

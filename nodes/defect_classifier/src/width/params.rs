@@ -28,7 +28,11 @@ pub struct RawWidth {
     pub turn_max_rad: f64,
     /// Least share of the cruise speed; slower is a ramp `[-]`.
     pub cruise_share: f64,
-    /// A side is free where no road of the same layer lies within so many widths of the centre line `[-]`.
+    /// Rounder roads, by height over width, are strands: not measured `[-]`.
+    pub height_max_rel: f64,
+    /// A road lies beside ours, and not below, where its top is lower by less than so many heights of ours `[-]`.
+    pub beside_heights: f64,
+    /// A side is free where no road beside ours lies within so many widths of the centre line `[-]`.
     pub clear_widths: f64,
     /// A side is stacked where the edge of a road below lies within so many widths of ours `[-]`.
     pub stacked_widths: f64,
@@ -71,6 +75,8 @@ impl TryFrom<RawWidth> for WidthParams {
         in_range("width.corner_m", raw.corner_m, "m", (0.0, 1e-2))?;
         in_range("width.turn_max_rad", raw.turn_max_rad, "rad", (0.0, 0.5))?;
         in_range("width.cruise_share", raw.cruise_share, "-", (0.0, 1.0))?;
+        in_range("width.height_max_rel", raw.height_max_rel, "-", (0.1, 2.0))?;
+        in_range("width.beside_heights", raw.beside_heights, "-", (0.05, 0.95))?;
         in_range("width.clear_widths", raw.clear_widths, "-", (0.9, 5.0))?;
         in_range("width.stacked_widths", raw.stacked_widths, "-", (0.0, 1.0))?;
         in_range("width.margin_px", raw.margin_px, "px", (1.0, 100.0))?;
@@ -98,6 +104,8 @@ pub(crate) mod tests {
             corner_m: 8e-4,
             turn_max_rad: 0.1,
             cruise_share: 0.95,
+            height_max_rel: 0.75,
+            beside_heights: 0.7,
             clear_widths: 1.5,
             stacked_widths: 0.3,
             margin_px: 4.0,

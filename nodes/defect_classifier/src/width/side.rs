@@ -1,4 +1,4 @@
-//! Which side of a piece of road shows its edge: nothing of the same layer beside it, nothing hidden.
+//! Which side of a piece of road shows its edge: nothing as high beside it, nothing hidden.
 
 use super::SeenEdge;
 use super::params::WidthParams;
@@ -42,8 +42,8 @@ pub(crate) struct Scene<'a> {
     pub(crate) view: (&'a Camera, [f64; 2]),
     /// Roads in the picture, with the part laid.
     pub(crate) roads: &'a [(Road, f64)],
-    /// Roads of the piece's layer.
-    pub(crate) layer: &'a Mask,
+    /// Roads that reach above the piece's floor, the piece itself among them.
+    pub(crate) beside: &'a Mask,
 }
 
 /// Sides of a piece that show its edge.
@@ -52,7 +52,7 @@ pub(crate) fn sides(
     piece: &Piece,
     params: &WidthParams,
 ) -> Result<Vec<Side>, opencv::Error> {
-    let levels = scene.layer.levels()?;
+    let levels = scene.beside.levels()?;
     let (camera, tool_m) = scene.view;
     let step_m = camera.scale_m * REDUCTION;
     let mut found = Vec::new();
@@ -81,14 +81,15 @@ pub(crate) fn sides(
     Ok(found)
 }
 
-/// Whether a road of the layer below has an edge near ours.
+/// Whether a road below has an edge near ours.
 fn stacked(
     roads: &[(Road, f64)],
     piece: &Piece,
     (station, sign): (&Station, f64),
     params: &WidthParams,
 ) -> bool {
-    let below = roads.iter().filter(|(road, _)| road.layer + 1 == piece.layer);
+    let floor_m = floor_m(piece, params);
+    let below = roads.iter().filter(|(road, _)| road.top_m <= floor_m);
     let edge_m = 0.5 * piece.width_m;
     below.into_iter().any(|(road, laid_m)| {
         let along = road.along();
@@ -107,16 +108,72 @@ fn stacked(
     })
 }
 
-/// Mask of all roads of a layer that were laid.
-pub(crate) fn layer_mask(
+/// A road whose top lies above this height is beside the piece or hides it; others lie below it `[m]`.
+pub(crate) fn floor_m(piece: &Piece, params: &WidthParams) -> f64 {
+    piece.top_m - params.beside_heights * piece.height_m
+}
+
+/// Mask of all that was laid and reaches above a height.
+pub(crate) fn mask_above(
     (camera, tool_m): (&Camera, [f64; 2]),
     roads: &[(Road, f64)],
-    layer: u32,
+    floor_m: f64,
 ) -> Result<Mask, opencv::Error> {
     let mut mask = Mask::empty(camera)?;
-    for (road, laid_m) in roads.iter().filter(|(road, laid_m)| road.layer == layer && *laid_m > 0.0) {
+    for (road, laid_m) in roads.iter().filter(|(road, laid_m)| road.top_m > floor_m && *laid_m > 0.0) {
         let (from, to) = (camera.pixel(tool_m, road.from_m), camera.pixel(tool_m, road.point_m(*laid_m)));
         mask.draw(from, to, road.width_m / camera.scale_m)?;
     }
     Ok(mask)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::params::tests::params;
+    use super::*;
+    use crate::camera::tests::camera;
+    use crate::path::PathHistory;
+    use crate::path::tests::{params as history, road};
+    use crate::surroundings::in_view;
+    use models::units::Seconds;
+
+    const TOOL_M: [f64; 2] = [0.1, 0.1];
+
+    /// Sides, left then right, on which the edge of a road along bed x is free, with a second road `beside_m` to its
+    /// left that lies `lower_m` lower.
+    fn free(beside_m: f64, lower_m: f64) -> Vec<f64> {
+        let mut path = PathHistory::new(history());
+        let mut other = road(1, [0.09, 0.104 + beside_m], [0.11, 0.104 + beside_m]);
+        (other.start_m[2], other.end_m[2]) = (other.start_m[2] - lower_m, other.end_m[2] - lower_m);
+        path.on_move(Seconds(1.0), &other);
+        path.on_move(Seconds(2.0), &road(1, [0.09, 0.104], [0.11, 0.104]));
+        let camera = camera();
+        let view = (&camera, TOOL_M);
+        let stations =
+            (0..20).map(|k| Station { point_m: [0.1 + 1e-4 * f64::from(k), 0.104], left: [0.0, 1.0] });
+        let piece = Piece {
+            stations: stations.collect(),
+            width_m: 4.5e-4,
+            height_m: 2e-4,
+            top_m: 4e-4,
+            laid: Seconds(3.0),
+        };
+        let roads = in_view(&path, Seconds(9.0), view);
+        let beside = mask_above(view, &roads, floor_m(&piece, &params())).unwrap();
+        let sides = sides(&Scene { view, roads: &roads, beside: &beside }, &piece, &params()).unwrap();
+        sides.iter().filter(|side| !side.stacked).map(|side| side.sign).collect()
+    }
+
+    #[test]
+    fn a_road_beside_hides_the_edge_whatever_layer_it_is_of() {
+        for lower_m in [-1e-4, 0.0, 2.7e-5, 1.3e-4] {
+            assert_eq!(free(4.5e-4, lower_m), [-1.0], "{lower_m}");
+        }
+    }
+
+    #[test]
+    fn a_road_below_hides_an_edge_only_where_its_own_lies() {
+        assert_eq!(free(4.5e-4, 2e-4), [-1.0]);
+        assert_eq!(free(2.3e-4, 2e-4), [1.0, -1.0]);
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::params::WidthParams;
 use crate::path::{PathHistory, Road};
+use models::motion::Role;
 use models::units::Seconds;
 
 /// A place on a road's centre line.
@@ -22,8 +23,8 @@ pub struct Piece {
     pub width_m: f64,
     /// Its height `[m]`.
     pub height_m: f64,
-    /// Layer from 0.
-    pub layer: u32,
+    /// Height of its top over the bed `[m]`.
+    pub top_m: f64,
     /// When its middle was laid.
     pub laid: Seconds,
 }
@@ -34,7 +35,7 @@ struct Stretch {
     stations: Vec<(Station, Seconds)>,
     width_m: f64,
     height_m: f64,
-    layer: u32,
+    top_m: f64,
     last: Option<(u64, [f64; 2])>,
 }
 
@@ -54,19 +55,30 @@ pub fn pieces(path: &PathHistory, exposed: Seconds, params: &WidthParams) -> Vec
                 .atan2(before[0] * along[0] + before[1] * along[1]);
             run == road.run && turn_rad.abs() <= params.turn_max_rad
         });
-        let same =
-            (stretch.width_m - road.width_m).abs() <= 1e-3 * road.width_m && stretch.layer == road.layer;
-        if !(joins && same) {
+        let near = |a_m: f64, b_m: f64| (a_m - b_m).abs() <= 1e-3 * road.width_m;
+        let same = near(stretch.width_m, road.width_m) && near(stretch.top_m, road.top_m);
+        let pressed = pressed(road, params);
+        if !(joins && same && pressed) {
             stretch.cut(params, &mut found);
+        }
+        if !pressed {
+            continue;
         }
         stretch.width_m = road.width_m;
         stretch.height_m = road.height_m;
-        stretch.layer = road.layer;
+        stretch.top_m = road.top_m;
         stretch.last = Some((road.run, along));
         stretch.gather((path, road), (Seconds(from_s), exposed), params, &mut found);
     }
     stretch.cut(params, &mut found);
     found
+}
+
+/// Whether a road was pressed on something: a strand over a gap is as round as it likes, whatever the slicer states.
+fn pressed(road: &Road, params: &WidthParams) -> bool {
+    let over_gaps =
+        matches!(road.role, Role::Bridge | Role::Overhang | Role::Support | Role::GapFill | Role::Ironing);
+    !over_gaps && road.height_m <= params.height_max_rel * road.width_m
 }
 
 /// Whether a road is laid at nearly its highest speed there.
@@ -125,7 +137,7 @@ impl Stretch {
                 stations: chunk.iter().map(|(station, _)| *station).collect(),
                 width_m: self.width_m,
                 height_m: self.height_m,
-                layer: self.layer,
+                top_m: self.top_m,
                 laid: chunk[chunk.len() / 2].1,
             });
         }
