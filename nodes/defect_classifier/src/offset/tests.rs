@@ -1,3 +1,4 @@
+use super::footprint::Lies;
 use super::*;
 use crate::camera::tests::camera;
 use crate::frame::tests::picture;
