@@ -34,8 +34,11 @@ const START: Seconds = Seconds(40.0);
 const END: Seconds = Seconds(6.0);
 
 /// Every node but the printer, the thermistor last: its stop ends the job.
-const NODES: [(&str, Role); 6] = [
+const NODES: [(&str, Role); 9] = [
     ("bag_recorder", Role::Aside),
+    ("imu", Role::Aside),
+    ("camera", Role::Aside),
+    ("defect_classifier", Role::Aside),
     ("filament_encoder", Role::ControlPath),
     ("state_estimator", Role::ControlPath),
     ("mpc_controller", Role::ControlPath),

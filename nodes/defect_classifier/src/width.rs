@@ -6,6 +6,7 @@
 
 pub mod combine;
 pub mod edge;
+mod ground;
 pub mod params;
 pub mod profile;
 mod side;
@@ -17,7 +18,8 @@ pub use params::{RawWidth, WidthParams};
 
 use crate::camera::Camera;
 use crate::path::{PathHistory, Road};
-use crate::surroundings::{Mask, in_view};
+use crate::surroundings::in_view;
+use ground::Ground;
 use models::units::Seconds;
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual};
 use profile::{Pixels, Ruler, across};
@@ -90,14 +92,14 @@ impl WidthGauge {
         let pixels =
             Pixels { levels: grey.data_bytes()?, columns: usize::try_from(grey.cols()).unwrap_or(0) };
         let roads: Vec<(Road, f64)> = in_view(path, exposed, view);
-        let mut mask: Option<(f64, Mask)> = None;
+        let mut ground: Option<Ground> = None;
         for piece in &pieces {
-            let floor_m = side::floor_m(piece, &self.params);
-            if mask.as_ref().is_none_or(|(before_m, _)| (before_m - floor_m).abs() > 1e-9) {
-                mask = Some((floor_m, side::mask_above(view, &roads, floor_m)?));
-            }
-            let Some((_, beside)) = &mask else { continue };
-            let sides = side::sides(&Scene { view, roads: &roads, beside }, piece, &self.params)?;
+            let around = match ground.take().filter(|ground| ground.serves(piece, &self.params)) {
+                Some(ground) => ground,
+                None => Ground::of(piece, &roads, view, &self.params)?,
+            };
+            let scene = Scene { view, roads: &roads, ground: ground.insert(around) };
+            let sides = side::sides(&scene, piece, &self.params)?;
             self.measure(piece, &sides, (&pixels, view), &mut seen);
         }
         Ok(seen)

@@ -32,6 +32,8 @@ pub struct RawWidth {
     pub height_max_rel: f64,
     /// A road lies beside ours, and not below, where its top is lower by less than so many heights of ours `[-]`.
     pub beside_heights: f64,
+    /// Ground is open where strands or sparse infill lie within half of it: the widest room between them `[m]`.
+    pub open_m: f64,
     /// A side is free where no road beside ours lies within so many widths of the centre line `[-]`.
     pub clear_widths: f64,
     /// A side is stacked where the edge of a road below lies within so many widths of ours `[-]`.
@@ -77,6 +79,7 @@ impl TryFrom<RawWidth> for WidthParams {
         in_range("width.cruise_share", raw.cruise_share, "-", (0.0, 1.0))?;
         in_range("width.height_max_rel", raw.height_max_rel, "-", (0.1, 2.0))?;
         in_range("width.beside_heights", raw.beside_heights, "-", (0.05, 0.95))?;
+        in_range("width.open_m", raw.open_m, "m", (0.0, 2e-2))?;
         in_range("width.clear_widths", raw.clear_widths, "-", (0.9, 5.0))?;
         in_range("width.stacked_widths", raw.stacked_widths, "-", (0.0, 1.0))?;
         in_range("width.margin_px", raw.margin_px, "px", (1.0, 100.0))?;
@@ -106,6 +109,7 @@ pub(crate) mod tests {
             cruise_share: 0.95,
             height_max_rel: 0.75,
             beside_heights: 0.7,
+            open_m: 3e-3,
             clear_widths: 1.5,
             stacked_widths: 0.3,
             margin_px: 4.0,

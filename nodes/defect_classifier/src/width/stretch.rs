@@ -1,8 +1,8 @@
 //! Straight, steadily laid stretches of fresh road, cut into pieces that are measured as one.
 
+use super::ground;
 use super::params::WidthParams;
 use crate::path::{PathHistory, Road};
-use models::motion::Role;
 use models::units::Seconds;
 
 /// A place on a road's centre line.
@@ -57,7 +57,7 @@ pub fn pieces(path: &PathHistory, exposed: Seconds, params: &WidthParams) -> Vec
         });
         let near = |a_m: f64, b_m: f64| (a_m - b_m).abs() <= 1e-3 * road.width_m;
         let same = near(stretch.width_m, road.width_m) && near(stretch.top_m, road.top_m);
-        let pressed = pressed(road, params);
+        let pressed = ground::pressed(road, params);
         if !(joins && same && pressed) {
             stretch.cut(params, &mut found);
         }
@@ -72,13 +72,6 @@ pub fn pieces(path: &PathHistory, exposed: Seconds, params: &WidthParams) -> Vec
     }
     stretch.cut(params, &mut found);
     found
-}
-
-/// Whether a road was pressed on something: a strand over a gap is as round as it likes, whatever the slicer states.
-fn pressed(road: &Road, params: &WidthParams) -> bool {
-    let over_gaps =
-        matches!(road.role, Role::Bridge | Role::Overhang | Role::Support | Role::GapFill | Role::Ironing);
-    !over_gaps && road.height_m <= params.height_max_rel * road.width_m
 }
 
 /// Whether a road is laid at nearly its highest speed there.
