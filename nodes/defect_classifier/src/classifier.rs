@@ -18,6 +18,7 @@ use crate::params::Params;
 use crate::path::PathHistory;
 use crate::surroundings::in_view;
 use crate::unexplained::Surface;
+use crate::usual::Usual;
 use crate::width::{EdgeModel, Seen, WidthGauge, WidthMeasurement};
 use models::motion::Segment;
 use models::status::{JobPhase, PrinterStatus};
@@ -60,6 +61,7 @@ pub struct Classifier {
     gate: FrameGate,
     path: PathHistory,
     gauge: WidthGauge,
+    usual: Usual,
     finder: OffsetFinder,
     surface: Surface,
     fusion: Fusion,
@@ -81,6 +83,7 @@ impl Classifier {
             gate: FrameGate::new(params.checks, &params.camera),
             path: PathHistory::new(params.history),
             gauge: WidthGauge::new(params.width, models.edge),
+            usual: Usual::new(params.usual),
             finder: OffsetFinder::new(params.offset, &params.camera),
             surface: Surface::new(params.unexplained),
             fusion: Fusion::new(params.fusion.clone(), models.network.classes())?,
@@ -138,6 +141,7 @@ impl Classifier {
             self.finder.forget();
             if before.is_none_or(|before| before.phase != JobPhase::Paused) {
                 self.surface.clear();
+                self.usual = Usual::new(self.params.usual);
             }
         }
         if !printing {

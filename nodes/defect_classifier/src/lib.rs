@@ -32,6 +32,7 @@ pub mod params;
 pub mod path;
 mod surroundings;
 pub mod unexplained;
+pub mod usual;
 pub mod width;
 
 pub use classifier::{Classifier, Counts, Models};

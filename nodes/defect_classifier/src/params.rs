@@ -8,6 +8,7 @@ use crate::layer::LayerParams;
 use crate::offset::OffsetParams;
 use crate::path::HistoryParams;
 use crate::unexplained::UnexplainedParams;
+use crate::usual::UsualParams;
 use crate::width::WidthParams;
 use models::params::{ParamError, in_range};
 use serde::Deserialize;
@@ -27,6 +28,8 @@ pub struct Params {
     pub history: HistoryParams,
     /// Measurement of the road's width.
     pub width: WidthParams,
+    /// What widths are usual here.
+    pub usual: UsualParams,
     /// Where what was laid before lies.
     pub offset: OffsetParams,
     /// Edges that no road explains.

@@ -18,7 +18,9 @@ impl Classifier {
         // What the loop corrects is wrong all the same: the width is held against what the file alone would have laid.
         let flow = self.status.map_or(1.0, |status| status.trims.flow);
         let measured = Measured {
-            width_error_rel: found.width.map(|width| width.width_m / width.wanted_m / flow - 1.0),
+            width_error_rel: found
+                .width
+                .map(|width| self.usual.error_rel(width.width_m / width.wanted_m / flow)),
             offset_m: found.offset.map(|offset| offset.offset_m),
             unexplained: Some(found.unexplained),
         };
