@@ -4,11 +4,12 @@
 //! cleared, a person's hand is in the picture.
 
 mod judge;
+mod notes;
 #[cfg(test)]
 mod tests;
 
 use crate::annotate;
-use crate::event::{Defects, EstimateReading, Event, Judged, Note, Output, Weight};
+use crate::event::{Defects, EstimateReading, Event, Judged, Output};
 use crate::frame::{FrameGate, Unusable};
 use crate::fusion::{Fusion, FusionError};
 use crate::layer::{LayerQuality, Nominal, SeenWidth};
@@ -70,6 +71,8 @@ pub struct Classifier {
     exposed: Option<Seconds>,
     unusable: Option<String>,
     confirmed: Option<String>,
+    /// What was laid before is not known: this print was under way when the first status came.
+    joined_late: bool,
     counts: Counts,
 }
 
@@ -94,6 +97,7 @@ impl Classifier {
             exposed: None,
             unusable: None,
             confirmed: None,
+            joined_late: false,
             counts: Counts::default(),
         })
     }
@@ -135,19 +139,25 @@ impl Classifier {
         self.path.on_status(status.stamp, status.path_time_s, status.position_m);
         let before = self.status.replace(*status);
         let printing = status.phase == JobPhase::Printing;
+        let mut outputs = Vec::new();
+        if before.is_none() && notes::under_way(status) {
+            self.joined_late = true;
+            outputs.push(Output::Note(notes::joined_late(status)));
+        }
         if printing && before.is_none_or(|before| before.phase != JobPhase::Printing) {
             // After a start or a resume the past says nothing of now.
             self.fusion.reset(status.stamp);
             self.finder.forget();
             if before.is_none_or(|before| before.phase != JobPhase::Paused) {
                 self.surface.clear();
+                self.joined_late &= before.is_none();
                 self.usual = Usual::new(self.params.usual);
             }
         }
-        if !printing {
-            return Vec::new();
+        if printing {
+            outputs.extend(self.quality.on_layer(status.stamp, status.layer).map(Output::Quality));
         }
-        self.quality.on_layer(status.stamp, status.layer).map(Output::Quality).into_iter().collect()
+        outputs
     }
 
     fn on_estimate(&mut self, estimate: &EstimateReading) {
@@ -213,7 +223,9 @@ impl Classifier {
             });
         }
         let unexplained = self.surface.find(grey, view)?;
-        Ok(Found { width, seen, offset, unexplained })
+        // Who does not know the whole part would take the rest of it for shifted or loose.
+        let known = !self.joined_late;
+        Ok(Found { width, seen, offset: offset.filter(|_| known), unexplained: known.then_some(unexplained) })
     }
 
     fn picture(
@@ -240,50 +252,6 @@ impl Classifier {
         outputs.push(Output::Picture { exposed, jpeg });
         Ok(())
     }
-
-    /// A line where the camera stops or starts to tell something, or a cause is confirmed or over.
-    fn notes(
-        &mut self,
-        stamp: Seconds,
-        judged: &Result<Judged, Unusable>,
-    ) -> impl Iterator<Item = Note> + use<> {
-        let why = judged.as_ref().err().map(ToString::to_string);
-        let view = |why: &Option<String>| if why.is_some() { "unknown" } else { "usable" };
-        let (before, after) = (view(&self.unusable), view(&why));
-        let changed = before != after;
-        let text = why.clone().unwrap_or_default();
-        self.unusable = why;
-        let of_view = changed.then(|| Note {
-            stamp,
-            weight: if after == "usable" { Weight::Info } else { Weight::Warn },
-            what: "camera_view",
-            why: text,
-            before: before.into(),
-            after: after.into(),
-        });
-        let of_cause = judged.as_ref().ok().and_then(|judged| self.cause(stamp, judged));
-        [of_view, of_cause].into_iter().flatten()
-    }
-
-    fn cause(&mut self, stamp: Seconds, judged: &Judged) -> Option<Note> {
-        let fused = &judged.fused;
-        let cause = fused.confirmed.then(|| fused.cause.clone());
-        if cause == self.confirmed {
-            return None;
-        }
-        let before = std::mem::replace(&mut self.confirmed, cause.clone());
-        Some(Note {
-            stamp,
-            weight: if cause.is_some() { Weight::Warn } else { Weight::Info },
-            what: "defect",
-            why: format!(
-                "{} of {} frames, confidence {:.2}",
-                fused.in_favour, fused.window, fused.confidence
-            ),
-            before: before.unwrap_or_else(|| crate::network::OK.into()),
-            after: cause.unwrap_or_else(|| crate::network::OK.into()),
-        })
-    }
 }
 
 /// What was measured in a frame.
@@ -291,6 +259,6 @@ struct Found {
     width: Option<WidthMeasurement>,
     seen: Seen,
     offset: Option<Offset>,
-    /// Share of the strong edges that no road explains.
-    unexplained: f64,
+    /// Share of the strong edges that no road explains; `None` where the roads are not all known.
+    unexplained: Option<f64>,
 }

@@ -22,12 +22,12 @@ impl Classifier {
                 .width
                 .map(|width| self.usual.error_rel(width.width_m / width.wanted_m / flow)),
             offset_m: found.offset.map(|offset| offset.offset_m),
-            unexplained: Some(found.unexplained),
+            unexplained: found.unexplained,
         };
         let scores = self.network.classify(grey, &measured).map_err(|_| Unusable::Failed)?;
         let fused = self.fusion.on_frame(exposed, &scores, &measured).ok_or(Unusable::Failed)?;
         let region_px = region(&self.params.camera, found, &fused.cause);
-        let unexplained = found.unexplained;
+        let unexplained = found.unexplained.unwrap_or(0.0);
         Ok(Judged {
             probabilities: scores.probabilities,
             fused,
@@ -62,7 +62,9 @@ pub(super) fn captions(exposed: Seconds, found: &Found, judged: &Judged) -> Vec<
         let [x_mm, y_mm] = offset.offset_m.map(|value| 1e3 * value);
         lines.push(format!("offset {x_mm:+.2}, {y_mm:+.2} +- {:.2} mm", 1e3 * offset.sigma_m));
     }
-    lines.push(format!("edges without a road {:.0} %", 100.0 * found.unexplained));
+    if let Some(share) = found.unexplained {
+        lines.push(format!("edges without a road {:.0} %", 100.0 * share));
+    }
     lines
 }
 

@@ -167,3 +167,25 @@ fn a_layer_has_a_figure_each_second_and_one_when_it_is_done() {
     let terms = figures[1].terms;
     assert!(terms.total() > 0.0 && terms.temperature > 0.0 && terms.adhesion > 0.0 && figures[1].frames == 1);
 }
+
+/// Killed in the second layer it took the roads laid since for the whole part, and paused sound prints.
+#[test]
+fn who_joins_a_print_under_way_does_not_judge_its_old_part_until_the_next() {
+    let told = |outputs: &[Output]| {
+        outputs.iter().any(|output| matches!(output, Output::Note(note) if note.what == "old_part"))
+    };
+    let late = |brain: &mut Classifier, stamp_s: f64, layer: u32| {
+        told(&brain.on_event(status(stamp_s, JobPhase::Printing, layer)))
+    };
+    let mut brain = classifier();
+    assert!(late(&mut brain, 9.0, 1) && !late(&mut brain, 9.1, 1));
+    assert!(brain.joined_late);
+    brain.on_event(status(9.2, JobPhase::Paused, 1));
+    brain.on_event(status(9.3, JobPhase::Printing, 1));
+    assert!(brain.joined_late, "a pause makes nothing known");
+    brain.on_event(status(9.4, JobPhase::Done, 1));
+    brain.on_event(status(9.5, JobPhase::Printing, 0));
+    assert!(!brain.joined_late);
+    assert!(!late(&mut classifier(), 9.0, 0), "the first roads are laid over");
+    assert!(late(&mut classifier(), 16.0, 0));
+}
