@@ -7,6 +7,6 @@ echo "Building (release; a first build takes some minutes)"
 cargo build --release --locked --workspace --bins
 
 # The printer heats up for two minutes of its own time; four times as fast fits into the patience of a demo.
-./target/release/fdm up \
+"${CARGO_TARGET_DIR:-target}/release/fdm" up \
   --gcode tests/data/gcode/prusa_cube_pla_marlin_relE.gcode --layers 10 \
   --scenario slip09 --control off,mpc --host "${FDM_HOST:-native}" --speed "${FDM_SPEED:-4}"

@@ -134,7 +134,31 @@ fn the_serial_host_makes_up_for_a_slip_too() {
     assert_eq!(run["host"], "serial");
 }
 
-/// What ends a print does, and what does not leaves it alone; a scenario that cannot be loaded fails.
+/// P8: the same print, sound and with 0.8 mm of lost steps, seen by the camera alone.
+#[test]
+fn the_camera_tells_a_shifted_layer_from_a_sound_print() {
+    let file = gcode("prusa_cube_pla_marlin_relE.gcode");
+    let judged = |scenario: &str, seed: &str| {
+        json(&["sim", &file, "--layers", "6", "--camera", "--scenario", scenario, "--seed", seed])
+    };
+    let sound = judged("nominal", "311");
+    assert_eq!((&sound["ended"], &sound["false_alarms"]), (&"done".into(), &0.into()), "{sound}");
+    let widths = number(&sound["camera"], "widths");
+    let (bias_m, sigma_m) =
+        (number(&sound["camera"], "width_bias_m"), number(&sound["camera"], "width_sigma_m"));
+    // A tenth of a road: what P5 must not take for a defect.
+    assert!(widths > 50.0 && bias_m.abs() < 4.5e-5 && sigma_m < 4.5e-5, "{widths} {bias_m} {sigma_m}");
+    let shifted = judged("layer_shift", "312");
+    assert_eq!(shifted["ended"], "paused", "{shifted}");
+    let found = &shifted["detections"];
+    let paused = found.as_array().unwrap().iter().find(|one| one["action"] == "paused").unwrap();
+    assert_eq!(paused["fault"], "P8", "{shifted}");
+    let reaction_s = number(paused, "detected_s") - number(paused, "onset_s");
+    assert!((0.0..=30.0).contains(&reaction_s), "{reaction_s} s");
+}
+
+/// What ends a print does, and what does not leaves it alone; a scenario that cannot be loaded fails. Without the camera:
+/// what only it sees goes unnoticed here.
 #[test]
 fn every_shipped_scenario_runs() {
     let file = gcode("prusa_cube_pla_marlin_relE.gcode");
