@@ -210,9 +210,9 @@ fn write_stl(name: &str, triangles: &[[Corner; 3]]) -> String {
     path
 }
 
-/// The sides of a cone are alike but for the table's angle, and its base looks down: area 1 / (1 + r/s) of the whole.
+/// The machine works on the sides of a cone, and its base looks down: area 1 / (1 + r/s) of the whole.
 #[test]
-fn the_map_of_a_cone_has_one_error_on_its_sides() {
+fn the_map_of_a_cone_is_of_its_sides() {
     let part = write_stl("cone.stl", &cone(60, true));
     let picture = scratch("cone.html");
     let map = json(&["kinematics", "map", "--stl", &part, "--picture", &picture]);
@@ -220,12 +220,29 @@ fn the_map_of_a_cone_has_one_error_on_its_sides() {
     assert_eq!(map["refused"]["tilt"], 60);
     let slant = 30.0_f64.hypot(50.0);
     assert!((number(&map, "workable_share") - 1.0 / (1.0 + 30.0 / slant)).abs() < 1e-3, "{map}");
-    assert!((number(&map, "largest_mm") / number(&map, "mean_mm") - 1.0).abs() < 1e-4, "{map}");
+    // Looked at in even pieces, not in the triangles' middles alone: the error differs over the height.
+    assert!(number(&map, "points") > 1000.0 && number(&map, "edge_mm") < 5.0, "{map}");
+    assert!(number(&map, "largest_mm") >= number(&map, "p95_mm"), "{map}");
+    assert!(number(&map, "p95_mm") >= number(&map, "mean_mm"), "{map}");
     let page = std::fs::read_to_string(picture).unwrap();
     assert!(
         page.starts_with("<!DOCTYPE html>")
             && page.contains("<svg")
             && page.matches("<polygon").count() >= 120
+    );
+}
+
+/// Nothing within reach is no map with an error of 0.
+#[test]
+fn a_part_out_of_reach_is_refused() {
+    let part = write_stl("far.stl", &cone(12, true));
+    refused(
+        &["kinematics", "map", "--stl", &part, "--unit", "1000"],
+        &["can work on no point of the part", "tilt", "must be"],
+    );
+    refused(
+        &["kinematics", "budget", "--stl", &part, "--from-height", "49.9"],
+        &["--from-height 49.9 mm", "must be 30 or more", "lie below it"],
     );
 }
 
@@ -243,20 +260,20 @@ fn pictures_are_drawn_of_the_wall_and_the_hemisphere() {
 
 #[test]
 fn bad_input_names_the_value_and_the_limit() {
-    refused(&["wire", "plan", "--diameter", "-3"], &["diameter_m = -0.003 m", "[0.0001, 0.02]"]);
-    refused(&["wire", "plan", "--power", "0"], &["power_w = 0 W", "> 0"]);
+    refused(&["wire", "plan", "--diameter", "-3"], &["--diameter -3 mm", "[0.1, 20] mm"]);
+    refused(&["wire", "plan", "--power", "0"], &["--power 0 W", "> 0"]);
     refused(&["wire", "plan", "--material", "tin"], &["'tin' is unknown", "aluminium, copper"]);
-    refused(&["wire", "correct", "--height", "NaN"], &["measured_height_m = NaN"]);
-    refused(&["wire", "sim", "--gain", "9"], &["gain = 9", "[0, 4]"]);
-    refused(&["wire", "sim", "--noise", "-1"], &["sensor.sigma_m = -0.001 m", "[0, 0.01]"]);
+    refused(&["wire", "correct", "--height", "NaN"], &["--height NaN mm", "[0, 7.16] mm"]);
+    refused(&["wire", "sim", "--gain", "9"], &["--gain 9", "[0, 4]"]);
+    refused(&["wire", "sim", "--noise", "-1"], &["--noise -1 mm", "[0, 10] mm"]);
     refused(&["wire", "sim", "--seeds", "5..1"], &["--seeds 5..1", "A <= B"]);
     refused(&["wire", "sim", "--picture", "wall.bmp"], &["wall.bmp", ".svg or .html"]);
-    refused(&["kinematics", "error", "--height", "80"], &["height_m = 0.08", "in [0, radius"]);
+    refused(&["kinematics", "error", "--height", "80"], &["--height 80 mm", "[0, 75] mm"]);
     refused(&["kinematics", "error", "--height", "10", "--radius", "900"], &["m: must be"]);
     refused(&["kinematics", "error", "--machine", "g7"], &["'g7' is unknown", "g1"]);
-    refused(&["kinematics", "synthesize", "--target", "-0.1"], &["target_m = -0.0001 m", "> 0"]);
+    refused(&["kinematics", "synthesize", "--target", "-0.1"], &["--target -0.1 mm", "> 0"]);
     let open = write_stl("open.stl", &cone(12, false));
     refused(&["kinematics", "map", "--stl", &open], &["open edges = 12", "must be 0"]);
-    refused(&["kinematics", "map", "--stl", "README.md"], &["README.md: no STL file"]);
+    refused(&["kinematics", "map", "--stl", "README.md"], &["README.md: not an STL file"]);
     refused(&["kinematics", "map", "--stl", "nowhere.stl"], &["nowhere.stl"]);
 }

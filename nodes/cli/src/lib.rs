@@ -8,6 +8,7 @@ pub mod gcode;
 pub mod job;
 pub mod kinematics;
 pub mod operate;
+pub mod options;
 pub mod output;
 pub mod process;
 pub mod report;

@@ -1,12 +1,13 @@
 //! `fdm kinematics budget`: how far a layer may lie off that the machine alone explains, as two parameters.
 
 use super::{MachineArgs, stl};
+use crate::options::{in_range, positive};
 use crate::output::{self, Json};
 use anyhow::bail;
 use clap::Args;
 use models::hybrid::published::Published;
-use models::hybrid::{AxisError, CARRIAGES, Station, SurfacePoint};
-use models::params::{in_range, positive};
+use models::hybrid::{AxisError, CARRIAGES, Geometry, Mesh, Station, SurfacePoint};
+use models::params;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -23,7 +24,7 @@ pub struct BudgetArgs {
     /// Full step of the motors `[deg]`; each is wrong by the machine file's part of it.
     #[arg(long, default_value_t = 1.8)]
     step: f64,
-    /// Points of the surface below this height are left out `[mm]`.
+    /// Points of the surface below this height are left out `[mm]`; how many is said.
     #[arg(long, default_value_t = 15.0)]
     from_height: f64,
     #[command(flatten)]
@@ -53,6 +54,12 @@ pub struct BudgetFigures {
     pub angle_deg: f64,
     /// Points of the surface that were looked at.
     pub points: usize,
+    /// Longest edge of the pieces of the surface whose centres they are; absent for the hemisphere.
+    pub edge_mm: Option<f64>,
+    /// Height below which nothing was looked at.
+    pub from_height_mm: f64,
+    /// Points below it.
+    pub below: usize,
     /// Points that the machine refuses, or where a combination of signs loses the nominal branch.
     pub left_out: usize,
     /// Largest lateral error of a point, over all combinations of signs.
@@ -63,8 +70,14 @@ pub struct BudgetFigures {
     pub safety_supervisor_machine_error_m: f64,
 }
 
-/// Heights of the hemisphere.
+/// Heights of the hemisphere, from the cut to the pole.
 const HEIGHTS: u32 = 61;
+/// A part's surface is looked at in pieces with no edge longer than this `[m]`.
+const EDGE_M: f64 = 1e-3;
+/// Most of them: on larger parts the edges are longer. Some seconds.
+const MOST: usize = 20_000;
+/// Fewer points than these are no surface.
+const FEWEST: usize = 30;
 /// The parameters are written in whole micrometres, rounded up.
 const GRAIN_M: f64 = 1e-6;
 
@@ -76,33 +89,39 @@ pub fn run(args: &BudgetArgs) -> anyhow::Result<()> {
     let config = args.machine.config()?;
     let json = Json::new(args.json.as_deref());
     json.check()?;
-    positive("step_deg", args.step, "deg")?;
-    in_range("unit_mm", args.unit, "mm", (1e-6, 1e6))?;
-    in_range("from_height_mm", args.from_height, "mm", (0.0, 1e4))?;
+    positive("--step", args.step, "deg")?;
+    in_range("--unit", args.unit, "mm", (1e-6, 1e6))?;
+    in_range("--from-height", args.from_height, "mm", (0.0, 1e4))?;
     let geometry = args.machine.geometry(&config)?;
     let angle_deg = args.step * args.machine.choices(&config)?.motor_error;
     let error = AxisError::of_motors(angle_deg.to_radians(), geometry.lead_m);
     let tables: Published = runtime::params::from_yaml(&config.file("machines/published.yaml"))?;
-    let points = points(args, tables.radius_m)?;
-    let laterals: Vec<f64> = points
-        .iter()
-        .filter_map(|point| geometry.station(point).ok())
-        .filter_map(|station| lateral_m(&station, &error))
-        .collect();
+    let surface = surface(args, tables.radius_m)?;
+    let laterals = laterals_m(&geometry, &surface.points, &error);
     let largest_m = laterals.iter().copied().fold(0.0, f64::max);
     // Of two layers either may be off, in opposite directions: an axis' error changes its sign within a step.
     let error_m = (2.0 * largest_m / GRAIN_M).ceil() * GRAIN_M;
-    if laterals.is_empty() {
-        bail!("--from-height {}: no point above it that the machine can work on", args.from_height);
+    if laterals.len() < FEWEST {
+        bail!(
+            "--from-height {} mm: {} points above it that the machine can work on, must be {FEWEST} or more \
+             ({} points lie below it, the machine refuses {})",
+            args.from_height,
+            laterals.len(),
+            surface.below,
+            surface.points.len() - laterals.len()
+        );
     }
     // What the supervisor takes: a larger budget would hide any shift.
-    in_range("machine_error_m", error_m, "m", (0.0, 0.01))?;
+    params::in_range("machine_error_m", error_m, "m", (0.0, 0.01))?;
     let figures = BudgetFigures {
         machine: args.machine.machine.clone(),
         provenance: geometry.provenance.clone(),
         angle_deg,
-        points: points.len(),
-        left_out: points.len() - laterals.len(),
+        points: surface.points.len(),
+        edge_mm: surface.edge_m.map(|edge_m| 1e3 * edge_m),
+        from_height_mm: args.from_height,
+        below: surface.below,
+        left_out: surface.points.len() - laterals.len(),
         lateral_mm: 1e3 * largest_m,
         defect_classifier: MachineBlock { error_known: true, error_m },
         safety_supervisor_machine_error_m: error_m,
@@ -113,21 +132,38 @@ pub fn run(args: &BudgetArgs) -> anyhow::Result<()> {
     json.write(&figures)
 }
 
-fn points(args: &BudgetArgs, radius_m: f64) -> anyhow::Result<Vec<SurfacePoint>> {
+/// What is looked at.
+struct Surface {
+    points: Vec<SurfacePoint>,
+    edge_m: Option<f64>,
+    below: usize,
+}
+
+fn surface(args: &BudgetArgs, radius_m: f64) -> anyhow::Result<Surface> {
     let lowest_m = 1e-3 * args.from_height;
     if let Some(path) = &args.stl {
-        let mesh = stl::read(path, 1e-3 * args.unit)?;
-        let centres = mesh.triangles().iter().map(|triangle| SurfacePoint {
-            position_m: (triangle[0] + triangle[1] + triangle[2]) / 3.0,
-            normal: (triangle[1] - triangle[0]).cross(&(triangle[2] - triangle[0])),
-        });
-        return Ok(centres.filter(|point| point.position_m.z >= lowest_m).collect());
+        return Ok(of_mesh(&stl::read(path, 1e-3 * args.unit)?, lowest_m));
     }
-    let heights = (0..HEIGHTS).map(|index| radius_m * f64::from(index) / f64::from(HEIGHTS - 1));
-    let points = heights
-        .filter(|height_m| *height_m >= lowest_m)
-        .map(|height_m| Ok(SurfacePoint::on_hemisphere(radius_m, height_m)?));
-    points.collect()
+    in_range("--from-height", args.from_height, "mm", (0.0, 1e3 * radius_m))?;
+    // All meridians are alike: heights alone are a surface.
+    let height_m = |index| lowest_m + (radius_m - lowest_m) * f64::from(index) / f64::from(HEIGHTS - 1);
+    let points =
+        (0..HEIGHTS).map(|index| Ok(SurfacePoint::on_hemisphere(radius_m, height_m(index).min(radius_m))?));
+    Ok(Surface { points: points.collect::<anyhow::Result<_>>()?, edge_m: None, below: 0 })
+}
+
+fn of_mesh(mesh: &Mesh, lowest_m: f64) -> Surface {
+    let sampling = mesh.sampled(EDGE_M, MOST);
+    let all = sampling.samples.iter().map(|sample| SurfacePoint::on_triangle(&sample.piece));
+    let points: Vec<SurfacePoint> = all.filter(|point| point.position_m.z >= lowest_m).collect();
+    let below = sampling.samples.len() - points.len();
+    Surface { points, edge_m: Some(sampling.edge_m), below }
+}
+
+/// Lateral errors of the points that the machine can work on.
+fn laterals_m(geometry: &Geometry, points: &[SurfacePoint], error: &AxisError) -> Vec<f64> {
+    let stations = points.iter().filter_map(|point| geometry.station(point).ok());
+    stations.filter_map(|station| lateral_m(&station, error)).collect()
 }
 
 /// Largest error across the extruder's axis over all signs `[m]`, where a camera at the extruder looks for an offset;
@@ -145,16 +181,37 @@ fn lateral_m(station: &Station<'_>, error: &AxisError) -> Option<f64> {
 
 fn text(figures: &BudgetFigures) -> String {
     let error_m = figures.safety_supervisor_machine_error_m;
+    let surface = figures.edge_mm.map_or_else(
+        || format!("{} of one meridian, evenly over the height", figures.points),
+        |edge_mm| format!("{} of the surface, one a piece with edges up to {edge_mm:.2} mm", figures.points),
+    );
+    let height_mm = figures.from_height_mm;
+    let cut = figures.edge_mm.map_or_else(
+        || format!("nothing below {height_mm} mm is looked at (--from-height)"),
+        |_| {
+            let all = figures.below + figures.points;
+            format!(
+                "{} of {all} points lie below {height_mm} mm and are left out (--from-height)",
+                figures.below
+            )
+        },
+    );
     [
         format!("machine      {}: geometry {}", figures.machine, figures.provenance),
         format!("motors       each wrong by {:.4} degrees, worst combination of signs", figures.angle_deg),
-        format!("points       {} of the surface, {} left out", figures.points, figures.left_out),
+        format!("height cut   {cut}"),
+        format!("points       {surface}; the machine refuses {}", figures.left_out),
         format!("lateral      at most {:.4} mm; between two layers twice that", figures.lateral_mm),
         String::new(),
-        "# defect_classifier".to_owned(),
-        format!("    machine: {{error_known: true, error_m: {error_m:.6}}}"),
-        "# safety_supervisor, block shift".to_owned(),
+        "# config/defect_classifier.param.yaml: replaces the lines of the block 'machine' there".to_owned(),
+        "    machine:".to_owned(),
+        "      error_known: true".to_owned(),
+        format!("      error_m: {error_m:.6}"),
+        "# config/safety_supervisor.param.yaml: replaces the line 'machine_error_m' of the block 'shift' there".to_owned(),
         format!("      machine_error_m: {error_m:.6}"),
     ]
     .join("\n")
 }
+
+#[cfg(test)]
+mod tests;

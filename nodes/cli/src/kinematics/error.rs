@@ -1,7 +1,9 @@
 //! `fdm kinematics error`: tables over height and angle beside the paper's.
 
 use super::MachineArgs;
+use crate::options::positive;
 use crate::output::{self, Json};
+use anyhow::Context;
 use clap::Args;
 use models::hybrid::published::Published;
 use models::hybrid::{AxisError, Geometry, SurfacePoint};
@@ -97,6 +99,8 @@ pub fn run(args: &ErrorArgs) -> anyhow::Result<()> {
     let geometry = args.machine.geometry(&config)?;
     let tables: Published = runtime::params::from_yaml(&config.file("machines/published.yaml"))?;
     let radius_m = args.radius.map_or(tables.radius_m, |mm| 1e-3 * mm);
+    super::check_heights(&args.height, args.radius, radius_m)?;
+    positive("--angle", args.angle, "deg")?;
     let asked = if args.height.is_empty() { of_tables(&tables) } else { of_heights(args) };
     let rows = asked.iter().map(|asked| row(&geometry, radius_m, asked, args));
     let figures = ErrorFigures {
@@ -149,8 +153,8 @@ fn of_tables(tables: &Published) -> Vec<Asked> {
 }
 
 fn row(geometry: &Geometry, radius_m: f64, asked: &Asked, args: &ErrorArgs) -> anyhow::Result<ErrorRow> {
-    models::params::positive("angle_deg", asked.angle_deg, "deg")?;
-    let station = geometry.station(&SurfacePoint::on_hemisphere(radius_m, asked.height_m)?)?;
+    let point = SurfacePoint::on_hemisphere(radius_m, asked.height_m)?;
+    let station = geometry.station(&point).with_context(|| format!("height {} mm", 1e3 * asked.height_m))?;
     let error = AxisError::of_motors(asked.angle_deg.to_radians(), geometry.lead_m);
     let worst = station.extremal(&error);
     let mut source = StdRng::seed_from_u64(args.seed);
@@ -205,6 +209,11 @@ fn text(figures: &ErrorFigures) -> String {
             row.height_mm, row.angle_deg, row.error_mm, row.linear_mm, row.gain, row.condition, row.failed
         );
     }
+    text.push_str(
+        "residual: ours over the paper's, less 1; linear: ours to first order; gain: error along the normal per error \
+         of the carriages, their sum; condition: of the Jacobian, large near a pose that the machine cannot hold; \
+         failed: combinations of signs without a pose, not part of the maximum; random: standard deviation of draws\n",
+    );
     if figures.rows.iter().any(|row| row.table.is_some()) {
         text.push_str(
             "Table 1 below z = 15 mm is not met: it contradicts Table 2 (1 degree) and any smooth continuation; \

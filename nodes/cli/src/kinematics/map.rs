@@ -1,12 +1,17 @@
 //! `fdm kinematics map`: the error over a part.
 
+mod hemisphere;
+
+pub use hemisphere::{HemisphereFigures, Spot};
+
 use super::{MachineArgs, picture, stl};
+use crate::options::{in_range, positive, significant};
 use crate::output::{self, Json};
 use crate::process::Picture;
+use anyhow::bail;
 use clap::Args;
 use models::hybrid::published::Published;
-use models::hybrid::{AxisError, Cell, ErrorMap, Geometry, Mesh, Refused, SurfacePoint};
-use models::params::{in_range, positive};
+use models::hybrid::{AxisError, Cell, ErrorMap, Geometry, Mesh, Refused};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -49,6 +54,10 @@ pub struct PartFigures {
     pub angle_deg: f64,
     /// Triangles of the part.
     pub triangles: usize,
+    /// Pieces of them that the figures of the error are of: their centres were looked at.
+    pub points: usize,
+    /// Longest edge of a piece of a divided triangle.
+    pub edge_mm: f64,
     /// Its volume.
     pub volume_mm3: f64,
     /// Its surface.
@@ -73,30 +82,6 @@ pub struct PartFigures {
     pub wall_time_s: f64,
 }
 
-/// One height and angle on the hemisphere.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spot {
-    /// Height.
-    pub height_mm: f64,
-    /// Angle by which every motor is wrong.
-    pub angle_deg: f64,
-    /// Worst error; absent where a combination has no pose on the nominal branch.
-    pub error_mm: Option<f64>,
-}
-
-/// The figures of the hemisphere.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct HemisphereFigures {
-    /// Machine.
-    pub machine: String,
-    /// Where its geometry comes from.
-    pub provenance: String,
-    /// Radius.
-    pub radius_mm: f64,
-    /// Rows of one angle each, heights rising.
-    pub spots: Vec<Spot>,
-}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -106,13 +91,13 @@ pub fn run(args: &MapArgs) -> anyhow::Result<()> {
     Json::new(args.json.as_deref()).check()?;
     let geometry = args.machine.geometry(&config)?;
     let picture = args.picture.as_deref().map(Picture::new).transpose()?;
-    positive("step_deg", args.step, "deg")?;
-    in_range("unit_mm", args.unit, "mm", (1e-6, 1e6))?;
+    positive("--step", args.step, "deg")?;
+    in_range("--unit", args.unit, "mm", (1e-6, 1e6))?;
     if let Some(path) = &args.stl {
         return part(args, &geometry, &stl::read(path, 1e-3 * args.unit)?, picture.as_ref());
     }
     let tables: Published = runtime::params::from_yaml(&config.file("machines/published.yaml"))?;
-    hemisphere(args, &geometry, tables.radius_m, picture.as_ref())
+    hemisphere::run(args, &geometry, tables.radius_m, picture.as_ref())
 }
 
 fn part(args: &MapArgs, geometry: &Geometry, mesh: &Mesh, picture: Option<&Picture>) -> anyhow::Result<()> {
@@ -120,8 +105,14 @@ fn part(args: &MapArgs, geometry: &Geometry, mesh: &Mesh, picture: Option<&Pictu
     let error = AxisError::of_motors(angle_deg.to_radians(), geometry.lead_m);
     let started = Instant::now();
     let map = geometry.error_map(mesh, &error);
+    let sampling = mesh.sampled(EDGE_M, MOST);
+    let pieces = geometry.error_map_of(&sampling, &map, &error);
     let wall_time_s = started.elapsed().as_secs_f64();
-    let figures = figures(args, geometry, (mesh, &map), (angle_deg, wall_time_s));
+    let maps = Maps { mesh, map: &map, pieces: &pieces, edge_m: sampling.edge_m };
+    let figures = figures(args, geometry, &maps, (angle_deg, wall_time_s));
+    if figures.largest_mm.is_none() {
+        bail!("{}", nowhere(&figures));
+    }
     if let Some(picture) = picture {
         picture::part(picture, mesh, &map)?;
     }
@@ -132,13 +123,37 @@ fn part(args: &MapArgs, geometry: &Geometry, mesh: &Mesh, picture: Option<&Pictu
     json.write(&figures)
 }
 
+/// A part's surface is looked at in pieces with no edge longer than this `[m]`.
+const EDGE_M: f64 = 2e-3;
+/// Most of them: on larger parts the edges are longer.
+const MOST: usize = 10_000;
+
+/// A part, the errors of its triangles, and those of even pieces.
+struct Maps<'a> {
+    mesh: &'a Mesh,
+    map: &'a ErrorMap,
+    pieces: &'a ErrorMap,
+    edge_m: f64,
+}
+
+/// Why there is no error to map.
+fn nowhere(figures: &PartFigures) -> String {
+    let reasons = figures.refused.iter().map(|(kind, count)| {
+        let example = figures.refused_examples.get(kind).map_or("", String::as_str);
+        format!("{count} triangles {kind}, one has {example}")
+    });
+    let reasons: Vec<String> = reasons.collect();
+    format!("the machine {} can work on no point of the part: {}", figures.machine, reasons.join("; "))
+}
+
 fn figures(
     args: &MapArgs,
     geometry: &Geometry,
-    (mesh, map): (&Mesh, &ErrorMap),
+    maps: &Maps<'_>,
     (angle_deg, wall_time_s): (f64, f64),
 ) -> PartFigures {
-    let summary = map.summary();
+    let (map, pieces) = (maps.map, maps.pieces);
+    let summary = pieces.summary();
     let (mut refused, mut examples) = (BTreeMap::new(), BTreeMap::new());
     for reason in map.cells.iter().filter_map(|cell| cell.outcome.err()) {
         *refused.entry(kind(&reason)).or_insert(0) += 1;
@@ -150,14 +165,16 @@ fn figures(
         provenance: geometry.provenance.clone(),
         angle_deg,
         triangles: map.cells.len(),
-        volume_mm3: 1e9 * mesh.volume_m3(),
+        points: pieces.cells.len(),
+        edge_mm: 1e3 * maps.edge_m,
+        volume_mm3: 1e9 * maps.mesh.volume_m3(),
         area_mm2: 1e6 * summary.area_m2,
         workable_share: summary.workable,
         mean_mm: 1e3 * summary.mean_m,
         p95_mm: 1e3 * summary.most_m,
         largest_mm: summary.largest.map(|(error_m, _)| 1e3 * error_m),
-        largest_at_mm: summary.largest.map(|(_, cell)| (1e3 * map.cells[cell].centre_m).into()),
-        left_branch: map.cells.iter().filter(left).count(),
+        largest_at_mm: summary.largest.map(|(_, cell)| (1e3 * pieces.cells[cell].centre_m).into()),
+        left_branch: pieces.cells.iter().filter(left).count(),
         refused,
         refused_examples: examples,
         wall_time_s,
@@ -180,15 +197,27 @@ fn text(figures: &PartFigures) -> String {
     let mut lines = vec![
         format!("machine      {}: geometry {}", figures.machine, figures.provenance),
         format!(
-            "part         {} triangles, {:.0} mm3, {:.0} mm2",
-            figures.triangles, figures.volume_mm3, figures.area_mm2
+            "part         {} triangles, {} mm3, {} mm2",
+            figures.triangles,
+            significant(figures.volume_mm3, 4),
+            significant(figures.area_mm2, 4)
+        ),
+        format!(
+            "points       {}, one a piece of the surface with edges up to {} mm",
+            figures.points,
+            significant(figures.edge_mm, 3)
         ),
         format!("motors       each wrong by {:.5} degrees, worst combination of signs", figures.angle_deg),
         format!("workable     {:.1} % of the surface", 100.0 * figures.workable_share),
-        format!("error        mean {:.4} mm, 95 % below {:.4} mm", figures.mean_mm, figures.p95_mm),
+        format!(
+            "error        mean {} mm, 95 % below {} mm",
+            significant(figures.mean_mm, 4),
+            significant(figures.p95_mm, 4)
+        ),
     ];
     if let (Some(error_mm), Some([x, y, z])) = (figures.largest_mm, figures.largest_at_mm) {
-        lines.push(format!("largest      {error_mm:.4} mm at ({x:.1}, {y:.1}, {z:.1}) mm"));
+        let [x, y, z] = [x, y, z].map(|at_mm| significant(at_mm, 3));
+        lines.push(format!("largest      {} mm at ({x}, {y}, {z}) mm", significant(error_mm, 4)));
     }
     if figures.left_branch > 0 {
         lines.push(format!("branch       {} cells lose their pose in some combination", figures.left_branch));
@@ -198,64 +227,5 @@ fn text(figures: &PartFigures) -> String {
         lines.push(format!("refused      {count} triangles: {kind}; one has {example}"));
     }
     lines.push(format!("wall time    {:.3} s on one core", figures.wall_time_s));
-    lines.join("\n")
-}
-
-/// Heights of the hemisphere's map.
-const HEIGHTS: u32 = 31;
-/// Angles: a full step, halved again and again.
-const HALVINGS: u32 = 9;
-
-fn hemisphere(
-    args: &MapArgs,
-    geometry: &Geometry,
-    radius_m: f64,
-    picture: Option<&Picture>,
-) -> anyhow::Result<()> {
-    let mut spots = Vec::new();
-    for halving in 0..HALVINGS {
-        let angle_deg = args.step / f64::from(1_u32 << halving);
-        let error = AxisError::of_motors(angle_deg.to_radians(), geometry.lead_m);
-        for index in 0..HEIGHTS {
-            let height_m = radius_m * f64::from(index) / f64::from(HEIGHTS - 1);
-            let worst = geometry.station(&SurfacePoint::on_hemisphere(radius_m, height_m)?)?.extremal(&error);
-            let error_mm = (worst.failed == 0).then_some(1e3 * worst.largest_m);
-            spots.push(Spot { height_mm: 1e3 * height_m, angle_deg, error_mm });
-        }
-    }
-    let figures = HemisphereFigures {
-        machine: args.machine.machine.clone(),
-        provenance: geometry.provenance.clone(),
-        radius_mm: 1e3 * radius_m,
-        spots,
-    };
-    if let Some(picture) = picture {
-        picture::hemisphere(picture, &figures.spots)?;
-    }
-    let json = Json::new(args.json.as_deref());
-    if !json.is_stdout() {
-        output::line(&hemisphere_text(&figures))?;
-    }
-    json.write(&figures)
-}
-
-fn hemisphere_text(figures: &HemisphereFigures) -> String {
-    let mut lines = vec![
-        format!("machine      {}: geometry {}", figures.machine, figures.provenance),
-        format!(
-            "hemisphere   radius {:.1} mm; worst error [mm] over height and motor angle",
-            figures.radius_mm
-        ),
-    ];
-    let width = HEIGHTS as usize;
-    let shown = || (0..width).step_by(5);
-    let head: Vec<String> = shown().map(|index| format!("{:>9.1}", figures.spots[index].height_mm)).collect();
-    lines.push(format!("{:>12} {}", "deg \\ z mm", head.join(" ")));
-    for row in figures.spots.chunks(width) {
-        let cells: Vec<String> = shown()
-            .map(|index| row[index].error_mm.map_or_else(|| format!("{:>9}", "-"), |mm| format!("{mm:>9.4}")))
-            .collect();
-        lines.push(format!("{:>12.5} {}", row[0].angle_deg, cells.join(" ")));
-    }
     lines.join("\n")
 }

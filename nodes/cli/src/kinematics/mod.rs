@@ -8,6 +8,7 @@ pub mod stl;
 pub mod synthesize;
 
 use crate::config::ConfigDir;
+use crate::options::{in_range, positive};
 use crate::process;
 use anyhow::bail;
 use clap::{Args, Subcommand};
@@ -79,4 +80,15 @@ impl MachineArgs {
     fn choices(&self, config: &ConfigDir) -> anyhow::Result<Choices> {
         process::block(config, &self.file(config)?, "synthesis")
     }
+}
+
+/// Heights on a hemisphere as they were typed `[mm]`.
+fn check_heights(heights: &[f64], typed_radius_mm: Option<f64>, radius_m: f64) -> anyhow::Result<()> {
+    if let Some(radius_mm) = typed_radius_mm {
+        positive("--radius", radius_mm, "mm")?;
+    }
+    for height_mm in heights {
+        in_range("--height", *height_mm, "mm", (0.0, 1e3 * radius_m))?;
+    }
+    Ok(())
 }

@@ -1,7 +1,9 @@
 //! `fdm kinematics synthesize`: motors, microsteps, leads and encoders for a wanted accuracy.
 
 use super::MachineArgs;
+use crate::options::{positive, significant};
 use crate::output::{self, Json};
+use anyhow::Context;
 use clap::Args;
 use models::hybrid::published::Published;
 use models::hybrid::synthesis::carriage_error_m;
@@ -76,10 +78,15 @@ pub fn run(args: &SynthesizeArgs) -> anyhow::Result<()> {
     let choices = args.machine.choices(&config)?;
     let tables: Published = runtime::params::from_yaml(&config.file("machines/published.yaml"))?;
     let radius_m = args.radius.map_or(tables.radius_m, |mm| 1e-3 * mm);
+    super::check_heights(&args.height, args.radius, radius_m)?;
+    positive("--target", args.target, "mm")?;
     let stations = args
         .height
         .iter()
-        .map(|mm| Ok(geometry.station(&SurfacePoint::on_hemisphere(radius_m, 1e-3 * mm)?)?))
+        .map(|mm| {
+            let point = SurfacePoint::on_hemisphere(radius_m, 1e-3 * mm)?;
+            geometry.station(&point).with_context(|| format!("height {mm} mm"))
+        })
         .collect::<anyhow::Result<Vec<Station<'_>>>>()?;
     let target_m = 1e-3 * args.target;
     let designs = choices.designs(&stations, target_m)?.into_iter().map(|design| DesignRow {
@@ -106,13 +113,13 @@ pub fn run(args: &SynthesizeArgs) -> anyhow::Result<()> {
 
 fn text(figures: &SynthesisFigures) -> String {
     let mut text = String::new();
-    let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |mm| format!("{mm:.4}"));
+    let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |mm| significant(mm, 4));
     // Writing to a string cannot fail.
     _ = writeln!(text, "Machine {}: geometry {}", figures.machine, figures.provenance);
     _ = writeln!(
         text,
-        "Target {:.4} mm: each carriage within {} mm (first order); a motor itself is wrong by {:.0} % of a full step",
-        figures.target_mm,
+        "Target {} mm: each carriage within {} mm (first order); a motor itself is wrong by {:.0} % of a full step",
+        significant(figures.target_mm, 4),
         cell(figures.carriage_error_mm),
         100.0 * figures.motor_error_share
     );

@@ -2,10 +2,13 @@
 
 use super::{ModeName, material};
 use crate::config::ConfigDir;
+use crate::options::in_range;
 use crate::output::{self, Json};
+use crate::process::block;
 use clap::Args;
+use models::wire::correction::{Corrected, GAIN_RANGE};
 use models::wire::published::{Published, Row};
-use models::wire::{Law, Mode};
+use models::wire::{Law, Limits, Mode};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -71,6 +74,8 @@ pub struct ForHeight {
     pub absorbed_w: f64,
     /// Whether a limit took something away.
     pub limited: bool,
+    /// Which limits hold, with their values.
+    pub at_limits: Vec<String>,
 }
 
 /// The figures.
@@ -78,6 +83,8 @@ pub struct ForHeight {
 pub struct Figures {
     /// Gain of the heights.
     pub gain: f64,
+    /// Whether height errors fade from layer to layer with it: above 0 and below 2.
+    pub stable: bool,
     /// Heights given.
     pub heights: Vec<ForHeight>,
     /// Tables 1 and 2.
@@ -93,9 +100,18 @@ pub fn run(args: &CorrectArgs) -> anyhow::Result<()> {
     let json = Json::new(args.json.as_deref());
     json.check()?;
     let process = super::nominal(&config)?;
+    if let Some(gain) = args.gain {
+        in_range("--gain", gain, "-", GAIN_RANGE)?;
+    }
     let law = args.gain.map_or(Ok(process.law), |gain| process.law.with_gain(gain))?;
     let metal = material(&config, &process.material)?;
+    let controller: mpc_controller::wire::RawParams =
+        block(&config, "wire/controller.yaml", "wire_controller")?;
+    let highest_mm = 1e3 * (law.height_m + controller.error_max_m);
+    let lowest_mm = 1e3 * (law.height_m - controller.error_max_m).max(0.0);
     let heights = args.height.iter().map(|height_mm| {
+        // What the controller does not believe it does not correct either.
+        in_range("--height", *height_mm, "mm", (lowest_mm, highest_mm))?;
         let speeds = law.correct_within(args.mode.into(), &process.limits, 1e-3 * height_mm)?;
         Ok(ForHeight {
             height_mm: *height_mm,
@@ -104,15 +120,44 @@ pub fn run(args: &CorrectArgs) -> anyhow::Result<()> {
             section_ratio: speeds.section_ratio,
             absorbed_w: process.feed.power_w(&metal, speeds.wire_m_s),
             limited: speeds.limited,
+            at_limits: at_limits(&law, &process.limits, &speeds),
         })
     });
     let heights = heights.collect::<anyhow::Result<Vec<_>>>()?;
     let tables: Published = runtime::params::from_yaml(&config.file("wire/published.yaml"))?;
-    let figures = Figures { gain: law.gain, heights, published: compare(&process.law, &tables)? };
+    let figures = Figures {
+        gain: law.gain,
+        stable: law.is_stable(),
+        heights,
+        published: compare(&process.law, &tables)?,
+    };
     if !json.is_stdout() {
         output::line(&text(&figures))?;
     }
     json.write(&figures)
+}
+
+/// The limits that hold: of the section of the law's, of the speeds the machine's.
+fn at_limits(law: &Law, limits: &Limits, speeds: &Corrected) -> Vec<String> {
+    if !speeds.limited {
+        return Vec::new();
+    }
+    let bounds = [
+        ("section", speeds.section_ratio, (law.ratio_low, law.ratio_high), ""),
+        ("wire", 1e3 * speeds.wire_m_s, (1e3 * limits.wire_low_m_s, 1e3 * limits.wire_high_m_s), " mm/s"),
+        ("head", 1e3 * speeds.head_m_s, (1e3 * limits.head_low_m_s, 1e3 * limits.head_high_m_s), " mm/s"),
+    ];
+    // Up to the rounding of a division and its inverse.
+    let at = |value: f64, bound: f64| (value / bound - 1.0).abs() < 1e-9;
+    let mut held = Vec::new();
+    for (name, value, (low, high), unit) in bounds {
+        if at(value, low) {
+            held.push(format!("{name} at its least, {low:.3}{unit}"));
+        } else if at(value, high) {
+            held.push(format!("{name} at its most, {high:.3}{unit}"));
+        }
+    }
+    held
 }
 
 /// Every row at its printed height, and at the one that we read instead.
@@ -144,24 +189,39 @@ fn compared(law: &Law, row: &Row, height_m: f64) -> anyhow::Result<Compared> {
 }
 
 fn text(figures: &Figures) -> String {
+    if figures.heights.is_empty() { tables_text(figures) } else { heights_text(figures) }
+}
+
+fn heights_text(figures: &Figures) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    if !figures.heights.is_empty() {
-        _ = writeln!(text, "gain {:.3}", figures.gain);
-        _ = writeln!(
-            text,
-            "{:>9} {:>10} {:>10} {:>9} {:>10}",
-            "height mm", "wire mm/s", "head mm/s", "section", "absorbed W"
-        );
-    }
+    _ = writeln!(text, "gain {:.3}{}", figures.gain, super::unstable(figures.gain, figures.stable));
+    _ = writeln!(
+        text,
+        "{:>9} {:>10} {:>10} {:>9} {:>10}",
+        "height mm", "wire mm/s", "head mm/s", "section", "absorbed W"
+    );
     for row in &figures.heights {
-        let limited = if row.limited { "  at a limit" } else { "" };
+        let limited = match row.at_limits.as_slice() {
+            [] if row.limited => "  at a limit".to_owned(),
+            [] => String::new(),
+            held => format!("  {}", held.join("; ")),
+        };
         _ = writeln!(
             text,
             "{:>9.3} {:>10.3} {:>10.3} {:>9.3} {:>10.1}{limited}",
             row.height_mm, row.wire_mm_s, row.head_mm_s, row.section_ratio, row.absorbed_w
         );
     }
+    text.push_str(
+        "section: cross section laid over the planned one; absorbed: power that the wire then takes up",
+    );
+    text
+}
+
+fn tables_text(figures: &Figures) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
     _ = writeln!(text, "Tables of the paper (it gives no formula), ours and residuals in mm/s:");
     _ = writeln!(
         text,
@@ -187,5 +247,17 @@ fn text(figures: &Figures) -> String {
             row.head_residual_mm_s,
         );
     }
+    _ = writeln!(text, "residual: ours minus the paper's; wire, head: their speeds");
+    for row in figures.published.iter().filter(|row| row.hypothesis) {
+        _ = writeln!(
+            text,
+            "{:.2} mm is taken for a misprint: it does not fit the speeds of its own row, {:.2} mm does \
+             (config/wire/published.yaml)",
+            row.printed_height_mm, row.height_mm
+        );
+    }
     text
 }
+
+#[cfg(test)]
+mod tests;

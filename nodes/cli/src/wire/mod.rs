@@ -12,6 +12,7 @@ use crate::config::ConfigDir;
 use crate::process;
 use anyhow::bail;
 use clap::{Args, Subcommand, ValueEnum};
+use models::wire::correction::GAIN_STABLE_BELOW;
 use models::wire::{Material, Mode, Process};
 use std::collections::BTreeMap;
 
@@ -88,5 +89,19 @@ pub fn material(config: &ConfigDir, name: &str) -> anyhow::Result<Material> {
             let names: Vec<&str> = known.keys().map(String::as_str).collect();
             bail!("material '{name}' is unknown; there are {}", names.join(", "))
         }
+    }
+}
+
+/// What is to be said beside a gain whose loop does not settle; empty where it does.
+fn unstable(gain: f64, stable: bool) -> String {
+    if stable {
+        String::new()
+    } else if gain < GAIN_STABLE_BELOW {
+        ": height errors stay as they are".to_owned()
+    } else {
+        format!(
+            ": UNSTABLE, at {GAIN_STABLE_BELOW} and beyond a height error does not fade from layer to layer \
+             (stable above 0 and below {GAIN_STABLE_BELOW})"
+        )
     }
 }

@@ -2,10 +2,11 @@
 
 use super::material;
 use crate::config::ConfigDir;
+use crate::options::{in_range, positive, significant};
 use crate::output::{self, Json};
 use clap::Args;
-use models::params::{in_range, positive};
-use models::wire::cycle::{Cycle, Feed, RawFeed};
+use models::wire::Limits;
+use models::wire::cycle::{Cycle, DIAMETER_RANGE_M, DROP_LENGTH_RANGE_M, Feed, RawFeed};
 use models::wire::melting::Film;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -43,6 +44,21 @@ pub struct PlanArgs {
     json: Option<PathBuf>,
 }
 
+/// A planned speed that the configured machine does not reach.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Beyond {
+    /// `wire` or `head`.
+    pub speed: &'static str,
+    /// `above` or `below`.
+    pub side: &'static str,
+    /// As planned.
+    pub planned_mm_s: f64,
+    /// The limit.
+    pub limit_mm_s: f64,
+    /// File of the limit.
+    pub file: String,
+}
+
 /// The figures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Plan {
@@ -74,6 +90,8 @@ pub struct Plan {
     pub wire_mm_s: f64,
     /// Speed of the head.
     pub head_mm_s: f64,
+    /// Speeds beyond the machine's limits; empty where it can do the plan.
+    pub beyond_limits: Vec<Beyond>,
 }
 
 /// Runs the command.
@@ -95,13 +113,14 @@ fn plan(args: &PlanArgs, config: &ConfigDir) -> anyhow::Result<Plan> {
     let process = super::nominal(config)?;
     let name = args.material.clone().unwrap_or(process.material);
     let metal = material(config, &name)?;
+    check(args)?;
     let diameter_m = args.diameter.map_or(process.feed.diameter_m, |mm| 1e-3 * mm);
     let drop_length_m = args.drop_length.map_or(diameter_m, |mm| 1e-3 * mm);
     let absorbed_w = match args.power {
         None => process.feed.absorbed_w,
         Some(power_w) => {
             let share = args.absorptivity.unwrap_or(metal.absorptivity);
-            positive("power_w", power_w, "W")? * in_range("absorptivity", share, "-", (0.001, 1.0))?
+            positive("--power", power_w, "W")? * in_range("--absorptivity", share, "-", (0.001, 1.0))?
         }
     };
     let feed =
@@ -114,7 +133,49 @@ fn plan(args: &PlanArgs, config: &ConfigDir) -> anyhow::Result<Plan> {
     let drain = |film: &Film| film.drain_s(metal.melt_density_kg_m3, metal.viscosity_pa_s);
     let drain_s = film.as_ref().map(drain).transpose()?;
     let cycle = feed.cycle(&metal, film.as_ref())?;
-    Ok(figures((name, args.power), &feed, &cycle, drain_s))
+    let file = config.file(PROCESS).display().to_string();
+    let beyond_limits = beyond(&process.limits, &cycle, &file);
+    Ok(Plan { beyond_limits, ..figures((name, args.power), &feed, &cycle, drain_s) })
+}
+
+/// Where limits of the speeds stand.
+const PROCESS: &str = "wire/process.yaml";
+
+/// Ranges of what was typed.
+fn check(args: &PlanArgs) -> anyhow::Result<()> {
+    let millimetres = |(low_m, high_m): (f64, f64)| (1e3 * low_m, 1e3 * high_m);
+    if let Some(mm) = args.diameter {
+        in_range("--diameter", mm, "mm", millimetres(DIAMETER_RANGE_M))?;
+    }
+    if let Some(mm) = args.drop_length {
+        in_range("--drop-length", mm, "mm", millimetres(DROP_LENGTH_RANGE_M))?;
+    }
+    if let Some(mm) = args.film {
+        positive("--film", mm, "mm")?;
+        positive("--angle", args.angle, "deg")?;
+        in_range("--angle", args.angle, "deg", (0.0, 90.0))?;
+    }
+    Ok(())
+}
+
+/// Speeds of a drop that the limits do not allow.
+fn beyond(limits: &Limits, cycle: &Cycle, file: &str) -> Vec<Beyond> {
+    let speeds = [
+        ("wire", cycle.wire_m_s, (limits.wire_low_m_s, limits.wire_high_m_s)),
+        ("head", cycle.head_m_s, (limits.head_low_m_s, limits.head_high_m_s)),
+    ];
+    let beyond = speeds.into_iter().filter_map(|(speed, planned_m_s, (low_m_s, high_m_s))| {
+        let (side, limit_m_s) = if planned_m_s > high_m_s {
+            ("above", high_m_s)
+        } else if planned_m_s < low_m_s {
+            ("below", low_m_s)
+        } else {
+            return None;
+        };
+        let (planned_mm_s, limit_mm_s) = (1e3 * planned_m_s, 1e3 * limit_m_s);
+        Some(Beyond { speed, side, planned_mm_s, limit_mm_s, file: file.to_owned() })
+    });
+    beyond.collect()
 }
 
 fn figures((name, power_w): (String, Option<f64>), feed: &Feed, cycle: &Cycle, drain_s: Option<f64>) -> Plan {
@@ -133,17 +194,19 @@ fn figures((name, power_w): (String, Option<f64>), feed: &Feed, cycle: &Cycle, d
         bead_section_mm2: 1e6 * cycle.section_m2,
         wire_mm_s: 1e3 * cycle.wire_m_s,
         head_mm_s: 1e3 * cycle.head_m_s,
+        beyond_limits: Vec::new(),
     }
 }
 
 fn text(plan: &Plan) -> String {
     let power = plan.power_w.map_or_else(String::new, |power_w| format!(" of {power_w:.0} W"));
-    let drain =
-        plan.drain_s.map_or_else(String::new, |drain_s| format!(", {:.3} ms of it drainage", 1e3 * drain_s));
-    format!(
+    let drain = plan
+        .drain_s
+        .map_or_else(String::new, |drain_s| format!(", {} ms of it drainage", significant(1e3 * drain_s, 4)));
+    let figures = format!(
         "wire         {} {:.3} mm, {:.3} mm a drop\n\
          power        {:.1} W absorbed{power}, losses not counted\n\
-         drop         {:.3} mm3, {:.3} J, {:.4} s{drain}\n\
+         drop         {} mm3, {} J, {} s{drain}\n\
          layer        {:.3} mm high, bead {:.3} mm2, a drop every {:.3} mm\n\
          wire speed   {:.3} mm/s\n\
          head speed   {:.3} mm/s",
@@ -151,13 +214,51 @@ fn text(plan: &Plan) -> String {
         plan.diameter_mm,
         plan.drop_length_mm,
         plan.absorbed_w,
-        plan.drop_volume_mm3,
-        plan.energy_j,
-        plan.period_s,
+        significant(plan.drop_volume_mm3, 4),
+        significant(plan.energy_j, 4),
+        significant(plan.period_s, 4),
         plan.layer_height_mm,
         plan.bead_section_mm2,
         plan.pitch_mm,
         plan.wire_mm_s,
         plan.head_mm_s,
-    )
+    );
+    let warning = |beyond: &Beyond| {
+        format!(
+            "\nwarning      {} speed {:.3} mm/s is {} the limit {:.3} mm/s of {}",
+            beyond.speed, beyond.planned_mm_s, beyond.side, beyond.limit_mm_s, beyond.file
+        )
+    };
+    figures + &plan.beyond_limits.iter().map(warning).collect::<String>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use models::wire::correction::RawLimits;
+
+    /// 5.4 mm/s is the fastest wire: what the plan of a thin wire gives is named with side and limit.
+    #[test]
+    fn a_speed_beyond_the_machine_is_named() {
+        let raw = RawLimits {
+            wire_low_m_s: 0.5e-3,
+            wire_high_m_s: 5.4e-3,
+            head_low_m_s: 0.5e-3,
+            head_high_m_s: 10e-3,
+        };
+        let limits = Limits::try_from(raw).unwrap();
+        let feed = |diameter_m| {
+            let raw = RawFeed { diameter_m, drop_length_m: diameter_m, absorbed_w: 64.9, spacing: 2.0 / 3.0 };
+            Feed::try_from(raw).unwrap()
+        };
+        let config =
+            ConfigDir::find(Some(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config"))))
+                .unwrap();
+        let metal = material(&config, "aluminium").unwrap();
+        let of = |diameter_m| beyond(&limits, &feed(diameter_m).cycle(&metal, None).unwrap(), "file");
+        assert!(of(3e-3).is_empty());
+        let thin = of(0.8e-3);
+        assert!(thin.iter().any(|one| one.speed == "wire" && one.side == "above" && one.planned_mm_s > 49.0));
+        assert!(of(0.02).iter().all(|one| one.side == "below"), "{:?}", of(0.02));
+    }
 }

@@ -3,9 +3,11 @@
 use super::closed_loop::{Built, Wall, mean};
 use super::picture;
 use crate::config::ConfigDir;
+use crate::options::in_range;
 use crate::output::{self, Json};
 use crate::process::{self, Picture};
 use clap::{Args, ValueEnum};
+use models::wire::correction::GAIN_RANGE;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -86,6 +88,8 @@ pub struct Figures {
     pub layers: u32,
     /// Gain of the law.
     pub gain: f64,
+    /// Whether height errors fade from layer to layer with it: above 0 and below 2.
+    pub stable: bool,
     /// Noise of the height sensor.
     pub noise_mm: f64,
     /// Open and closed.
@@ -127,6 +131,7 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     let figures = Figures {
         layers: args.layers,
         gain: wall.process.law.gain,
+        stable: wall.process.law.is_stable(),
         noise_mm: 1e3 * noise_m,
         ratio: ratio(|wall| wall.rms_mm),
         last_ratio: ratio(|wall| wall.last_rms_mm),
@@ -143,14 +148,19 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     json.write(&figures)
 }
 
+/// Noises of a sensor `[mm]`: the range of `sensor.sigma_m`, which config/plants/wire.yaml states.
+const NOISE_RANGE_MM: (f64, f64) = (0.0, 10.0);
+
 fn wall(args: &SimArgs) -> anyhow::Result<(Wall, f64)> {
     let config = ConfigDir::find(args.config.as_deref())?;
     let mut believed = super::nominal(&config)?;
     if let Some(gain) = args.gain {
+        in_range("--gain", gain, "-", GAIN_RANGE)?;
         believed.law = believed.law.with_gain(gain)?;
     }
     let mut plant: printer_sim::wire::Params = process::block(&config, "plants/wire.yaml", "wire_plant")?;
     if let Some(noise_mm) = args.noise {
+        in_range("--noise", noise_mm, "mm", NOISE_RANGE_MM)?;
         plant = plant.with_noise(1e-3 * noise_mm)?;
     }
     let wall = Wall {
@@ -204,6 +214,9 @@ fn text(figures: &Figures) -> String {
         figures.noise_mm,
         figures.results.first().map_or(0, |group| group.runs.len()),
     );
+    if !figures.stable {
+        _ = writeln!(text, "gain {:.3}{}", figures.gain, super::unstable(figures.gain, figures.stable));
+    }
     _ = writeln!(
         text,
         "{:<8} {:>16} {:>16} {:>16} {:>16}",
@@ -226,6 +239,11 @@ fn text(figures: &Figures) -> String {
     _ = writeln!(text, "{:<8} {}", "ratio", cells.join(" "));
     let least: Vec<String> = ratios.iter().map(|ratio| format!("{:>16.2}", ratio.least)).collect();
     _ = writeln!(text, "{:<8} {}", "least", least.join(" "));
+    _ = writeln!(
+        text,
+        "RMS: height error against the plan; rough: about each layer's mean; ratio: open over closed, seed by seed; \
+         least: smallest ratio of a seed"
+    );
     _ = writeln!(text, "{:<8} {:>10} {:>10}", "layer", "open", "closed");
     let column = |index: usize, layer: usize| figures.results[index].rms_by_layer_mm[layer];
     for layer in 0..figures.results.first().map_or(0, |group| group.rms_by_layer_mm.len()) {

@@ -4,10 +4,11 @@ use nalgebra::Vector3;
 
 use super::error::{AxisError, Extremal};
 use super::geometry::{Geometry, Refused};
-use super::mesh::{Mesh, doubled_area};
+use super::mesh::{Mesh, Triangle, doubled_area};
 use super::pose::SurfacePoint;
+use super::sampling::Sampling;
 
-/// One triangle of the part.
+/// One triangle of the part, or a piece of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
     /// Centre in the part's frame `[m]`.
@@ -16,6 +17,13 @@ pub struct Cell {
     pub area_m2: f64,
     /// Error at the centre, or why the machine does not work there.
     pub outcome: Result<At, Refused>,
+}
+
+impl Cell {
+    /// Area of a triangle `[m2]`.
+    pub(super) fn area_m2(triangle: &Triangle) -> f64 {
+        0.5 * doubled_area(triangle).norm()
+    }
 }
 
 /// The error at one point.
@@ -32,7 +40,7 @@ pub struct At {
 /// The error over a part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorMap {
-    /// One cell a triangle, in their order.
+    /// One cell a triangle or piece, in their order.
     pub cells: Vec<Cell>,
 }
 
@@ -55,18 +63,27 @@ impl Geometry {
     /// Worst error at the middle of every triangle, with all combinations of signs solved exactly.
     #[must_use]
     pub fn error_map(&self, mesh: &Mesh, error: &AxisError) -> ErrorMap {
-        let cells = mesh.triangles().iter().map(|triangle| {
-            let doubled = doubled_area(triangle);
-            let centre_m = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
-            let point = SurfacePoint { position_m: centre_m, normal: doubled };
-            let outcome = self.station(&point).map(|station| At {
-                extremal: station.extremal(error),
-                gain: station.gain().carriage_sum(),
-                tilt_rad: station.target.pose.tilt_rad,
-            });
-            Cell { centre_m, area_m2: 0.5 * doubled.norm(), outcome }
+        ErrorMap { cells: mesh.triangles().iter().map(|triangle| self.cell(triangle, error)).collect() }
+    }
+
+    /// The same at the middle of every piece of a sampling of that mesh; whole triangles are taken from its map.
+    #[must_use]
+    pub fn error_map_of(&self, sampling: &Sampling, whole: &ErrorMap, error: &AxisError) -> ErrorMap {
+        let cells = sampling.samples.iter().map(|sample| match whole.cells.get(sample.triangle) {
+            Some(cell) if sample.whole => *cell,
+            _ => self.cell(&sample.piece, error),
         });
         ErrorMap { cells: cells.collect() }
+    }
+
+    fn cell(&self, triangle: &Triangle, error: &AxisError) -> Cell {
+        let point = SurfacePoint::on_triangle(triangle);
+        let outcome = self.station(&point).map(|station| At {
+            extremal: station.extremal(error),
+            gain: station.gain().carriage_sum(),
+            tilt_rad: station.target.pose.tilt_rad,
+        });
+        Cell { centre_m: point.position_m, area_m2: Cell::area_m2(triangle), outcome }
     }
 }
 
@@ -82,7 +99,8 @@ impl ErrorMap {
             .filter_map(|(index, cell)| Some((cell.outcome.ok()?.extremal.largest_m, cell.area_m2, index)))
             .collect();
         known.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let workable_m2: f64 = known.iter().map(|(_, area, _)| area).sum();
+        // The sum of nothing is -0.
+        let workable_m2: f64 = known.iter().map(|(_, area, _)| area).sum::<f64>() + 0.0;
         let weighted: f64 = known.iter().map(|(error, area, _)| error * area).sum();
         let mut below_m2 = 0.0;
         let most = known.iter().find(|(_, area, _)| {

@@ -10,7 +10,7 @@
 //! | [`pose`] | pose of the platform for a point of the surface |
 //! | [`kinematics`] | inverse in closed form, forward by Newton, Jacobian, condition number |
 //! | [`error`] | error vector, its part along the normal, linear gains, extremal combinations, random errors |
-//! | [`mesh`] [`map`] | closed triangle meshes and the error over a real part |
+//! | [`mesh`] [`sampling`] [`map`] | closed triangle meshes, points spread evenly over them, the error over a real part |
 //! | [`synthesis`] | microsteps, lead, and whether an axis needs an encoder |
 //! | [`published`] | rows of the paper's tables |
 //!
@@ -35,6 +35,7 @@ pub mod map;
 pub mod mesh;
 pub mod pose;
 pub mod published;
+pub mod sampling;
 pub mod synthesis;
 
 pub use error::{AxisError, Extremal, Gain, Shift, Spread};
@@ -43,6 +44,7 @@ pub use kinematics::Station;
 pub use map::{Cell, ErrorMap};
 pub use mesh::{Mesh, MeshError};
 pub use pose::{Pose, SurfacePoint, Target};
+pub use sampling::{Sample, Sampling};
 
 /// Number of carriages.
 pub const CARRIAGES: usize = 4;

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::geometry::{Geometry, Refused};
+use super::mesh::{Triangle, doubled_area};
 
 /// Pose of the platform: `A21 = Trans(x, y, z) Rot_X(tilt)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +55,12 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// The centre of a triangle with the triangle's normal.
+    #[must_use]
+    pub fn on_triangle(triangle: &Triangle) -> Self {
+        Self { position_m: (triangle[0] + triangle[1] + triangle[2]) / 3.0, normal: doubled_area(triangle) }
+    }
+
     /// The paper's part: a hemisphere of `radius_m`, at height `height_m` in `[0, radius_m]`.
     ///
     /// # Errors

@@ -51,6 +51,11 @@ pub struct RawLaw {
     pub ratio_high: f64,
 }
 
+/// Gains that a law may have `[-]`.
+pub const GAIN_RANGE: (f64, f64) = (0.0, 4.0);
+/// From layer to layer the height error shrinks by `1 - g`: beyond this gain it grows `[-]`.
+pub const GAIN_STABLE_BELOW: f64 = 2.0;
+
 impl TryFrom<RawLaw> for Law {
     type Error = ParamError;
 
@@ -58,7 +63,7 @@ impl TryFrom<RawLaw> for Law {
         positive("height_m", raw.height_m, "m")?;
         positive("wire_m_s", raw.wire_m_s, "m/s")?;
         positive("head_m_s", raw.head_m_s, "m/s")?;
-        in_range("gain", raw.gain, "-", (0.0, 4.0))?;
+        in_range("gain", raw.gain, "-", GAIN_RANGE)?;
         in_range("split", raw.split, "-", (0.0, 10.0))?;
         in_range("ratio_low", raw.ratio_low, "-", (0.01, 1.0))?;
         in_range("ratio_high", raw.ratio_high, "-", (1.0, 10.0))?;
@@ -180,6 +185,12 @@ impl Law {
     /// [`ParamError::OutOfRange`] as for the law itself.
     pub fn with_gain(&self, gain: f64) -> Result<Self, ParamError> {
         Self::try_from(RawLaw { gain, ..self.0 })
+    }
+
+    /// Whether a height error fades from layer to layer: `0 < g < 2`.
+    #[must_use]
+    pub fn is_stable(&self) -> bool {
+        self.gain > 0.0 && self.gain < GAIN_STABLE_BELOW
     }
 
     /// The height at which the law lays the section of a pair of speeds `[m]`; none at a gain of 0.

@@ -29,12 +29,17 @@ pub struct RawFeed {
     pub spacing: f64,
 }
 
+/// Diameters of a wire `[m]`.
+pub const DIAMETER_RANGE_M: (f64, f64) = (1e-4, 0.02);
+/// Lengths of wire that make one drop `[m]`.
+pub const DROP_LENGTH_RANGE_M: (f64, f64) = (1e-4, 0.1);
+
 impl TryFrom<RawFeed> for Feed {
     type Error = ParamError;
 
     fn try_from(raw: RawFeed) -> Result<Self, ParamError> {
-        in_range("diameter_m", raw.diameter_m, "m", (1e-4, 0.02))?;
-        in_range("drop_length_m", raw.drop_length_m, "m", (1e-4, 0.1))?;
+        in_range("diameter_m", raw.diameter_m, "m", DIAMETER_RANGE_M)?;
+        in_range("drop_length_m", raw.drop_length_m, "m", DROP_LENGTH_RANGE_M)?;
         positive("absorbed_w", raw.absorbed_w, "W")?;
         in_range("spacing", raw.spacing, "-", (0.1, 2.0))?;
         Ok(Self(raw))

@@ -63,3 +63,30 @@ fn the_sides_of_a_pyramid_have_one_error_and_its_base_none() {
     assert!((summary.workable - 1264.911 / 1664.911).abs() < 1e-6, "{summary:?}");
     assert!((summary.largest.unwrap().0 - sides[0]).abs() < 1e-9 * sides[0]);
 }
+
+/// The mean of the worst error weighs area, not triangles: two cuts of one cube agree, and so do their largest errors.
+#[test]
+fn two_cuts_of_one_cube_have_one_summary() {
+    let machine = g1();
+    let error = AxisError::of_motors(0.002, machine.lead_m);
+    let [coarse, fine] = [1, 10].map(|cells| {
+        let mesh = super::super::sampling::tests::cube(cells);
+        let whole = machine.error_map(&mesh, &error);
+        machine.error_map_of(&mesh.sampled(2e-3, 10_000), &whole, &error).summary()
+    });
+    for (one, other) in [(coarse.mean_m, fine.mean_m), (coarse.most_m, fine.most_m)] {
+        assert!((one / other - 1.0).abs() < 0.02, "{coarse:?} {fine:?}");
+    }
+    // The piece next to the worst corner is up to 2 mm of 20 away from it.
+    assert!((coarse.largest.unwrap().0 / fine.largest.unwrap().0 - 1.0).abs() < 0.05, "{coarse:?} {fine:?}");
+    assert!((coarse.workable - fine.workable).abs() < 1e-9);
+}
+
+#[test]
+fn a_part_out_of_reach_has_no_error_and_no_negative_zero() {
+    let machine = g1();
+    let far = pyramid(true).into_iter().map(|triangle| triangle.map(|corner| corner * 1e3)).collect();
+    let mesh = Mesh::closed(far).unwrap().on_the_table();
+    let summary = machine.error_map(&mesh, &AxisError::of_motors(0.01, machine.lead_m)).summary();
+    assert!(summary.largest.is_none() && summary.workable.is_sign_positive() && summary.workable < 1e-300);
+}

@@ -74,6 +74,16 @@ fn next_error_m(law: &Law, mode: Mode, error_m: f64) -> f64 {
     error_m + law.height_m * (laid.section_ratio - 1.0)
 }
 
+/// |1 - g| < 1; at 0 and 2 an error stays for ever.
+#[test]
+fn a_loop_is_called_stable_inside_zero_to_two_alone() {
+    for (gain, stable) in
+        [(0.0, false), (0.01, true), (0.635, true), (1.99, true), (2.0, false), (2.5, false)]
+    {
+        assert_eq!(law().with_gain(gain).unwrap().is_stable(), stable, "gain {gain}");
+    }
+}
+
 /// Model book 3.3: 1, .365, .133, .049.
 #[test]
 fn a_height_error_shrinks_by_one_less_the_gain() {
