@@ -67,8 +67,7 @@ impl Usual {
     }
 
     fn learn(&mut self, ratio: f64, error_rel: f64) {
-        // A NaN is not learned either.
-        if !(error_rel.abs() <= self.params.learn_max_rel) {
+        if error_rel.is_nan() || error_rel.abs() > self.params.learn_max_rel {
             return;
         }
         self.widths = self.widths.saturating_add(1);
