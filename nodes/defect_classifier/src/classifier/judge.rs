@@ -22,7 +22,9 @@ impl Classifier {
                 .width
                 .map(|width| self.usual.error_rel(width.width_m / width.wanted_m / flow)),
             offset_m: found.offset.map(|offset| offset.offset_m),
-            unexplained: found.unexplained,
+            // Not known means not judged: without a measured share the network's word on strands and lumps would stand
+            // alone, and it is weak.
+            unexplained: found.unexplained.or(Some(0.0)),
         };
         let scores = self.network.classify(grey, &measured).map_err(|_| Unusable::Failed)?;
         let fused = self.fusion.on_frame(exposed, &scores, &measured).ok_or(Unusable::Failed)?;
