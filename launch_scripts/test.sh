@@ -35,7 +35,7 @@ cargo test --workspace --locked
 if [ -n "$long" ]; then
   step "long: the tests over DDS, 20 times"
   for _ in $(seq 20); do
-    cargo test -p system_tests --locked --test process_faults --test refusals --test bag --test orphans
+    cargo test -p system_tests --locked --test process_faults --test refusals --test bag --test orphans -- --include-ignored
   done
 fi
 
