@@ -49,7 +49,12 @@ const NODES: [(&str, Role); 6] = [
 fn a_node_that_dies_or_hangs_is_seen_made_harmless_and_replaced() {
     if std::env::var_os(OBSERVER).is_none() {
         let status = Command::new(std::env::current_exe().unwrap())
-            .args(["a_node_that_dies_or_hangs_is_seen_made_harmless_and_replaced", "--exact", "--nocapture"])
+            .args([
+                "a_node_that_dies_or_hangs_is_seen_made_harmless_and_replaced",
+                "--exact",
+                "--nocapture",
+                "--include-ignored",
+            ])
             .env(OBSERVER, "1")
             // Ports of domains up to 101 lie below the ephemeral ones.
             .env("ROS_DOMAIN_ID", (20 + std::process::id() % 80).to_string())
