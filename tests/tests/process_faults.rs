@@ -33,10 +33,12 @@ const START: Seconds = Seconds(40.0);
 /// Longest orderly end: every node promises 2 s, the recorder ends after the others.
 const END: Seconds = Seconds(6.0);
 
-/// The nodes of the control path, the thermistor last: its stop ends the job. What follows the loss of imu, camera or
-/// classifier is not held here yet: a restarted classifier keeps the supervisor's attention, and with it the loop open.
-const NODES: [(&str, Role); 6] = [
+/// All nodes but the printer, the thermistor last: its stop ends the job.
+const NODES: [(&str, Role); 9] = [
     ("bag_recorder", Role::Aside),
+    ("imu", Role::Watch),
+    ("camera", Role::Watch),
+    ("defect_classifier", Role::Watch),
     ("filament_encoder", Role::ControlPath),
     ("state_estimator", Role::ControlPath),
     ("mpc_controller", Role::ControlPath),
@@ -45,16 +47,10 @@ const NODES: [(&str, Role); 6] = [
 ];
 
 #[test]
-#[ignore = "red: with the camera in the graph the supervisor's attention keeps the loop open after some restarts"]
 fn a_node_that_dies_or_hangs_is_seen_made_harmless_and_replaced() {
     if std::env::var_os(OBSERVER).is_none() {
         let status = Command::new(std::env::current_exe().unwrap())
-            .args([
-                "a_node_that_dies_or_hangs_is_seen_made_harmless_and_replaced",
-                "--exact",
-                "--nocapture",
-                "--include-ignored",
-            ])
+            .args(["a_node_that_dies_or_hangs_is_seen_made_harmless_and_replaced", "--exact", "--nocapture"])
             .env(OBSERVER, "1")
             // Ports of domains up to 101 lie below the ephemeral ones.
             .env("ROS_DOMAIN_ID", (20 + std::process::id() % 80).to_string())

@@ -33,6 +33,8 @@ pub struct Supervisor {
     approved: Option<Trims>,
     allowed: Trims,
     ramp: Option<(Seconds, Trims)>,
+    /// Since when corrections have been free to come back; `None` while they are taken back.
+    returning_since: Option<Seconds>,
     started: Option<Seconds>,
     last_tick: Option<Seconds>,
     last_stall: Option<Seconds>,
@@ -59,6 +61,7 @@ impl Supervisor {
             approved: None,
             allowed: Trims::NEUTRAL,
             ramp: None,
+            returning_since: None,
             started: None,
             last_tick: None,
             last_stall: None,
@@ -170,6 +173,7 @@ impl Supervisor {
         }
         self.allowed = Trims::NEUTRAL;
         self.ramp = None;
+        self.returning_since = None;
         self.approved = None;
         self.started = self.started.map(|_| now);
         let mode = self.modes.mode();

@@ -7,6 +7,8 @@ use std::fmt::Write;
 const SEEN_S: f64 = 1.0;
 /// A node of the control path away: the printer is at the slicer's values `[s]`.
 const NEUTRAL_S: f64 = 2.5;
+/// Frames overdue, the ramp and delays: nobody watches `[s]`.
+const NEUTRAL_WATCH_S: f64 = 4.0;
 /// The same without the supervisor `[s]`: the permit's validity.
 const NEUTRAL_SUPERVISOR_S: f64 = 0.25;
 /// Between a permit that lapses and a state that shows it: a look of the printer and two periods of `printer/state` `[s]`.
@@ -87,8 +89,9 @@ fn failures_of(trial: &Trial) -> Vec<String> {
             within("acted", times.acted, SEEN_S);
             within("neutral", times.neutral, NEUTRAL_S);
         }
+        Role::Watch if trial.fault == Fault::Stop => within("neutral", times.neutral, NEUTRAL_WATCH_S),
         Role::Supervisor => within("neutral", times.neutral, NEUTRAL_SUPERVISOR_S + OBSERVED_S),
-        Role::ControlPath | Role::Aside => {}
+        Role::ControlPath | Role::Watch | Role::Aside => {}
     }
     if trips(trial) {
         within("paused", times.paused, PAUSED_S + S7_SPAN_S);

@@ -27,6 +27,8 @@ pub(crate) enum Fault {
 pub(crate) enum Role {
     /// Without it the printer runs on as it is.
     Aside,
+    /// Without it the supervisor takes the corrections back once its stream is overdue: nobody watches the print.
+    Watch,
     /// Without it the supervisor takes the corrections back.
     ControlPath,
     /// Without it the printer takes the corrections back.

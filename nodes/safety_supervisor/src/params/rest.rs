@@ -212,6 +212,8 @@ pub struct ModeParams {
     pub stall_s: f64,
     /// After a stall no other one is forgiven for so long `[s]`.
     pub stall_forgiven_s: f64,
+    /// Corrections that were taken back come back for so long before raised attention holds them `[s]`.
+    pub return_s: f64,
 }
 
 /// As [`ModeParams`], as it is written.
@@ -236,6 +238,8 @@ pub struct RawModeParams {
     pub stall_s: f64,
     /// After a stall no other one is forgiven for so long `[s]`.
     pub stall_forgiven_s: f64,
+    /// Corrections that were taken back come back for so long before raised attention holds them `[s]`.
+    pub return_s: f64,
 }
 
 impl TryFrom<RawModeParams> for ModeParams {
@@ -252,6 +256,7 @@ impl TryFrom<RawModeParams> for ModeParams {
             startup_s: in_range("startup_s", raw.startup_s, "s", (0.5, 120.0))?,
             stall_s: in_range("stall_s", raw.stall_s, "s", (0.05, 5.0))?,
             stall_forgiven_s: in_range("stall_forgiven_s", raw.stall_forgiven_s, "s", (0.0, 600.0))?,
+            return_s: in_range("return_s", raw.return_s, "s", (0.0, 60.0))?,
         })
     }
 }

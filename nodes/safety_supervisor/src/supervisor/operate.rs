@@ -85,7 +85,7 @@ impl Supervisor {
         }
         let wished = self.envelope.wished(now);
         let target = match mode {
-            Mode::Act if self.checks.attention.level() == Level::Soft => Some(self.allowed),
+            Mode::Act if self.is_held(now) => Some(self.allowed),
             Mode::Act => Some(wished.unwrap_or(Trims::NEUTRAL)),
             // An approval ends with the controller's silence.
             Mode::Advise => Some(self.approved.filter(|_| wished.is_some()).unwrap_or(Trims::NEUTRAL)),
@@ -93,10 +93,19 @@ impl Supervisor {
         };
         if let Some(target) = target {
             self.ramp = None;
+            self.returning_since.get_or_insert(now);
             self.allowed = self.limits.slew(&self.allowed, &target, dt).trims;
         } else {
+            self.returning_since = None;
             let (start, from) = *self.ramp.get_or_insert((now, self.allowed));
             self.allowed = from.ramp_to_neutral(now - start, Seconds(self.params.modes.ramp_s));
         }
+    }
+
+    /// Raised attention holds corrections. Those just taken back were nothing to hold: an open loop would stay open.
+    fn is_held(&self, now: Seconds) -> bool {
+        let returned =
+            self.returning_since.is_some_and(|since| (now - since).0 >= self.params.modes.return_s);
+        self.checks.attention.level() == Level::Soft && returned
     }
 }
