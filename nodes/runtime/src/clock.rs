@@ -3,6 +3,7 @@
 //! Monotonic time counts from the host's start, so all processes of a host share it and their stamps compare.
 
 use crate::publisher::Publisher;
+use crate::shutdown;
 use fdm_loop_msgs::{Clock as ClockMessage, Time};
 use models::units::Seconds;
 use rustix::time::{ClockId, clock_gettime};
@@ -152,9 +153,11 @@ const LONGEST_SLEEP_S: f64 = 3600.0;
 
 impl Timer {
     /// Waits for the next tick and yields the time now. Ticks that were missed are not made up for, and after a
-    /// jump back of simulated time the next tick is one period after the jump. Cancelling loses no tick.
+    /// jump back of simulated time the next tick is one period after the jump. Cancelling loses no tick. In a process
+    /// that was stopped and goes on no tick comes any more.
     pub async fn next(&mut self) -> Seconds {
         loop {
+            shutdown::unless_continued().await;
             let now = self.clock.now();
             if self.clock.jumps_back() != self.jumps {
                 self.jumps = self.clock.jumps_back();

@@ -2,6 +2,8 @@
 
 use crate::error::RuntimeError;
 use rustix::process::Signal;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
@@ -96,12 +98,23 @@ pub(crate) fn follow_signals(sender: ShutdownSender) -> Result<(), RuntimeError>
     Ok(())
 }
 
+/// Set by the signal's own handler, before the executor knows: what a stopped process believed is past.
+static CONTINUED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+
+/// Waits for ever in a process that was stopped and goes on: it is about to be ended, and judges by what is long past.
+pub(crate) async fn unless_continued() {
+    while CONTINUED.load(Ordering::Relaxed) {
+        tokio::time::sleep(TOGETHER).await;
+    }
+}
+
 /// Ends the process where it goes on after a stop. The interrupted poll has ended event loops of RustDDS 0.15.1, now
 /// and then those of discovery alone: the self loop still turns, while the others forget the node half a minute later.
 /// Who started the process starts it again. (SIGCONT follows a SIGTERM too, to wake who is stopped: that end is orderly.)
 pub(crate) fn abort_when_continued(shutdown: Shutdown) -> Result<(), RuntimeError> {
     let system = |source| RuntimeError::System { what: "cannot listen to signals", source };
     let mut continued = signal(SignalKind::from_raw(Signal::CONT.as_raw())).map_err(system)?;
+    signal_hook::flag::register(Signal::CONT.as_raw(), Arc::clone(&CONTINUED)).map_err(system)?;
     tokio::spawn(async move {
         while continued.recv().await.is_some() {
             tokio::time::sleep(TOGETHER).await;
@@ -109,6 +122,7 @@ pub(crate) fn abort_when_continued(shutdown: Shutdown) -> Result<(), RuntimeErro
                 tracing::error!("was stopped and continued: ending the process to be started again");
                 std::process::abort();
             }
+            CONTINUED.store(false, Ordering::Relaxed);
         }
     });
     Ok(())
