@@ -3,6 +3,8 @@
 
 #[path = "process_models/budget.rs"]
 mod budget;
+#[path = "process_models/kinematics.rs"]
+mod kinematics;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -144,38 +146,19 @@ fn the_simulated_wall_is_unstable_beyond_a_gain_of_two() {
     }
 }
 
-/// Acceptance: Table 2 within 10 %, Table 1 from z = 15 mm on within 15 %; below it is not met, and the text says so.
 #[test]
-fn the_tables_of_the_hybrid_paper_are_met_where_they_agree_with_each_other() {
-    let figures = json(&["kinematics", "error"]);
-    assert!(figures["provenance"].as_str().unwrap().contains("not printed"));
-    for row in list(&figures, "rows") {
-        let residual = number(row, "residual_rel").abs();
-        match (row["table"].as_u64(), number(row, "height_mm")) {
-            (Some(2), _) => assert!(residual < 0.10, "{row}"),
-            (Some(1), height_mm) if height_mm > 14.9 => assert!(residual < 0.15, "{row}"),
-            (Some(1), _) => assert!(residual > 0.5, "{row}"),
-            _ => panic!("{row}"),
-        }
-        assert_eq!(row["failed"], 0);
-    }
-    let text = String::from_utf8(run(&["kinematics", "error"]).stdout).unwrap();
-    assert!(text.contains("hypothesis") && text.contains("not printed"), "{text}");
-}
-
-/// Model book 4.4: 0.10 mm -> 64 and 0.05 mm -> 128 microsteps; the motors alone make 0.19 mm at z = 0.
-#[test]
-fn microsteps_do_not_replace_an_encoder() {
-    for (target, microsteps) in [("0.1", 64), ("0.05", 128)] {
-        let figures = json(&["kinematics", "synthesize", "--target", target]);
-        let design = &list(&figures, "designs")[0];
-        assert!(
-            (number(design, "step_deg") - 1.8).abs() < 1e-9
-                && (number(design, "lead_mm") - 10.0).abs() < 1e-9
-        );
-        assert_eq!(design["microsteps"], microsteps);
-        assert!((number(design, "motor_error_mm") - 0.19).abs() < 0.01, "{design}");
-        assert_eq!(design["encoder_needed"], true);
+fn an_option_without_effect_is_refused_with_what_it_needs() {
+    for (arguments, option, wanted) in [
+        (&["wire", "correct", "--mode", "head"][..], "--mode", "--height"),
+        (&["wire", "correct", "--gain", "1"], "--gain", "--height"),
+        (&["kinematics", "error", "--angle", "1"], "--angle", "--height"),
+        (&["kinematics", "error", "--radius", "60"], "--radius", "--height"),
+        (&["kinematics", "error", "--seed", "3"], "--seed", "--monte-carlo"),
+        (&["kinematics", "map", "--unit", "25.4"], "--unit", "--stl"),
+        (&["kinematics", "map", "--microsteps", "8"], "--microsteps", "--stl"),
+        (&["kinematics", "budget", "--unit", "25.4"], "--unit", "--stl"),
+    ] {
+        refused(arguments, &[&format!("{option}: has an effect only together with {wanted}")]);
     }
 }
 
@@ -269,6 +252,11 @@ fn bad_input_names_the_value_and_the_limit() {
     refused(&["wire", "sim", "--seeds", "5..1"], &["--seeds 5..1", "A <= B"]);
     refused(&["wire", "sim", "--picture", "wall.bmp"], &["wall.bmp", ".svg or .html"]);
     refused(&["kinematics", "error", "--height", "80"], &["--height 80 mm", "[0, 75] mm"]);
+    refused(
+        &["kinematics", "error", "--height", "10", "--angle", "1000"],
+        &["--angle 1000 deg", "[0, 7.2] deg"],
+    );
+    refused(&["kinematics", "error", "--height", "10", "--angle", "-1"], &["--angle -1 deg", "> 0"]);
     refused(&["kinematics", "error", "--height", "10", "--radius", "900"], &["m: must be"]);
     refused(&["kinematics", "error", "--machine", "g7"], &["'g7' is unknown", "g1"]);
     refused(&["kinematics", "synthesize", "--target", "-0.1"], &["--target -0.1 mm", "> 0"]);

@@ -27,6 +27,19 @@ pub fn positive(option: &str, value: f64, unit: &str) -> anyhow::Result<f64> {
     bail!("{option} {value}{unit}: must be finite and > 0{unit}")
 }
 
+/// Refuses options that would change nothing: each of `given` that was typed needs `wanted`, which was typed or not.
+///
+/// # Errors
+/// The first such option, and what it needs.
+pub fn needs(wanted: &str, present: bool, given: &[(&str, bool)]) -> anyhow::Result<()> {
+    match given.iter().find(|(_, typed)| *typed && !present) {
+        Some((option, _)) => {
+            bail!("{option}: has an effect only together with {wanted}, which was not given")
+        }
+        None => Ok(()),
+    }
+}
+
 /// A value with as many digits as given, whatever its size; plain where that stays readable.
 #[must_use]
 pub fn significant(value: f64, digits: usize) -> String {
@@ -69,6 +82,14 @@ mod tests {
         assert_eq!(said(in_range("--gain", 5.0, "-", (0.0, 4.0))), "--gain 5: must be in [0, 4]");
         assert_eq!(said(positive("--power", 0.0, "W")), "--power 0 W: must be finite and > 0 W");
         assert!(in_range("--height", f64::NAN, "mm", (0.0, 7.0)).is_err());
+    }
+
+    #[test]
+    fn an_option_without_effect_is_refused() {
+        let given = [("--mode", false), ("--gain", true)];
+        let said = needs("--height", false, &given).unwrap_err().to_string();
+        assert_eq!(said, "--gain: has an effect only together with --height, which was not given");
+        assert!(needs("--height", true, &given).is_ok() && needs("--height", false, &given[..1]).is_ok());
     }
 
     #[test]

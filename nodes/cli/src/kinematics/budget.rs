@@ -1,29 +1,23 @@
 //! `fdm kinematics budget`: how far a layer may lie off that the machine alone explains, as two parameters.
 
-use super::{MachineArgs, stl};
-use crate::options::{in_range, positive};
+use super::{MachineArgs, PartArgs};
+use crate::options::in_range;
 use crate::output::{self, Json};
 use anyhow::bail;
 use clap::Args;
 use models::hybrid::published::Published;
-use models::hybrid::{AxisError, CARRIAGES, Geometry, Mesh, Station, SurfacePoint};
+use models::hybrid::{AxisError, Geometry, Mesh, SurfacePoint};
 use models::params;
 use serde::Serialize;
 use std::path::PathBuf;
 
 /// Largest offset between two layers that wrong motors explain, for the parameters `machine` and
-/// `shift.machine_error_m`.
+/// `shift.machine_error_m`; every motor is wrong by the machine file's part of a step.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct BudgetArgs {
-    /// Part: a closed mesh, binary or ASCII; the paper's hemisphere without it.
-    #[arg(long)]
-    stl: Option<PathBuf>,
-    /// Length of one unit of the file `[mm]`.
-    #[arg(long, default_value_t = 1.0)]
-    unit: f64,
-    /// Full step of the motors `[deg]`; each is wrong by the machine file's part of it.
-    #[arg(long, default_value_t = 1.8)]
-    step: f64,
+    #[command(flatten)]
+    part: PartArgs,
     /// Points of the surface below this height are left out `[mm]`; how many is said.
     #[arg(long, default_value_t = 15.0)]
     from_height: f64,
@@ -89,11 +83,10 @@ pub fn run(args: &BudgetArgs) -> anyhow::Result<()> {
     let config = args.machine.config()?;
     let json = Json::new(args.json.as_deref());
     json.check()?;
-    positive("--step", args.step, "deg")?;
-    in_range("--unit", args.unit, "mm", (1e-6, 1e6))?;
+    args.part.check()?;
     in_range("--from-height", args.from_height, "mm", (0.0, 1e4))?;
     let geometry = args.machine.geometry(&config)?;
-    let angle_deg = args.step * args.machine.choices(&config)?.motor_error;
+    let angle_deg = args.part.step * args.machine.choices(&config)?.motor_error;
     let error = AxisError::of_motors(angle_deg.to_radians(), geometry.lead_m);
     let tables: Published = runtime::params::from_yaml(&config.file("machines/published.yaml"))?;
     let surface = surface(args, tables.radius_m)?;
@@ -141,8 +134,8 @@ struct Surface {
 
 fn surface(args: &BudgetArgs, radius_m: f64) -> anyhow::Result<Surface> {
     let lowest_m = 1e-3 * args.from_height;
-    if let Some(path) = &args.stl {
-        return Ok(of_mesh(&stl::read(path, 1e-3 * args.unit)?, lowest_m));
+    if let Some(mesh) = args.part.mesh()? {
+        return Ok(of_mesh(&mesh, lowest_m));
     }
     in_range("--from-height", args.from_height, "mm", (0.0, 1e3 * radius_m))?;
     // All meridians are alike: heights alone are a surface.
@@ -163,20 +156,7 @@ fn of_mesh(mesh: &Mesh, lowest_m: f64) -> Surface {
 /// Lateral errors of the points that the machine can work on.
 fn laterals_m(geometry: &Geometry, points: &[SurfacePoint], error: &AxisError) -> Vec<f64> {
     let stations = points.iter().filter_map(|point| geometry.station(point).ok());
-    stations.filter_map(|station| lateral_m(&station, error)).collect()
-}
-
-/// Largest error across the extruder's axis over all signs `[m]`, where a camera at the extruder looks for an offset;
-/// none where a combination has no pose on the nominal branch.
-fn lateral_m(station: &Station<'_>, error: &AxisError) -> Option<f64> {
-    let mut largest_m = 0.0_f64;
-    for combination in 0..1_u32 << (CARRIAGES + 1) {
-        let sign = |bit: usize| if combination >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        let carriages_m: [f64; CARRIAGES] = std::array::from_fn(|bit| sign(bit) * error.carriage_m);
-        let shift = station.shift(&carriages_m, sign(CARRIAGES) * error.table_rad).ok()?;
-        largest_m = largest_m.max(shift.vector_m.x.hypot(shift.vector_m.y));
-    }
-    Some(largest_m)
+    stations.filter_map(|station| station.lateral_m(error)).collect()
 }
 
 fn text(figures: &BudgetFigures) -> String {
@@ -212,6 +192,3 @@ fn text(figures: &BudgetFigures) -> String {
     ]
     .join("\n")
 }
-
-#[cfg(test)]
-mod tests;

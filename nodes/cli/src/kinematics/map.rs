@@ -4,8 +4,8 @@ mod hemisphere;
 
 pub use hemisphere::{HemisphereFigures, Spot};
 
-use super::{MachineArgs, picture, stl};
-use crate::options::{in_range, positive, significant};
+use super::{MachineArgs, PartArgs, picture};
+use crate::options::{needs, significant};
 use crate::output::{self, Json};
 use crate::process::Picture;
 use anyhow::bail;
@@ -21,18 +21,12 @@ use std::time::Instant;
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct MapArgs {
-    /// Part: a closed mesh, binary or ASCII; it is placed on the middle of the table.
-    #[arg(long)]
-    stl: Option<PathBuf>,
-    /// Length of one unit of the file `[mm]`.
-    #[arg(long, default_value_t = 1.0)]
-    unit: f64,
-    /// Full step of the motors `[deg]`.
-    #[arg(long, default_value_t = 1.8)]
-    step: f64,
-    /// Microsteps per full step; every motor is wrong by one of them.
-    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65536))]
-    microsteps: u32,
+    #[command(flatten)]
+    part: PartArgs,
+    /// Microsteps per full step for a part: every motor is wrong by one of them; 16 if not given. The hemisphere is
+    /// mapped over them.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    microsteps: Option<u32>,
     /// Draw into a file that ends in .svg or .html.
     #[arg(long)]
     picture: Option<PathBuf>,
@@ -91,17 +85,17 @@ pub fn run(args: &MapArgs) -> anyhow::Result<()> {
     Json::new(args.json.as_deref()).check()?;
     let geometry = args.machine.geometry(&config)?;
     let picture = args.picture.as_deref().map(Picture::new).transpose()?;
-    positive("--step", args.step, "deg")?;
-    in_range("--unit", args.unit, "mm", (1e-6, 1e6))?;
-    if let Some(path) = &args.stl {
-        return part(args, &geometry, &stl::read(path, 1e-3 * args.unit)?, picture.as_ref());
+    args.part.check()?;
+    needs("--stl", args.part.stl.is_some(), &[("--microsteps", args.microsteps.is_some())])?;
+    if let Some(mesh) = args.part.mesh()? {
+        return part(args, &geometry, &mesh, picture.as_ref());
     }
     let tables: Published = runtime::params::from_yaml(&config.file("machines/published.yaml"))?;
     hemisphere::run(args, &geometry, tables.radius_m, picture.as_ref())
 }
 
 fn part(args: &MapArgs, geometry: &Geometry, mesh: &Mesh, picture: Option<&Picture>) -> anyhow::Result<()> {
-    let angle_deg = args.step / f64::from(args.microsteps);
+    let angle_deg = args.part.step / f64::from(args.microsteps.unwrap_or(MICROSTEPS));
     let error = AxisError::of_motors(angle_deg.to_radians(), geometry.lead_m);
     let started = Instant::now();
     let map = geometry.error_map(mesh, &error);
@@ -123,6 +117,8 @@ fn part(args: &MapArgs, geometry: &Geometry, mesh: &Mesh, picture: Option<&Pictu
     json.write(&figures)
 }
 
+/// Microsteps of usual drivers.
+const MICROSTEPS: u32 = 16;
 /// A part's surface is looked at in pieces with no edge longer than this `[m]`.
 const EDGE_M: f64 = 2e-3;
 /// Most of them: on larger parts the edges are longer.

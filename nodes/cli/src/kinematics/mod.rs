@@ -8,12 +8,12 @@ pub mod stl;
 pub mod synthesize;
 
 use crate::config::ConfigDir;
-use crate::options::{in_range, positive};
+use crate::options::{in_range, needs, positive};
 use crate::process;
 use anyhow::bail;
 use clap::{Args, Subcommand};
-use models::hybrid::Geometry;
 use models::hybrid::synthesis::Choices;
+use models::hybrid::{Geometry, Mesh};
 use std::path::PathBuf;
 
 /// Kinematic errors of a machine of hybrid layout.
@@ -79,6 +79,37 @@ impl MachineArgs {
 
     fn choices(&self, config: &ConfigDir) -> anyhow::Result<Choices> {
         process::block(config, &self.file(config)?, "synthesis")
+    }
+}
+
+/// Which part, and what drives the machine.
+#[derive(Debug, Args)]
+pub struct PartArgs {
+    /// Part: a closed mesh, binary or ASCII, placed on the middle of the table; the paper's hemisphere without it.
+    #[arg(long)]
+    stl: Option<PathBuf>,
+    /// Length of one unit of the file `[mm]`; 1 if not given.
+    #[arg(long)]
+    unit: Option<f64>,
+    /// Full step of the motors `[deg]`.
+    #[arg(long, default_value_t = 1.8)]
+    step: f64,
+}
+
+/// Longest full step `[deg]`: a stepper of one pole pair and two phases has four a turn.
+const STEP_MOST_DEG: f64 = 90.0;
+
+impl PartArgs {
+    fn check(&self) -> anyhow::Result<()> {
+        positive("--step", self.step, "deg")?;
+        in_range("--step", self.step, "deg", (0.0, STEP_MOST_DEG))?;
+        needs("--stl", self.stl.is_some(), &[("--unit", self.unit.is_some())])
+    }
+
+    /// The part; none where it is the hemisphere.
+    fn mesh(&self) -> anyhow::Result<Option<Mesh>> {
+        let unit_mm = in_range("--unit", self.unit.unwrap_or(1.0), "mm", (1e-6, 1e6))?;
+        self.stl.as_deref().map(|path| stl::read(path, 1e-3 * unit_mm)).transpose()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{ModeName, material};
 use crate::config::ConfigDir;
-use crate::options::in_range;
+use crate::options::{in_range, needs};
 use crate::output::{self, Json};
 use crate::process::block;
 use clap::Args;
@@ -20,9 +20,9 @@ pub struct CorrectArgs {
     /// Measured heights of a layer `[mm]`, separated by commas.
     #[arg(long, value_delimiter = ',')]
     height: Vec<f64>,
-    /// Which speeds are moved for these heights; the tables are of both.
-    #[arg(long, value_enum, default_value = "both")]
-    mode: ModeName,
+    /// Which speeds are moved for these heights; both if not given, as in the tables.
+    #[arg(long, value_enum)]
+    mode: Option<ModeName>,
     /// Gain in place of the configured one `[-]`, for these heights.
     #[arg(long)]
     gain: Option<f64>,
@@ -99,6 +99,9 @@ pub fn run(args: &CorrectArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
     let json = Json::new(args.json.as_deref());
     json.check()?;
+    let alone = [("--mode", args.mode.is_some()), ("--gain", args.gain.is_some())];
+    needs("--height", !args.height.is_empty(), &alone)?;
+    let mode = args.mode.unwrap_or(ModeName::Both).into();
     let process = super::nominal(&config)?;
     if let Some(gain) = args.gain {
         in_range("--gain", gain, "-", GAIN_RANGE)?;
@@ -112,7 +115,7 @@ pub fn run(args: &CorrectArgs) -> anyhow::Result<()> {
     let heights = args.height.iter().map(|height_mm| {
         // What the controller does not believe it does not correct either.
         in_range("--height", *height_mm, "mm", (lowest_mm, highest_mm))?;
-        let speeds = law.correct_within(args.mode.into(), &process.limits, 1e-3 * height_mm)?;
+        let speeds = law.correct_within(mode, &process.limits, 1e-3 * height_mm)?;
         Ok(ForHeight {
             height_mm: *height_mm,
             wire_mm_s: 1e3 * speeds.wire_m_s,

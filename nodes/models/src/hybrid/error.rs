@@ -79,6 +79,15 @@ pub struct Extremal {
     pub failed: u32,
 }
 
+/// Combinations of signs of the carriages and the table: what a worst error is taken over.
+pub const COMBINATIONS: u32 = 1 << (CARRIAGES + 1);
+
+/// Every combination of signs of the carriages.
+fn carriage_signs() -> impl Iterator<Item = [f64; CARRIAGES]> {
+    (0..1_u32 << CARRIAGES)
+        .map(|combination| std::array::from_fn(|bit| if combination >> bit & 1 == 1 { 1.0 } else { -1.0 }))
+}
+
 /// Errors along the normal of many random axis errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
@@ -128,9 +137,7 @@ impl Station<'_> {
     #[must_use]
     pub fn extremal(&self, error: &AxisError) -> Extremal {
         let mut worst = Extremal { largest_m: 0.0, signs: [0.0; CARRIAGES + 1], failed: 0 };
-        for combination in 0..1_u32 << CARRIAGES {
-            let sign = |bit: usize| if combination >> bit & 1 == 1 { 1.0 } else { -1.0 };
-            let signs: [f64; CARRIAGES] = std::array::from_fn(sign);
+        for signs in carriage_signs() {
             let Ok(pose) = self.actual_pose(&signs.map(|sign| sign * error.carriage_m)) else {
                 worst.failed += 2;
                 continue;
@@ -144,6 +151,21 @@ impl Station<'_> {
             }
         }
         worst
+    }
+
+    /// Largest error across the extruder's axis over all combinations of signs `[m]`, where a camera at the extruder
+    /// looks for an offset between layers; none where a combination has no pose on the nominal branch.
+    #[must_use]
+    pub fn lateral_m(&self, error: &AxisError) -> Option<f64> {
+        let mut largest_m = 0.0_f64;
+        for signs in carriage_signs() {
+            let pose = self.actual_pose(&signs.map(|sign| sign * error.carriage_m)).ok()?;
+            for table in [-1.0, 1.0] {
+                let shift = self.shift_at(pose, table * error.table_rad);
+                largest_m = largest_m.max(shift.vector_m.x.hypot(shift.vector_m.y));
+            }
+        }
+        Some(largest_m)
     }
 
     /// Errors of `count` random draws; `uniform` gives independent numbers in `[-1, 1]`, a part of each axis' error.

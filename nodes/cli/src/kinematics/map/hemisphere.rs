@@ -44,7 +44,7 @@ pub(super) fn run(
 ) -> anyhow::Result<()> {
     let mut spots = Vec::new();
     for halving in 0..HALVINGS {
-        let angle_deg = args.step / f64::from(1_u32 << halving);
+        let angle_deg = args.part.step / f64::from(1_u32 << halving);
         let error = AxisError::of_motors(angle_deg.to_radians(), geometry.lead_m);
         for index in 0..HEIGHTS {
             let height_m = radius_m * f64::from(index) / f64::from(HEIGHTS - 1);
