@@ -24,17 +24,20 @@ pub struct Measured {
 }
 
 /// Why a file was refused.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeasuredError {
     /// The first line lacks a column.
     #[error("line 1: no column '{0}'")]
     Column(&'static str),
-    /// A cell that is missing or cannot be read.
+    /// No comma-separated text: a row that is shorter or longer than the first line, bytes that are no text.
+    #[error(transparent)]
+    Table(#[from] csv::Error),
+    /// A cell that cannot be read.
     #[error("line {line}: {column} is '{found}', must be {wanted}")]
     Cell {
         /// From 1.
-        line: usize,
+        line: u64,
         /// Name of the column.
         column: &'static str,
         /// What stands there.
@@ -49,38 +52,36 @@ pub enum MeasuredError {
 /// # Errors
 /// [`MeasuredError`] with line and column.
 pub fn parse(text: &str) -> Result<Vec<Measured>, MeasuredError> {
-    let mut lines = text.lines().enumerate().filter(|(_, line)| {
-        let line = line.trim();
-        !line.is_empty() && !line.starts_with('#')
-    });
-    let Some((_, head)) = lines.next() else { return Err(MeasuredError::Column(COLUMNS[0])) };
-    let names: Vec<&str> = head.split(',').map(str::trim).collect();
+    let mut table =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+    let names = table.headers()?;
     let mut places = [0; COLUMNS.len()];
     for (place, column) in places.iter_mut().zip(COLUMNS) {
-        *place = names.iter().position(|name| *name == column).ok_or(MeasuredError::Column(column))?;
+        *place = names.iter().position(|name| name == column).ok_or(MeasuredError::Column(column))?;
     }
-    lines.map(|(index, line)| row(index + 1, line, &places)).collect()
+    table.records().map(|record| row(&record?, &places)).collect()
 }
 
-fn row(line: usize, text: &str, places: &[usize; 6]) -> Result<Measured, MeasuredError> {
-    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
-    let cell = |column: usize| cells.get(places[column]).copied().unwrap_or_default();
+fn row(record: &csv::StringRecord, places: &[usize; 6]) -> Result<Measured, MeasuredError> {
+    let cell = |column: usize| record.get(places[column]).unwrap_or_default();
     let refused = |column: usize, wanted| MeasuredError::Cell {
-        line,
+        line: record.position().map_or(0, csv::Position::line),
         column: COLUMNS[column],
         found: cell(column).to_owned(),
         wanted,
     };
     let number = |column: usize| {
         let value: Option<f64> = cell(column).parse().ok();
-        value.filter(|value| value.is_finite() && *value > 0.0).ok_or(refused(column, "a number above 0"))
+        value
+            .filter(|value| value.is_finite() && *value > 0.0)
+            .ok_or_else(|| refused(column, "a number above 0"))
     };
     let drive = DriveKind::ALL.into_iter().find(|drive| drive.name() == cell(0).to_lowercase());
     if cell(1).is_empty() {
         return Err(refused(1, "a polymer"));
     }
     Ok(Measured {
-        drive: drive.ok_or(refused(0, "bowden or direct"))?,
+        drive: drive.ok_or_else(|| refused(0, "bowden or direct"))?,
         polymer: cell(1).to_uppercase(),
         at: Condition {
             temperature: Celsius(number(2)?),

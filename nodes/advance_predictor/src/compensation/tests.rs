@@ -178,6 +178,12 @@ fn measured_lines_are_refused_by_line_and_column() {
     assert_eq!(error, "line 3: temperature_c is 'nan', must be a number above 0");
     let error = refused(&format!("{head}remote,PLA,215,0.2,0.4,0.6\n"));
     assert_eq!(error, "line 2: drive is 'remote', must be bowden or direct");
+    // A row cut short is no row with empty cells; quotes and a comma inside of them are one cell.
+    let error = refused(&format!("{head}bowden,PLA,215,0.2\n"));
+    assert!(error.contains("line: 2") && error.contains("4 fields"), "{error}");
+    let noted = "note,drive,polymer,temperature_c,height_mm,width_mm,advance_s\n\
+                 \"dry, new\",direct,pla,215,0.2,0.4,0.04\n";
+    assert_eq!(parse(noted).unwrap()[0].polymer, "PLA");
 }
 
 #[test]
