@@ -37,30 +37,31 @@ pub(crate) fn numbers() -> impl FnMut() -> f64 {
     }
 }
 
-/// Issue 8: 1e-10 m over 10^4 poses. Newton starts a millimetre and 0.2 degrees away; poses off the plane of symmetry too.
+/// Issue 8: 1e-10 m over 10^4 poses. Newton starts a millimetre and 0.2 degrees away, less near the
+/// fold; poses off the plane of symmetry too, all that the guard lets pass.
 #[test]
 fn forward_of_inverse_is_the_pose() {
     let machine = g1();
     let mut next = numbers();
-    let mut poses = 0;
+    let (mut poses, mut worst_m) = (0, 0.0_f64);
     while poses < 10_000 {
         let (azimuth, rise) = (std::f64::consts::TAU * next(), 1.45 * next());
         let normal = Vector3::new(rise.cos() * azimuth.cos(), rise.cos() * azimuth.sin(), rise.sin());
         let off_m = Vector3::new(next() - 0.5, next() - 0.5, next() - 0.5) * 0.04;
         let position_m = normal * 0.06 + off_m;
         let Ok(station) = machine.station(&SurfacePoint { position_m, normal }) else { continue };
-        if station.condition > 50.0 {
-            continue;
-        }
+        // The branches lie close together near a fold.
+        let near = (50.0 / station.condition).min(1.0);
         let mut start = station.target.pose;
-        start.position_m += Vector3::new(next() - 0.5, next() - 0.5, next() - 0.5) * 2e-3;
-        start.tilt_rad += (next() - 0.5) * 7e-3;
+        start.position_m += Vector3::new(next() - 0.5, next() - 0.5, next() - 0.5) * 2e-3 * near;
+        start.tilt_rad += (next() - 0.5) * 7e-3 * near;
         let found = machine.pose(&station.carriages_m, &start).unwrap();
         let pose = station.target.pose;
-        assert!((found.position_m - pose.position_m).norm() < 1e-10, "{pose:?}");
-        assert!((found.tilt_rad - pose.tilt_rad).abs() * machine.rod_m < 1e-10, "{pose:?}");
+        let turned_m = (found.tilt_rad - pose.tilt_rad).abs() * machine.rod_m;
+        worst_m = worst_m.max((found.position_m - pose.position_m).norm()).max(turned_m);
         poses += 1;
     }
+    assert!(worst_m < 1e-10, "{worst_m}");
 }
 
 #[test]
