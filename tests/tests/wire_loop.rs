@@ -1,7 +1,8 @@
 //! The wire process over DDS: machine, controller and supervisor are processes of their own.
 //!
 //! The loop makes the wall flatter than the same wall in the mode observe; without its controller the machine is back at
-//! its planned speeds; what lies outside of the limits is cut twice; bad heights are refused, counted and shown.
+//! its planned speeds; what lies outside of the limits is cut twice; bad heights are refused, counted and shown. Beside it the
+//! error budget of a machine whose axes are wrong, as the classifier publishes it.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
@@ -13,7 +14,7 @@ mod fleet;
 #[path = "wire_loop/peer.rs"]
 mod peer;
 
-use fdm_loop_msgs::{DiagnosticArray, Header, LayerHeight, SafetyState};
+use fdm_loop_msgs::{DiagnosticArray, Header, LayerHeight, PrinterState, SafetyState};
 use fleet::Fleet;
 use models::units::Seconds;
 use peer::{Peer, Seen, is_neutral, stamp_s};
@@ -121,7 +122,7 @@ async fn without_its_controller(fleet: &mut Fleet, peer: &mut Peer) {
     });
     assert!(later.await && !moved, "corrected without a controller");
     let state = peer.seen.machine.as_ref().unwrap();
-    assert_eq!(state.phase, fdm_loop_msgs::PrinterState::PHASE_PRINTING);
+    assert_eq!(state.phase, PrinterState::PHASE_PRINTING);
     assert_eq!(peer.seen.safety.as_ref().unwrap().mode, SafetyState::MODE_DEGRADED);
 }
 
@@ -186,6 +187,42 @@ fn bad_heights_are_refused_counted_and_shown() {
                 () = &mut limit => panic!("not all refused: {shown:?}"),
             }
         }
+        fleet.end();
+    });
+}
+
+/// What the machine cannot do stands beside what it did. That the same number widens the supervisor's limit is a test of
+/// its own (`the_machines_own_error_widens_the_limit`).
+#[test]
+fn the_error_budget_of_the_machine_stands_beside_the_quality_of_a_layer() {
+    on_own_domain("the_error_budget_of_the_machine_stands_beside_the_quality_of_a_layer", 60, async || {
+        let budget: &[&str] = &["machine.error_known:=true", "machine.error_m:=2.5e-4"];
+        let mut fleet = Fleet::start(&[("defect_classifier", budget)]);
+        let mut node = Node::start_with("peer", Args::default()).unwrap();
+        let printer = node.publish_on(&topics::PRINTER_STATE).unwrap();
+        let mut qualities = node.subscribe(&topics::LAYER_QUALITY).unwrap();
+        let mut ticks = node.timer(Seconds(0.02));
+        let limit = tokio::time::sleep(Duration::from_secs(30));
+        tokio::pin!(limit);
+        let seen = loop {
+            tokio::select! {
+                quality = qualities.recv() => break quality.message,
+                now = ticks.next() => {
+                    printer.send(PrinterState {
+                        header: Header::at(now.0),
+                        phase: PrinterState::PHASE_PRINTING,
+                        layer_known: true,
+                        layer: 7,
+                        flow_factor: 1.0,
+                        speed_factor: 1.0,
+                        ..PrinterState::default()
+                    });
+                }
+                () = &mut limit => panic!("no quality of a layer"),
+            }
+        };
+        assert_eq!(seen.layer, 7);
+        assert!(seen.machine_error_known && (seen.machine_error_m - 2.5e-4).abs() < 1e-12, "{seen:?}");
         fleet.end();
     });
 }

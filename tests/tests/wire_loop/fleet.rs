@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 pub(crate) struct Fleet(Vec<(&'static str, Child)>);
 
 impl Fleet {
-    /// Starts nodes with overrides `name:=value` of their parameters, besides the files of `fdm wire up`.
+    /// Starts nodes with overrides `name:=value` of their parameters, besides their files.
     pub(crate) fn start(nodes: &[(&'static str, &[&str])]) -> Self {
         Self(nodes.iter().map(|(node, overrides)| (*node, start(node, overrides))).collect())
     }
@@ -51,13 +51,16 @@ impl Drop for Fleet {
     }
 }
 
-/// Parameter files as `fdm wire up` gives them.
+/// Parameter files as `fdm wire up` and `fdm up` give them.
 fn files(node: &str) -> &'static [&'static str] {
     match node {
         "safety_supervisor" => &["safety_supervisor.param.yaml", "wire/safety_supervisor.param.yaml"],
         "mpc_controller" => &["wire/mpc_controller.param.yaml", "wire/controller.yaml", "wire/process.yaml"],
+        "defect_classifier" => {
+            &["defect_classifier.param.yaml", "quality.yaml", "printers/ender3.yaml", "materials/pla.yaml"]
+        }
         "printer_sim" => &["wire/printer_sim.param.yaml", "plants/wire.yaml", "wire/process.yaml"],
-        other => unreachable!("{other} has no part in the wire process"),
+        other => unreachable!("{other} has no part in these tests"),
     }
 }
 
@@ -65,11 +68,14 @@ fn start(node: &str, overrides: &[&str]) -> Child {
     let deps = std::env::current_exe().unwrap();
     let program = deps.parent().and_then(Path::parent).unwrap().join(node);
     assert!(program.is_file(), "{} is missing: build it first (cargo build -p {node})", program.display());
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let config = root.join("config");
     let arguments =
         files(node).iter().flat_map(|file| ["--params-file".into(), config.join(file)] as [PathBuf; 2]);
     let mut command = Command::new(program);
+    // Files that parameters name are relative to the repository.
     command
+        .current_dir(root)
         .arg("--ros-args")
         .args(arguments)
         .args(overrides.iter().flat_map(|assignment| ["-p", assignment]))
