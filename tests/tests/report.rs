@@ -129,6 +129,45 @@ fn absent_topics_are_said_in_their_place() {
         assert!(section(&page, id).contains(&format!("<code>{topic}</code>")), "{id}");
     }
     assert!(!page.contains("id=\"truth\""), "a real printer has no simulated truth");
+    assert!(!page.contains("id=\"wall\""), "no wall was built");
+}
+
+/// Heights of 2.16 mm a layer, the truth 0.35 mm off: both on the page, each in its place; none where no wall was built.
+#[test]
+fn a_wall_of_wire_is_shown() {
+    let folder = folder("wall");
+    let mut file = BagFile::create(&folder.join("wall_0.mcap"), true);
+    for (layer, at) in [(0, 0.0), (1, 60.0), (2, 120.0)] {
+        let header = fdm_loop_msgs::Header::at(at);
+        let height_m = 2.16e-3 * f64::from(layer + 1);
+        let measured = fdm_loop_msgs::LayerHeight {
+            header: header.clone(),
+            layer,
+            height_m,
+            sigma_m: 1e-4,
+            along_m: 0.0,
+        };
+        file.put(&runtime::topics::LAYER_HEIGHT, at, &measured);
+        let truth = fdm_loop_msgs::SimWire {
+            header,
+            height_m,
+            layers_complete: layer + 1,
+            layer_rms_m: 3.5e-4,
+            rms_m: 3.1e-4,
+            ..Default::default()
+        };
+        file.put(&runtime::topics::SIM_WIRE, at, &truth);
+    }
+    file.finish();
+    let page = page(&folder, None).unwrap();
+    let wall = section(&page, "wall");
+    let (seen, truth) = wall.split_once("The process was simulated").unwrap();
+    assert!(seen.contains("Height of the wall") && !seen.contains("RMS"), "{seen}");
+    assert!(
+        truth.contains("0.350 mm") && truth.contains("0.310 mm") && truth.contains("<dd>3</dd>"),
+        "{truth}"
+    );
+    assert!(!wall.contains("holds no usable message"), "{wall}");
 }
 
 /// An hour with a frame of 150 kB each 30 s: the page stays below 3 MB.

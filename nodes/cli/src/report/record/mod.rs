@@ -8,6 +8,7 @@ pub(crate) mod print;
 pub(crate) mod signals;
 pub(crate) mod tally;
 pub(crate) mod truth;
+pub(crate) mod wall;
 
 use super::decode::decode;
 use super::scan::{Raw, Visitor};
@@ -23,6 +24,7 @@ use signals::Signals;
 use std::collections::BTreeMap;
 use tally::Tally;
 use truth::Truth;
+use wall::Wall;
 
 /// Everything that the page shows.
 #[derive(Debug, Default)]
@@ -38,6 +40,7 @@ pub(crate) struct Record {
     pub(crate) pictures: Pictures,
     pub(crate) diagnostics: Diagnostics,
     pub(crate) truth: Truth,
+    pub(crate) wall: Wall,
 }
 
 impl Visitor for Record {
@@ -104,6 +107,8 @@ impl Record {
         const ANNOTATED: &str = topics::ANNOTATED.name();
         const CAMERA: &str = topics::CAMERA_IMAGE.name();
         const TRUTH: &str = topics::SIM_TRUTH.name();
+        const HEIGHT: &str = topics::LAYER_HEIGHT.name();
+        const WIRE: &str = topics::SIM_WIRE.name();
         const DIAGNOSTICS: &str = topics::DIAGNOSTICS.name();
         match name {
             HOTEND => self.stamped(raw, |all, at, message| all.signals.hotend(at, &message)),
@@ -124,6 +129,8 @@ impl Record {
             ANNOTATED => self.stamped(raw, |all, at, message| all.pictures.annotated(at, message)),
             CAMERA => self.stamped(raw, |all, at, message| all.pictures.camera(at, message)),
             TRUTH => self.stamped(raw, Self::truth),
+            HEIGHT => self.stamped(raw, |all, at, message| all.wall.measured(at, &message)),
+            WIRE => self.stamped(raw, |all, at, message| all.wall.truth(at, &message)),
             DIAGNOSTICS => self.read(raw, |all, message| all.diagnostics.take(&message)),
             _ => {}
         }
@@ -209,6 +216,7 @@ stamped!(
     ControlCommand,
     DefectReport,
     ImuBatch,
+    LayerHeight,
     LayerQuality,
     MotionSegment,
     PrintEvent,
@@ -216,6 +224,7 @@ stamped!(
     PrinterState,
     SafetyState,
     SimTruth,
+    SimWire,
     StateEstimate,
     Temperature
 );

@@ -9,6 +9,7 @@ pub(crate) mod plots;
 pub(crate) mod summary;
 pub(crate) mod tables;
 pub(crate) mod trace;
+pub(crate) mod wall;
 pub(crate) mod words;
 
 use super::bag::Bag;
@@ -81,6 +82,9 @@ fn sections(view: &View) -> Vec<(&'static str, &'static str, Markup)> {
         ("consistency", "Consistency", plots::consistency(view)),
         ("vibration", "Vibration", plots::vibration(view)),
     ];
+    if let Some(wall) = wall::wall(view) {
+        sections.push(("wall", "Wall", wall));
+    }
     if let Some(truth) = plots::truth(view) {
         sections.push(("truth", "Simulated truth", truth));
     }

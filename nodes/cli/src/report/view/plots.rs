@@ -11,7 +11,7 @@ use runtime::topics;
 
 impl<'a> View<'a> {
     /// A plot of this print.
-    fn plot(&'a self, title: &'a str, unit: &'a str, traces: Vec<Trace<'a>>) -> Plot<'a> {
+    pub(super) fn plot(&'a self, title: &'a str, unit: &'a str, traces: Vec<Trace<'a>>) -> Plot<'a> {
         let markers = &self.markers;
         Plot { title, unit, span_s: self.span_s, traces, markers, shows: None, band: None, logarithm: false }
     }
