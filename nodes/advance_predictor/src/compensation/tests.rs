@@ -2,7 +2,7 @@
 
 use super::assess::{Figures, assess};
 use super::data::{DataParams, Use};
-use super::measured::{Measured, parse};
+use super::measured::Measured;
 use super::training::{Material, train};
 use super::*;
 use crate::network::training::FitParams;
@@ -149,10 +149,13 @@ fn measured_lines_move_the_networks() {
     let published: Published = block("advance/published.yaml", "advance_published");
     let mut set = settings.data.generate(DriveKind::Bowden, &physics, &published, settings.seed);
     set.lines.retain(|line| line.polymer == "PLA" && line.purpose == Use::Train);
-    let own = "drive,polymer,temperature_c,height_mm,width_mm,advance_s,note\n# mine\n\
-               bowden,PLA,215,0.2,0.4,0.68,cube\nbowden,pla,210,0.2,0.4,0.70,\nbowden,PLA,220,0.2,0.4,0.66,x\n";
-    let measured = parse(own).unwrap();
-    assert_eq!(measured.len(), 3);
+    let own = [(215.0, 0.68), (210.0, 0.70), (220.0, 0.66)];
+    let measured = own.map(|(temperature_c, advance_s)| Measured {
+        drive: DriveKind::Bowden,
+        polymer: "PLA".to_owned(),
+        at: at(temperature_c, 0.2, 0.4),
+        advance_s,
+    });
     let foretold = |measured: &[Measured]| {
         let weight = settings.measured_weight;
         let material = Material {
@@ -167,23 +170,6 @@ fn measured_lines_move_the_networks() {
     };
     let shift_s = foretold(&measured) - foretold(&[]);
     assert!((0.02..0.08).contains(&shift_s), "{shift_s}");
-}
-
-#[test]
-fn measured_lines_are_refused_by_line_and_column() {
-    let refused = |text: &str| parse(text).unwrap_err().to_string();
-    assert_eq!(refused("drive,polymer\n"), "line 1: no column 'temperature_c'");
-    let head = "drive,polymer,temperature_c,height_mm,width_mm,advance_s\n";
-    let error = refused(&format!("{head}bowden,PLA,215,0.2,0.4,0.6\nbowden,PLA,nan,0.2,0.4,0.6\n"));
-    assert_eq!(error, "line 3: temperature_c is 'nan', must be a number above 0");
-    let error = refused(&format!("{head}remote,PLA,215,0.2,0.4,0.6\n"));
-    assert_eq!(error, "line 2: drive is 'remote', must be bowden or direct");
-    // A row cut short is no row with empty cells; quotes and a comma inside of them are one cell.
-    let error = refused(&format!("{head}bowden,PLA,215,0.2\n"));
-    assert!(error.contains("line: 2") && error.contains("4 fields"), "{error}");
-    let noted = "note,drive,polymer,temperature_c,height_mm,width_mm,advance_s\n\
-                 \"dry, new\",direct,pla,215,0.2,0.4,0.04\n";
-    assert_eq!(parse(noted).unwrap()[0].polymer, "PLA");
 }
 
 #[test]

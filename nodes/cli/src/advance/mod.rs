@@ -3,6 +3,7 @@
 pub mod calibrate;
 pub mod data;
 pub mod export;
+mod measured;
 pub mod predict;
 pub mod train;
 mod turns;

@@ -1,12 +1,13 @@
 //! `fdm advance train`: the networks anew, and what they reach on lines and files that they never saw.
 
+use super::measured;
 use super::turns::{self, FileFigures};
 use super::{Settings, Setup};
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
 use advance_predictor::compensation::Ensemble;
 use advance_predictor::compensation::assess::{Errors, Figures, assess};
-use advance_predictor::compensation::measured::{self, Measured};
+use advance_predictor::compensation::measured::Measured;
 use advance_predictor::compensation::training::{Material, train};
 use anyhow::Context;
 use clap::Args;
