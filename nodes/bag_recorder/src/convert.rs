@@ -42,7 +42,10 @@ pub(crate) fn requested(topic: &TopicInfo, params: &Params) -> TopicInfo {
     if !latched && topic.qos.offered.depth < params.window_min {
         asked.qos.requested.reliability = Reliability::BestEffort;
     }
-    asked.qos.requested.depth = params.reader_depth.max(topic.qos.requested.depth);
+    // The middleware keeps as many, taken or not: a thousand pictures are 0.1 GB.
+    let pictures = topic.definition.name == "CompressedImage";
+    let depth = if pictures { params.image_depth } else { params.reader_depth };
+    asked.qos.requested.depth = depth.max(topic.qos.requested.depth);
     asked
 }
 

@@ -22,6 +22,8 @@ pub struct Params {
     pub clock_wait: Seconds,
     /// Messages of a topic that wait in the middleware.
     pub reader_depth: usize,
+    /// The same of a topic of pictures.
+    pub image_depth: usize,
     /// Publishers with a shorter send window are listened to best effort.
     pub window_min: usize,
 }
@@ -44,6 +46,8 @@ pub struct RawParams {
     pub clock_wait_s: f64,
     /// Messages of a topic that wait in the middleware `[-]`, in `[1, 100000]`.
     pub reader_depth: u32,
+    /// The same of a topic of pictures `[-]`, in `[1, 100000]`.
+    pub image_depth: u32,
     /// Shortest send window that is listened to reliably `[-]`, in `[1, 100000]`.
     pub window_min: u32,
 }
@@ -74,12 +78,14 @@ impl TryFrom<RawParams> for Params {
         }
         in_range("queue_length", f64::from(raw.queue_length), "-", (1.0, 1e6))?;
         in_range("reader_depth", f64::from(raw.reader_depth), "-", (1.0, 1e5))?;
+        in_range("image_depth", f64::from(raw.image_depth), "-", (1.0, 1e5))?;
         in_range("window_min", f64::from(raw.window_min), "-", (1.0, 1e5))?;
         Ok(Self {
             bag_dir: raw.bag_dir,
             leave_out: raw.leave_out,
             queue_length: size(raw.queue_length),
             reader_depth: size(raw.reader_depth),
+            image_depth: size(raw.image_depth),
             window_min: size(raw.window_min),
             sync_period: Seconds(in_range("sync_period_s", raw.sync_period_s, "s", (0.01, 60.0))?),
             late_max: Seconds(in_range("late_max_s", raw.late_max_s, "s", (0.0, 60.0))?),
@@ -109,6 +115,7 @@ mod tests {
             late_max_s: 1.0,
             clock_wait_s: 2.0,
             reader_depth: 1000,
+            image_depth: 20,
             window_min: 100,
         }
     }

@@ -66,6 +66,7 @@ mod presence;
 mod publisher;
 pub mod qos;
 mod raw;
+mod self_ack;
 mod self_loop;
 pub mod serial;
 mod service;

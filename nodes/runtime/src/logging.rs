@@ -15,11 +15,12 @@ use tracing_subscriber::util::SubscriberInitExt;
 /// Filter where neither `RUST_LOG` nor `--log-level` says otherwise; see [`MIDDLEWARE`].
 const DEFAULT_LEVEL: &str = "warn";
 /// The middleware's own levels, whatever level is asked for all loggers. RustDDS reports every port that nobody listens
-/// on (`udp_sender`), and on a `lo` without multicast every message to its own readers (`writer`) and every multicast
-/// group that it cannot join or leave (`udp_listener`); at the end of a process, every endpoint that goes after the
+/// on (`udp_sender`), and on a `lo` without multicast every message to its own readers (`writer`), every number that we
+/// acknowledge beyond the last (`rtps_reader_proxy`) and every multicast group that it cannot join or leave (`udp_listener`); at the end of a process, every endpoint that goes after the
 /// event loop (`pubsub`). `RUST_LOG` replaces all of it.
 const MIDDLEWARE: &str = "rustdds=warn,ros2_client=warn,rustdds::network::udp_sender=error,\
-                          rustdds::network::udp_listener=off,rustdds::rtps::writer=error,rustdds::dds::pubsub=off,\
+                          rustdds::network::udp_listener=off,rustdds::rtps::writer=error,rustdds::rtps::rtps_reader_proxy=error,\
+                          rustdds::dds::pubsub=off,\
                           ros2_client::distributions=error,ros2_client::service::wrappers=error";
 /// Lines that wait for `/rosout`; more are dropped (they are on standard error all the same).
 const WAITING_LINES: usize = 256;

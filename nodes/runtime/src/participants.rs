@@ -55,7 +55,7 @@ impl Participants {
 
 /// Port of a participant's discovery: RTPS 2.5, 9.6.2.3, `PB + DG domain + d1 + PG participant`. Domains up to 232 and
 /// numbers below 12 stay below 2^16.
-fn port(domain: u16, number: u16) -> u16 {
+pub(crate) fn port(domain: u16, number: u16) -> u16 {
     7400_u16.saturating_add(domain.saturating_mul(250)).saturating_add(10 + 2 * number)
 }
 

@@ -13,6 +13,7 @@
 use crate::clock::monotonic;
 use crate::error::RuntimeError;
 use crate::participants::Participants;
+use crate::self_ack::SelfAck;
 use models::units::Seconds;
 use rustdds::no_key::{DataWriterCdr, SimpleDataReaderCdr};
 use rustdds::policy::{History, Reliability};
@@ -27,6 +28,11 @@ use std::time::Duration;
 const TICK: Duration = Duration::from_millis(100);
 /// Most that one pass of the watchdog counts as silence: a pass that comes late was not scheduled `[s]`.
 const MOST_PER_PASS_S: f64 = 0.125;
+/// Ticks in which a node still announces new streams, and ticks between two acknowledgements of its own announcements,
+/// then and later.
+const ANNOUNCING: u64 = 200;
+const ACK_AT_FIRST: u64 = 10;
+const ACK: u64 = 100;
 /// Silence that ends the process `[s]` (C5).
 const LIMIT: Seconds = Seconds(1.0);
 /// Silence allowed before the first number came back: many participants discover each other in 5 s `[s]`.
@@ -67,13 +73,14 @@ impl SelfLoop {
     ) -> Result<Self, RuntimeError> {
         let ring = Ring::new(&participants.own, participants.echo, session)
             .map_err(|error| RuntimeError::create("self loop", &error))?;
+        let acks = [&participants.own, &ring.echo].map(SelfAck::of);
         let age = SelfLoopAge::default();
         let (stop, stopped) = channel();
         let shared = age.clone();
         let thread = std::thread::Builder::new()
             .name("self_loop".to_owned())
             .spawn(move || {
-                if watch(&ring, &shared, &stopped) {
+                if watch((&ring, acks), &shared, &stopped) {
                     on_silence();
                 }
             })
@@ -97,15 +104,18 @@ impl Drop for SelfLoop {
 }
 
 /// Sends and listens until stopped (false) or silent for too long (true).
-fn watch(ring: &Ring, age: &SelfLoopAge, stopped: &Receiver<()>) -> bool {
+fn watch((ring, mut acks): (&Ring, [Option<SelfAck>; 2]), age: &SelfLoopAge, stopped: &Receiver<()>) -> bool {
     let mut silence = Silence::new(monotonic());
-    let mut number = 0;
+    let mut number = 0_u64;
     loop {
         match stopped.recv_timeout(TICK) {
             Err(RecvTimeoutError::Timeout) => {}
             Ok(()) | Err(RecvTimeoutError::Disconnected) => return false,
         }
         number += 1;
+        if number.is_multiple_of(if number < ANNOUNCING { ACK_AT_FIRST } else { ACK }) {
+            acks.iter_mut().flatten().for_each(SelfAck::send);
+        }
         let heard = ring.turn(number);
         let now = monotonic();
         if heard {
@@ -151,7 +161,7 @@ struct Ring {
     echo_out: DataWriterCdr<u64>,
     back: SimpleDataReaderCdr<u64>,
     // Kept to the end: the echo lives as long as its participant.
-    _echo: DomainParticipant,
+    echo: DomainParticipant,
 }
 
 impl Ring {
@@ -173,7 +183,7 @@ impl Ring {
             echo_in: reader(&echo, &there, &qos)?,
             echo_out: writer(&echo, &back, &qos)?,
             back: reader(own, &back, &qos)?,
-            _echo: echo,
+            echo,
         })
     }
 
