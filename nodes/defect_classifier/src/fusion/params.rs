@@ -12,10 +12,12 @@ const WINDOW: f64 = 20.0;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FusionError {
-    /// A rule for a class that the network does not tell.
-    #[error("confirm.{class}: the network does not know this class; it knows {known}")]
+    /// A rule for a class that the network does not tell, or evidence on one.
+    #[error("fusion.{place}: the network does not know the class '{class}'; it knows {known}")]
     UnknownClass {
-        /// The class of the rule.
+        /// Where the class is named.
+        place: &'static str,
+        /// The class.
         class: String,
         /// Classes of the network.
         known: String,
@@ -92,8 +94,11 @@ impl TryFrom<RawFusionParams> for FusionParams {
 impl FusionParams {
     /// A rule or none per class, in their order.
     pub(super) fn rules_of(&self, classes: &[String]) -> Result<Vec<Option<ConfirmRule>>, FusionError> {
-        if let Some(class) = self.confirm.keys().find(|class| !classes.contains(class)) {
-            return Err(FusionError::UnknownClass { class: class.clone(), known: classes.join(", ") });
+        let ruled = self.confirm.keys().map(|class| ("confirm", class));
+        let measured = self.evidence.measured_only.iter().map(|class| ("evidence.measured_only", class));
+        if let Some((place, class)) = ruled.chain(measured).find(|(_, class)| !classes.contains(class)) {
+            let (class, known) = (class.clone(), classes.join(", "));
+            return Err(FusionError::UnknownClass { place, class, known });
         }
         Ok(classes.iter().map(|class| self.confirm.get(class).copied()).collect())
     }

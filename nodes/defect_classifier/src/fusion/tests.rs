@@ -208,3 +208,25 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_class_that_the_network_does_not_tell_is_refused_with_its_place() {
+    let refused = |change: fn(&mut RawFusionParams)| {
+        let mut params = raw();
+        change(&mut params);
+        Fusion::new(params.try_into().unwrap(), &classes()).unwrap_err().to_string()
+    };
+    let of_rule = refused(|params| {
+        let rule = params.confirm["under"];
+        params.confirm.insert("undr".to_owned(), rule);
+    });
+    assert_eq!(
+        of_rule,
+        "fusion.confirm: the network does not know the class 'undr'; it knows ok, under, shift, spaghetti"
+    );
+    let of_evidence = refused(|params| params.evidence.measured_only.push("spagetti".to_owned()));
+    assert!(
+        of_evidence
+            .starts_with("fusion.evidence.measured_only: the network does not know the class 'spagetti'")
+    );
+}
