@@ -67,7 +67,8 @@ pub(crate) fn vision(message: &DefectReport) -> Result<(Seconds, Event), WireErr
     let report = VisionReport {
         usable: read.usable,
         confidence: read.confidence,
-        confirmed: read.confirmed.then(|| Defect::from_name(&read.cause)),
+        defect: Defect::from_name(&read.cause),
+        confirmed: read.confirmed,
         offset_m: read.offset_m,
     };
     Ok((read.exposed, Event::Vision(report)))

@@ -57,14 +57,15 @@ pub enum Defect {
 }
 
 impl Defect {
-    /// By the judge's name of the class.
+    /// By the judge's name of the class; `None` for `ok`.
     #[must_use]
-    pub fn from_name(name: &str) -> Self {
+    pub fn from_name(name: &str) -> Option<Self> {
         match name {
-            "under" => Self::Under,
-            "over" => Self::Over,
-            "spaghetti" => Self::Spaghetti,
-            _ => Self::Other,
+            "ok" => None,
+            "under" => Some(Self::Under),
+            "over" => Some(Self::Over),
+            "spaghetti" => Some(Self::Spaghetti),
+            _ => Some(Self::Other),
         }
     }
 }
@@ -76,8 +77,10 @@ pub struct VisionReport {
     pub usable: bool,
     /// Fused confidence of a defect, `[0, 1]`.
     pub confidence: f64,
-    /// The defect on which enough frames agree.
-    pub confirmed: Option<Defect>,
+    /// The defect that carries the confidence; `None` where nothing seems wrong.
+    pub defect: Option<Defect>,
+    /// Enough frames agree on it.
+    pub confirmed: bool,
     /// Offset of what was laid before, x and y `[m]`, where the frame tells.
     pub offset_m: Option<[f64; 2]>,
 }

@@ -274,7 +274,8 @@ proptest! {
                 6 => print.event(Event::Vision(VisionReport {
                     usable: true,
                     confidence: value,
-                    confirmed: None,
+                    defect: None,
+                    confirmed: false,
                     offset_m: Some([value, 0.0]),
                 })),
                 7 => drop(print.ask(Operator::Resume)),

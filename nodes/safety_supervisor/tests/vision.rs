@@ -9,8 +9,13 @@ use models::status::JobPhase;
 use models::units::Seconds;
 use safety_supervisor::{Cause, Defect, Event, Operator, VisionReport, What};
 
-const SOUND: VisionReport =
-    VisionReport { usable: true, confidence: 0.1, confirmed: None, offset_m: Some([1e-5, -2e-5]) };
+const SOUND: VisionReport = VisionReport {
+    usable: true,
+    confidence: 0.1,
+    defect: None,
+    confirmed: false,
+    offset_m: Some([1e-5, -2e-5]),
+};
 
 /// A print with frames at 2 Hz and accelerations at 20 Hz.
 struct Watched {
@@ -102,7 +107,7 @@ fn p9_p5_confirmed_defects_pause_with_their_cause() {
         (Defect::Other, None, 40.0, 40.1),
     ] {
         let mut watched = Watched::acting();
-        watched.report = Some(VisionReport { confirmed: Some(defect), ..SOUND });
+        watched.report = Some(VisionReport { defect: Some(defect), confirmed: true, ..SOUND });
         let took_s = watched.until(Mode::Paused);
         assert!((earliest_s..=limit_s).contains(&took_s), "{defect:?} {took_s}");
         assert_eq!(watched.cause(), cause);
@@ -156,6 +161,25 @@ fn raised_attention_holds_corrections_but_not_their_absence() {
     watched.report = Some(SOUND);
     watched.run(4.0);
     assert_eq!(flow(&watched), 1.10);
+}
+
+/// The cause of a pause on confidence alone is the defect that carries it, where there is one to act upon.
+#[test]
+fn a_high_confidence_pauses_for_the_defect_that_carries_it() {
+    for (defect, cause) in [
+        (Some(Defect::Spaghetti), Cause::Spaghetti),
+        (Some(Defect::Under), Cause::UnderExtrusion),
+        (Some(Defect::Other), Cause::Confidence),
+        (None, Cause::Confidence),
+    ] {
+        let mut watched = Watched::acting();
+        watched.report = Some(VisionReport { confidence: 0.9, defect, ..SOUND });
+        assert!((1.0..=1.6).contains(&watched.until(Mode::Paused)));
+        watched.report = Some(VisionReport { confidence: 0.9, defect: Some(Defect::Over), ..SOUND });
+        watched.print.report.phase = JobPhase::Paused;
+        watched.run(2.0);
+        assert_eq!(watched.cause(), Some(cause), "what is seen later changes nothing");
+    }
 }
 
 /// S7, S8: silence and blindness take the corrections back, nothing more.

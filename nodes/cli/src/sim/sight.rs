@@ -121,18 +121,24 @@ impl Sight {
                 Some(Seen::Width { laid: found.laid, width_m, sigma_m })
             }
             Output::Defects(defects) => {
-                let blind = VisionReport { usable: false, confidence: 0.0, confirmed: None, offset_m: None };
+                let blind = VisionReport {
+                    usable: false,
+                    confidence: 0.0,
+                    defect: None,
+                    confirmed: false,
+                    offset_m: None,
+                };
                 Some(Seen::Report(match &defects.judged {
                     Err(_) => blind,
                     Ok(judged) => {
                         let offset_m = judged.offset.map(|offset| offset.offset_m);
                         let apart_m = offset_m.map_or(0.0, |[x_m, y_m]| x_m.hypot(y_m));
                         self.offset_max_m = self.offset_max_m.max(apart_m);
-                        let cause = &judged.fused.cause;
                         VisionReport {
                             usable: true,
                             confidence: judged.fused.confidence,
-                            confirmed: judged.fused.confirmed.then(|| Defect::from_name(cause)),
+                            defect: Defect::from_name(&judged.fused.cause),
+                            confirmed: judged.fused.confirmed,
                             offset_m,
                         }
                     }

@@ -27,7 +27,7 @@ impl DefectCheck {
             return;
         }
         self.blind_since = None;
-        self.confirmed = match report.confirmed {
+        self.confirmed = match report.defect.filter(|_| report.confirmed) {
             Some(defect) => {
                 let same = self.confirmed.filter(|(known, _)| *known == defect);
                 Some(same.unwrap_or((defect, now)))
@@ -65,8 +65,8 @@ impl DefectCheck {
 mod tests {
     use super::*;
 
-    fn report(confirmed: Option<Defect>, usable: bool) -> VisionReport {
-        VisionReport { usable, confidence: 0.3, confirmed, offset_m: None }
+    fn report(defect: Option<Defect>, usable: bool) -> VisionReport {
+        VisionReport { usable, confidence: 0.3, defect, confirmed: defect.is_some(), offset_m: None }
     }
 
     fn check() -> DefectCheck {

@@ -60,7 +60,10 @@ impl Supervisor {
         self.ages.vision.note(now);
         self.checks.defect.on_report(now, report);
         if report.usable {
-            self.checks.attention.on_confidence(report.confidence);
+            let before = self.checks.attention.level();
+            if self.checks.attention.on_confidence(report.confidence) > before {
+                self.checks.convicted = report.defect;
+            }
             let impulse = self.checks.impulse.recent(now, self.checks.shift.memory());
             self.checks.shift.on_offset(report.offset_m, impulse);
         }
@@ -140,20 +143,23 @@ impl Supervisor {
         set(Cause::FilamentSlip, (printing && checks.filament.tripped()).then_some(Reaction::Pause));
         set(Cause::RunOut, checks.run_out.tripped(now).then_some(Reaction::Pause));
         set(Cause::LayerShift, (printing && checks.shift.tripped()).then_some(Reaction::Pause));
+        let hard = printing && checks.attention.level() == Level::Hard;
+        let convicted = checks.convicted.filter(|_| hard);
         let defect = checks.defect.tripped(now).filter(|_| printing);
+        let mut named = false;
         for (cause, wanted) in [
             (Cause::Spaghetti, Defect::Spaghetti),
             (Cause::UnderExtrusion, Defect::Under),
             (Cause::OverExtrusion, Defect::Over),
         ] {
-            set(cause, (defect == Some(wanted)).then_some(Reaction::Pause));
+            named |= convicted == Some(wanted);
+            set(cause, (defect == Some(wanted) || convicted == Some(wanted)).then_some(Reaction::Pause));
         }
         set(Cause::VisionBlind, (printing && checks.defect.is_blind(now)).then_some(Reaction::Degrade));
         set(Cause::BadValues, checks.bad_values.tripped(now).then_some(Reaction::Degrade));
         set(Cause::Envelope, self.envelope.is_outside(now).then_some(Reaction::Degrade));
         set(Cause::SecondPublisher, self.envelope.has_rival(now).then_some(Reaction::Degrade));
-        let hard = printing && checks.attention.level() == Level::Hard;
-        set(Cause::Confidence, hard.then_some(Reaction::Pause));
+        set(Cause::Confidence, (hard && !named).then_some(Reaction::Pause));
         set(Cause::PrinterFailed, self.printer_failed.then_some(Reaction::SafeOff));
         let alone = self.paused_alone_since.is_some_and(|since| now.0 - since.0 > self.params.modes.adopt_s);
         set(Cause::PrinterPaused, alone.then_some(Reaction::Pause));

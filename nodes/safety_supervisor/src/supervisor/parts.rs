@@ -12,7 +12,7 @@ use crate::checks::range::RangeCheck;
 use crate::checks::run_out::RunOutCheck;
 use crate::checks::shift::ShiftCheck;
 use crate::checks::stale::StaleCheck;
-use crate::event::Stream;
+use crate::event::{Defect, Stream};
 use crate::params::{Params, Streams};
 use models::units::Seconds;
 
@@ -104,6 +104,8 @@ pub(super) struct Checks {
     pub(super) defect: DefectCheck,
     pub(super) bad_values: Burst,
     pub(super) attention: Attention,
+    /// What carried the confidence when attention rose last.
+    pub(super) convicted: Option<Defect>,
 }
 
 impl Checks {
@@ -121,6 +123,7 @@ impl Checks {
             defect: DefectCheck::new(params.defect),
             bad_values: Burst::new(params.bad_values),
             attention: Attention::new(params.attention),
+            convicted: None,
         }
     }
 
@@ -133,5 +136,6 @@ impl Checks {
         self.shift.reset();
         self.defect.reset();
         self.attention.reset();
+        self.convicted = None;
     }
 }
