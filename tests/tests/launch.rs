@@ -81,6 +81,34 @@ fn the_launch_file_starts_what_fdm_up_starts() {
     _ = std::fs::remove_dir_all(folder);
 }
 
+/// Without multicast on `lo` twelve processes see each other: ten nodes and `fdm` as ever, an eleventh where it is asked
+/// for, and no more.
+#[test]
+fn the_predictor_is_started_where_it_is_asked_for_alone() {
+    let folder = std::env::temp_dir().join(format!("fdm_launch_advance_{}", std::process::id()));
+    let bag = folder.join("bag");
+    let nodes = |advance: &[&str]| {
+        let up = Command::new(binaries().join("fdm"))
+            .current_dir(root())
+            .args(["up", "--gcode", GCODE, "--bag", bag.to_str().unwrap(), "--dry-run"])
+            .args(advance)
+            .output()
+            .unwrap();
+        processes(&up)[0].as_array().unwrap().iter().map(meaning).collect::<Vec<_>>()
+    };
+    let source = |nodes: &[[String; 4]], name: &str| {
+        let controller = nodes.iter().find(|[node, ..]| node == "mpc_controller").unwrap();
+        controller[3].contains(&format!("advance.source: \"{name}\""))
+    };
+    let usual = nodes(&[]);
+    assert_eq!(usual.len(), 10);
+    assert!(usual.iter().all(|[node, ..]| node != "advance_predictor") && source(&usual, "material"));
+    let predicted = nodes(&["--advance", "predicted"]);
+    assert_eq!(predicted.len(), 11);
+    assert_eq!(predicted.iter().filter(|[node, ..]| node == "advance_predictor").count(), 1);
+    assert!(source(&predicted, "predicted"));
+}
+
 #[test]
 fn what_is_wrong_is_told_before_anything_starts() {
     for (arguments, said) in [

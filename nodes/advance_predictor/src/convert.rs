@@ -39,8 +39,8 @@ pub(crate) fn prediction(now: Seconds, output: &Output) -> AdvancePrediction {
     let mut wire = AdvancePrediction { header: Header::at(now.0), ..AdvancePrediction::default() };
     if let Some(advance) = &output.advance {
         wire.advance_known = true;
-        wire.advance_s = advance.prediction.advance.0;
-        wire.advance_half_width_s = advance.prediction.half_width.0;
+        wire.advance_s = advance.advance().0;
+        wire.advance_half_width_s = advance.half_width().0;
         wire.in_hull = advance.prediction.source == Source::Network;
         wire.source = match advance.prediction.source {
             Source::Network => AdvancePrediction::SOURCE_NETWORK,

@@ -3,6 +3,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`compensation`] | `K_A` by an ensemble inside the hull of its data, by physics outside; data, training, figures |
+//! | `speeds` | the lag over the changes of speed that are printed, against the test line's |
 //! | [`turn`] | turns by the buffer, by memory of the layers below and by a small network |
 //! | [`network`] | the small network itself, its file and its fit |
 //! | [`predictor`] | both together, event by event |
@@ -17,6 +18,7 @@ pub mod network;
 pub mod node;
 pub mod params;
 pub mod predictor;
+mod speeds;
 pub mod turn;
 
 pub use params::Params;

@@ -3,7 +3,7 @@
 use crate::compensation::Bounds;
 use crate::turn::TurnParams;
 use models::advance::{Condition, DriveKind};
-use models::params::{ParamError, positive};
+use models::params::{ParamError, in_range, positive};
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -21,8 +21,46 @@ pub struct Params {
     pub bounds: Bounds,
     /// Changes of the conditions that are answered anew.
     pub steps: Steps,
+    /// Changes of speed that are printed.
+    pub speeds: SpeedParams,
     /// Foresight of turns.
     pub turn: TurnParams,
+}
+
+/// Changes of speed that are printed. Built only from a valid [`RawSpeeds`].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawSpeeds")]
+pub struct SpeedParams {
+    /// Printing time after which a change counts `1/e` `[s]`.
+    pub(crate) memory_s: f64,
+    range: [f64; 2],
+}
+
+/// The block `speeds` as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawSpeeds {
+    /// Printing time after which a change counts `1/e` `[s]`.
+    pub memory_s: f64,
+    /// Least and largest factor on the test line's `K_A` `[-]`; `[1, 1]` leaves it alone.
+    pub range: [f64; 2],
+}
+
+impl TryFrom<RawSpeeds> for SpeedParams {
+    type Error = ParamError;
+
+    fn try_from(raw: RawSpeeds) -> Result<Self, ParamError> {
+        positive("speeds.memory_s", raw.memory_s, "s")?;
+        in_range("speeds.range", raw.range[0], "-", (0.1, 1.0))?;
+        in_range("speeds.range", raw.range[1], "-", (1.0, 5.0))?;
+        Ok(Self { memory_s: raw.memory_s, range: raw.range })
+    }
+}
+
+impl SpeedParams {
+    pub(crate) fn bounded(&self, factor: f64) -> f64 {
+        factor.clamp(self.range[0], self.range[1])
+    }
 }
 
 /// Files, relative to the folder that the node is started in.

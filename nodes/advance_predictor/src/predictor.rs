@@ -2,10 +2,11 @@
 
 use crate::compensation::{Prediction, Predictor, Unanswered};
 use crate::params::Params;
+use crate::speeds::Speeds;
 use crate::turn::{Foresight, Piece, TurnNetwork, Watcher};
 use models::advance::Condition;
 use models::motion::{MoveKind, Segment};
-use models::units::Celsius;
+use models::units::{Celsius, Seconds};
 use std::f64::consts::FRAC_PI_4;
 
 /// What happens.
@@ -24,6 +25,22 @@ pub struct Advance {
     pub prediction: Prediction,
     /// Its condition; the width is the road's cross section over its height.
     pub at: Condition,
+    /// Lag over the changes of speed that are printed over the lag over those of the test line `[-]`.
+    pub speeds: f64,
+}
+
+impl Advance {
+    /// `K_A` for the changes of speed that are printed.
+    #[must_use]
+    pub fn advance(&self) -> Seconds {
+        Seconds(self.prediction.advance.0 * self.speeds)
+    }
+
+    /// Half width of its interval, in the same proportion.
+    #[must_use]
+    pub fn half_width(&self) -> Seconds {
+        Seconds(self.prediction.half_width.0 * self.speeds)
+    }
 }
 
 /// What is known now.
@@ -55,6 +72,7 @@ pub struct AdvancePredictor {
     compensation: Predictor,
     network: TurnNetwork,
     watcher: Watcher,
+    speeds: Speeds,
     target: Option<Celsius>,
     /// Height and width of the newest road `[m]`.
     road_m: Option<[f64; 2]>,
@@ -74,6 +92,7 @@ impl AdvancePredictor {
             compensation,
             network,
             watcher,
+            speeds: Speeds::default(),
             target: None,
             road_m: None,
             advance: None,
@@ -91,6 +110,7 @@ impl AdvancePredictor {
                 self.follow(&segment);
                 self.see_road(&segment);
                 _ = self.answer();
+                self.see_speeds(&segment);
                 Some(self.output())
             }
             Event::Target(target) => {
@@ -131,6 +151,29 @@ impl AdvancePredictor {
         }
     }
 
+    /// Takes the speed changes of a road that begins into account: its last one is known before it happens.
+    fn see_speeds(&mut self, segment: &Segment) {
+        if segment.kind != MoveKind::Deposit {
+            return self.speeds.end();
+        }
+        let Some(advance) = &mut self.advance else { return };
+        let outlet = |speed_m_s: f64| {
+            self.compensation.static_law(&self.params.polymer, &advance.at).map(|(law, per_way)| {
+                let outlet_m_s = per_way * speed_m_s;
+                [outlet_m_s, law.compression_m(outlet_m_s)]
+            })
+        };
+        let profile = &segment.profile;
+        let ends = [profile.entry_m_s, profile.cruise_m_s, profile.exit_m_s].map(outlet);
+        let [Some(entry), Some(cruise), Some(exit)] = ends else { return };
+        self.speeds.add([entry, cruise, exit], profile.duration().0, self.params.speeds.memory_s);
+        let line = self.compensation.secant_s(&self.params.polymer, &advance.at);
+        advance.speeds = match (self.speeds.lag_s(), line) {
+            (Some(lag_s), Some(line_s)) => self.params.speeds.bounded(lag_s / line_s),
+            _ => 1.0,
+        };
+    }
+
     /// Answers anew where the conditions changed; whether they did.
     fn answer(&mut self) -> bool {
         let (Some(temperature), Some([height_m, width_m])) = (self.target, self.road_m) else {
@@ -143,7 +186,8 @@ impl AdvancePredictor {
         let answered = self.compensation.predict(&self.params.polymer, &at);
         let was_known = self.advance.is_some();
         self.refused = answered.err();
-        self.advance = answered.ok().map(|prediction| Advance { prediction, at });
+        let speeds = self.advance.map_or(1.0, |before| before.speeds);
+        self.advance = answered.ok().map(|prediction| Advance { prediction, at, speeds });
         match &self.advance {
             Some(advance) if advance.prediction.source == crate::compensation::Source::Physics => {
                 self.counts.outside_hull += 1;

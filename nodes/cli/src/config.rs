@@ -4,9 +4,13 @@ use anyhow::{Context, bail};
 use models::material::Material;
 use models::motion::MotionParams;
 use models::printer::Printer;
-use mpc_controller::params::Level;
+use mpc_controller::params::{AdvanceSource, Level};
 use runtime::params::{NodePath, Parameters};
 use std::path::{Path, PathBuf};
+
+mod foresight;
+
+pub use foresight::Foresight;
 
 /// Everything that a loop needs to know.
 #[derive(Debug, Clone)]
@@ -27,6 +31,8 @@ pub struct Setup {
     pub supervisor: safety_supervisor::Params,
     /// The camera's judge, where frames are rendered.
     pub sight: Option<Sight>,
+    /// The advance predictor, where it is asked.
+    pub foresight: Option<Foresight>,
 }
 
 /// Parameters and trained networks of the camera's judge.
@@ -51,6 +57,8 @@ pub struct Choice {
     pub control: Level,
     /// Host profile of the simulated printer.
     pub host: String,
+    /// Source of the pressure advance.
+    pub advance: AdvanceSource,
     /// Frames are rendered and judged, accelerations sampled; else the simulator's stand-in gives the width.
     pub camera: bool,
 }
@@ -104,6 +112,7 @@ impl ConfigDir {
         let names: Vec<String> = match node {
             "state_estimator" | "mpc_controller" => vec![own, "printers/ender3.yaml".into(), material],
             "defect_classifier" => vec![own, "quality.yaml".into(), "printers/ender3.yaml".into(), material],
+            "advance_predictor" => vec![own, "advance/physics.yaml".into()],
             "printer_sim" => vec![
                 own,
                 "plants/ender3.yaml".into(),
@@ -201,17 +210,19 @@ impl ConfigDir {
         Ok(Sight { params, models })
     }
 
+    /// Path of a network as a parameter.
+    fn model(&self, name: &str) -> String {
+        let path = self.file("models").join(name);
+        let path = std::path::absolute(&path).unwrap_or(path);
+        serde_json::json!(path.to_string_lossy()).to_string()
+    }
+
     /// Where the networks stand, wherever a node is started.
     #[must_use]
     pub fn model_overrides(&self) -> Vec<(String, String)> {
-        let place = |name: &str| {
-            let path = self.file("models").join(name);
-            let path = std::path::absolute(&path).unwrap_or(path);
-            serde_json::json!(path.to_string_lossy()).to_string()
-        };
         vec![
-            ("models.network".into(), place("toolhead.json")),
-            ("models.edge".into(), place("road_edge.json")),
+            ("models.network".into(), self.model("toolhead.json")),
+            ("models.edge".into(), self.model("road_edge.json")),
         ]
     }
 
@@ -240,7 +251,11 @@ impl ConfigDir {
             controller: controller
                 .without(&nominal)
                 .parse::<mpc_controller::Params>()?
-                .with_level(choice.control),
+                .with_level(choice.control)
+                .with_advance(choice.advance),
+            foresight: (choice.advance == AdvanceSource::Predicted)
+                .then(|| self.foresight(&choice.material))
+                .transpose()?,
             sight: choice.camera.then(|| self.sight(&choice.material)).transpose()?,
             supervisor: read("safety_supervisor", &[("start_mode".into(), "act".into())])?.parse()?,
             simulated,

@@ -1,5 +1,6 @@
 //! The controller: events in, a command per estimate out, a plan per tick.
 
+use crate::advance::{Advance, AdvanceReport, Prediction};
 use crate::catch_up::CatchUp;
 use crate::input::{Estimate, Event, Refusals, is_valid};
 use crate::nominal::Nominal;
@@ -42,6 +43,8 @@ pub struct Report {
     pub temperature_error_k: f64,
     /// Filament still owed by a host without a loop `[m]`.
     pub shortfall_m: f64,
+    /// Pressure advance.
+    pub advance: AdvanceReport,
     /// Inputs not used.
     pub refusals: Refusals,
 }
@@ -55,6 +58,7 @@ pub struct Controller {
     sequence: u64,
     qp: Qp,
     catch_up: CatchUp,
+    advance: Advance,
     nominal: Nominal,
     /// Slow mean of the flow error `[-]`.
     flow_error: f64,
@@ -98,6 +102,7 @@ impl Controller {
             sequence: 0,
             qp: Qp::new(params.cost, params.limits, lags, params.solver)?,
             catch_up: CatchUp::new(params.slip),
+            advance: Advance::new(params.advance),
             nominal: Nominal::new(material.lag_s),
             flow_error: 0.0,
             status: None,
@@ -112,7 +117,7 @@ impl Controller {
     /// What was done and seen so far.
     #[must_use]
     pub fn report(&self) -> Report {
-        Report { shortfall_m: self.catch_up.shortfall_m(), ..self.report }
+        Report { shortfall_m: self.catch_up.shortfall_m(), advance: self.advance.report(), ..self.report }
     }
 
     /// Takes one event in; an estimate yields a command unless an input is too old.
@@ -122,6 +127,7 @@ impl Controller {
             Event::Printer(status) => self.take_status(&status),
             Event::Encoder { stamp, position_m } => self.take_position(stamp, position_m),
             Event::Width { exposed, width_m } => self.take_width(exposed, width_m),
+            Event::Prediction(prediction) => self.take_prediction(prediction),
             Event::Tick { now } => self.tick(now),
         }
         None
@@ -164,6 +170,7 @@ impl Controller {
         }
         self.nominal.on_status(status, self.params.slip.wanted_jump_m);
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
+        self.advance.on_status(status);
         if self.status.is_none_or(|before| self.unsteady(&before, status)) {
             self.steady_since_s = status.stamp.0;
         }
@@ -184,6 +191,16 @@ impl Controller {
         }
     }
 
+    fn take_prediction(&mut self, prediction: Prediction) {
+        if !prediction.is_valid() {
+            self.report.refusals.prediction.invalid += 1;
+        } else if self.advance.newest_stamp().is_some_and(|newest| prediction.stamp < newest) {
+            self.report.refusals.prediction.late += 1;
+        } else {
+            self.advance.on_prediction(prediction);
+        }
+    }
+
     fn unsteady(&self, before: &PrinterStatus, now: &PrinterStatus) -> bool {
         let spread = self.params.trims.speed_spread;
         let changed = |old: f64, new: f64| (new - old).abs() > spread * old.abs().max(new.abs());
@@ -201,6 +218,7 @@ impl Controller {
         self.nominal.clear();
         self.flow_error = 0.0;
         self.catch_up.open();
+        self.advance.rest();
     }
 
     /// Where the printer keeps other trims than the sent ones (observed, limited, lapsed), goes on from those.
@@ -242,7 +260,7 @@ impl Controller {
             flow: ((1.0 + feed) / (1.0 + speed)).clamp(1.0 - most, 1.0 + most),
             speed: 1.0 + speed,
             setpoint_offset_k,
-            advance_s: Some(self.printer.material.lag_s),
+            advance_s: self.advance.command(estimate.stamp.0, status, self.printer.material.lag_s),
             slip,
         }
     }

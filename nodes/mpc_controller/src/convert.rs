@@ -1,12 +1,16 @@
 //! Between messages and the brain's types.
 
-use fdm_loop_msgs::{BeadWidth, FilamentMotion, LayerHeight, PrinterState, StateEstimate};
+use fdm_loop_msgs::{AdvancePrediction, BeadWidth, FilamentMotion, LayerHeight, PrinterState, StateEstimate};
 use models::units::Seconds;
 use runtime::Reason;
 use runtime::wire::{self, WireError};
 
+use crate::advance::{Basis, Foretold, Prediction, Turn};
 use crate::input::{Estimate, Event, Refused};
 use crate::wire::{Measured, WireEvent};
+
+/// Highest advance that is believed `[s]`, as in commands.
+const ADVANCE_MAX_S: f64 = 10.0;
 
 pub(crate) fn estimate(message: &StateEstimate) -> Result<(Seconds, Event), WireError> {
     let read = wire::estimate_from_wire(message)?;
@@ -36,6 +40,54 @@ pub(crate) fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), Wire
 pub(crate) fn width(message: &BeadWidth) -> Result<(Seconds, Event), WireError> {
     let read = wire::bead_width_from_wire(message)?;
     Ok((read.exposed, Event::Width { exposed: read.exposed, width_m: read.width_m }))
+}
+
+/// A word of the advance predictor; what a flag declares unknown is not read.
+pub(crate) fn prediction(message: &AdvancePrediction) -> Result<(Seconds, Event), WireError> {
+    let stamp = wire::stamp_from_wire(&message.header)?;
+    let advance = message.advance_known.then_some(message).map(foretold).transpose()?;
+    let turn = message.turn_known.then_some(message).map(turn).transpose()?;
+    Ok((stamp, Event::Prediction(Prediction { stamp, advance, turn })))
+}
+
+fn foretold(message: &AdvancePrediction) -> Result<Foretold, WireError> {
+    Ok(Foretold {
+        advance_s: within("advance_s", message.advance_s, ADVANCE_MAX_S)?,
+        half_width_s: within("advance_half_width_s", message.advance_half_width_s, ADVANCE_MAX_S)?,
+        basis: match message.source {
+            AdvancePrediction::SOURCE_NETWORK => Basis::Network,
+            AdvancePrediction::SOURCE_PHYSICS => Basis::Physics,
+            other => {
+                return Err(WireError::OutOfRange {
+                    field: "source",
+                    value: f64::from(other),
+                    low: 0.0,
+                    high: 1.0,
+                });
+            }
+        },
+    })
+}
+
+fn turn(message: &AdvancePrediction) -> Result<Turn, WireError> {
+    // Without a turn in sight the time to it means nothing.
+    let lead_s =
+        if message.turn_expected { within("turn_lead_s", message.turn_lead_s, f64::MAX)? } else { 0.0 };
+    Ok(Turn {
+        probability: within("turn_probability", message.turn_probability, 1.0)?,
+        expected: message.turn_expected,
+        lead: Seconds(lead_s),
+    })
+}
+
+fn within(field: &'static str, value: f64, high: f64) -> Result<f64, WireError> {
+    if !value.is_finite() {
+        return Err(WireError::NotFinite { field });
+    }
+    if !(0.0..=high).contains(&value) {
+        return Err(WireError::OutOfRange { field, value, low: 0.0, high });
+    }
+    Ok(value)
 }
 
 /// A height; layers count from 0 on the wire, from 1 in the profile.

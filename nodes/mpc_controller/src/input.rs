@@ -1,5 +1,6 @@
 //! What comes in, and what is refused.
 
+use crate::advance::Prediction;
 use models::status::PrinterStatus;
 use models::units::{Kelvin, Seconds};
 
@@ -43,6 +44,8 @@ pub enum Event {
         /// Measured width `[m]`.
         width_m: f64,
     },
+    /// A word of the advance predictor.
+    Prediction(Prediction),
     /// The period has passed: a plan is made.
     Tick {
         /// The node's time.
@@ -70,6 +73,8 @@ pub struct Refusals {
     pub encoder: Refused,
     /// Width.
     pub width: Refused,
+    /// Words of the advance predictor.
+    pub prediction: Refused,
     /// Ticks.
     pub tick: Refused,
 }

@@ -6,6 +6,7 @@
 //! | [`trims`] | integral action on the measured width between solves ([QC] (23)) |
 //! | [`reference`] | what the slicer's set-point means for the nozzle |
 //! | [`wire`] | profile of the wire process: feed and head speed from layer heights |
+//! | [`advance`] | which pressure advance is sent, when it may change, what is learnt of it |
 //! | [`params`] | `config/mpc_controller.param.yaml` |
 //!
 //! A plan is made at every tick; a command leaves with every estimate, since a slip must act within 0.1 s. When an
@@ -13,6 +14,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod advance;
 mod catch_up;
 mod controller;
 #[cfg(feature = "ros")]

@@ -48,6 +48,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     // A frame older than the time to its effect and the period of frames has a newer one on its way.
     let frame = Seconds(params.trims.delay_s + params.trims.frame_period_s);
     let mut width = node.inlet(&topics::BEAD_WIDTH, frame)?;
+    let mut predictions = node.inlet(&topics::ADVANCE_PREDICTION, Seconds(params.advance.age_limit_s))?;
     let commands = node.publish_on(&topics::CONTROL_COMMAND)?;
     let mut ticks = node.timer(Seconds(params.period_s));
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
@@ -80,6 +81,10 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
             taken = width.next(convert::width) => {
                 pass(&mut controller, taken);
                 follow(&mut width.refused, &controller, |all| &all.width);
+            }
+            taken = predictions.next(convert::prediction) => {
+                pass(&mut controller, taken);
+                follow(&mut predictions.refused, &controller, |all| &all.prediction);
             }
             now = ticks.next() => {
                 if std::mem::replace(&mut jumps, clock.jumps_back()) != clock.jumps_back() {
@@ -142,6 +147,9 @@ fn show(diagnostics: &Diagnostics, report: &Report) {
     diagnostics.set("starved", report.starved);
     diagnostics.set("adopted", report.adopted);
     diagnostics.set("refused_ticks", report.refusals.tick.invalid + report.refusals.tick.late);
+    diagnostics.set("advance_without_prediction", report.advance.without);
+    diagnostics.set("advance_hurried", report.advance.hurried);
+    diagnostics.set("advance_learnt", format_args!("{:.3}", report.advance.learnt));
     diagnostics.set("flow_error", format_args!("{:.4}", report.flow_error));
     diagnostics.set("gain_error", format_args!("{:.4}", report.gain_error));
     diagnostics.set("temperature_error_k", format_args!("{:.2}", report.temperature_error_k));

@@ -29,6 +29,12 @@ impl std::ops::Deref for Params {
 }
 
 impl Params {
+    /// The same parameters with another source of the pressure advance.
+    #[must_use]
+    pub fn with_advance(self, source: AdvanceSource) -> Self {
+        Self(RawParams { advance: RawAdvance { source, ..self.0.advance }, ..self.0 })
+    }
+
     /// The same parameters with another level of control.
     #[must_use]
     pub fn with_level(self, control: Level) -> Self {
@@ -68,6 +74,8 @@ pub struct RawParams {
     pub trims: RawTrims,
     /// Extruder loop.
     pub slip: RawSlip,
+    /// Pressure advance.
+    pub advance: RawAdvance,
     /// Switching without a bump.
     pub bumpless: RawBumpless,
 }
@@ -267,6 +275,7 @@ impl TryFrom<RawParams> for Params {
         positive("reference.flow_m3_s", raw.reference.flow_m3_s, "m3/s")?;
         check::trims(&raw.trims)?;
         check::slip(&raw.slip)?;
+        raw.advance.check()?;
         in_range("bumpless.adopt_s", raw.bumpless.adopt_s, "s", (0.0, 10.0))?;
         in_range("bumpless.tolerance", raw.bumpless.tolerance, "-", (0.0, 0.1))?;
         in_range("bumpless.flow_min_rel", raw.bumpless.flow_min_rel, "-", (0.0, 1.0))?;
@@ -276,4 +285,7 @@ impl TryFrom<RawParams> for Params {
     }
 }
 
+mod advance;
 mod check;
+
+pub use advance::{AdvanceSource, RawAdvance, RawLearning};

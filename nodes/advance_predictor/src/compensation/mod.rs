@@ -13,6 +13,7 @@ pub mod training;
 pub use ensemble::{Ensemble, Hull};
 
 use models::advance::{Condition, DriveKind, Physics};
+use models::extruder::StaticLaw;
 use models::params::{ParamError, in_range};
 use models::units::Seconds;
 use serde::{Deserialize, Serialize};
@@ -141,5 +142,16 @@ impl Predictor {
             half_width: Seconds(advance_s * self.bounds.0.physics_doubt),
             source: Source::Physics,
         })
+    }
+
+    /// Static law and outlet speed over head speed of a condition; `None` for a polymer that is not known.
+    pub(crate) fn static_law(&self, polymer: &str, at: &Condition) -> Option<(StaticLaw, f64)> {
+        let drive = self.physics.drive(self.drive());
+        Some((drive.law(self.physics.polymers.get(polymer)?, at), drive.outlet_m_s(at, 1.0)))
+    }
+
+    /// Lag of the test line by the physical model `[s]`.
+    pub(crate) fn secant_s(&self, polymer: &str, at: &Condition) -> Option<f64> {
+        self.physics.secant_s(self.drive(), polymer, at)
     }
 }

@@ -11,7 +11,7 @@ use models::advance::{Condition, DriveKind, VirtualLine};
 use models::extruder::StaticLaw;
 use models::melt::Melt;
 use models::units::Kelvin;
-use mpc_controller::params::Level;
+use mpc_controller::params::{AdvanceSource, Level};
 use serde::Serialize;
 
 /// Where the pattern is printed.
@@ -119,6 +119,7 @@ fn simulated(
         material: polymer.to_owned(),
         control: Level::Off,
         host: "native".to_owned(),
+        advance: AdvanceSource::File,
         camera: false,
     };
     let simulated = config.load(&choice)?.simulated;

@@ -1,6 +1,8 @@
 //! `fdm sim`: the whole loop in one process and virtual time.
 
 pub mod consistency;
+pub mod corners;
+pub mod foresight;
 pub mod printing;
 pub mod report;
 pub mod sight;
@@ -13,7 +15,7 @@ use crate::output::{self, Json};
 use anyhow::bail;
 use clap::Args;
 use models::status::JobPhase;
-use mpc_controller::params::Level;
+use mpc_controller::params::{AdvanceSource, Level};
 use printer_sim::Scenario;
 use printing::Printing;
 use report::{Comparison, Group, Run};
@@ -54,6 +56,12 @@ pub struct SimArgs {
     /// Render the camera's frames and judge them, sample accelerations; else a stand-in gives the road's width.
     #[arg(long)]
     camera: bool,
+    /// Source of the pressure advance: none, file (`M900`), material (a constant) or predicted (the advance predictor).
+    #[arg(long, default_value = "material", value_parser = ADVANCES)]
+    advance: String,
+    /// Moves that the firmware knows ahead of the current one; else the printer's own look-ahead.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    buffer: Option<u32>,
     /// Write the figures to a file, or to standard output with `-`.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -70,7 +78,12 @@ struct Task {
 struct Names {
     scenario: String,
     host: String,
+    advance: String,
+    buffer: Option<u32>,
 }
+
+/// Sources of the pressure advance.
+pub const ADVANCES: [&str; 4] = ["none", "file", "material", "predicted"];
 
 /// Runs the command.
 ///
@@ -87,10 +100,24 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     let mut groups = Vec::new();
     let mut fault_free: BTreeMap<u64, WidthTrace> = BTreeMap::new();
     let progress = output::bar((levels.len() * seeds.len()) as u64, "runs");
-    let choice = Choice { material, control: levels[0], host: args.host.clone(), camera: args.camera };
-    let setup = config.load(&choice)?;
+    let choice = Choice {
+        material,
+        control: levels[0],
+        host: args.host.clone(),
+        advance: advance(&args.advance)?,
+        camera: args.camera,
+    };
+    let mut setup = config.load(&choice)?;
+    if let Some(moves) = args.buffer {
+        setup.motion = setup.motion.with_buffer(moves as usize);
+    }
     let file = if args.material.is_some() { file.with_set_points(&setup) } else { file };
-    let names = Names { scenario: args.scenario.clone(), host: args.host.clone() };
+    let names = Names {
+        scenario: args.scenario.clone(),
+        host: args.host.clone(),
+        advance: args.advance.clone(),
+        buffer: args.buffer,
+    };
     let mut task = Task { setup, file, scenario, names };
     for level in levels {
         task.setup.controller = task.setup.controller.with_level(level);
@@ -164,6 +191,8 @@ impl Task {
             scenario: self.names.scenario.clone(),
             control: name_of(level).to_owned(),
             host: self.names.host.clone(),
+            advance: self.names.advance.clone(),
+            buffer: self.names.buffer,
             seed,
             ended,
             print_time_s: truth.stamp_s,
@@ -171,6 +200,8 @@ impl Task {
             realtime_factor: truth.stamp_s / wall_time_s,
             quality_mean: whole.map(|figures| figures.quality_mean),
             width_rms_rel: whole.map(|figures| figures.width_rms_rel),
+            corner_width_rms_rel: printing.foresight.corners.rms(),
+            corner_time_s: printing.foresight.corners.time_s(),
             feed_error_rel: whole.map(|figures| figures.feed_error_rel),
             feed_error_after_2s_rel: settled.map(|figures| figures.feed_error_rel),
             recovery_time_s: fault_free
@@ -187,6 +218,7 @@ impl Task {
                 .collect(),
             false_alarms: printing.noticed.iter().filter(|found| found.onset_s.is_none()).count(),
             max_command: printing.extremes,
+            advance_control: printing.foresight.figures(&printing.controller().report().advance),
             camera: printing.sight(),
         }
     }
@@ -211,6 +243,20 @@ pub fn level(name: &str) -> anyhow::Result<Level> {
         "encoder" => Level::Encoder,
         "mpc" => Level::Mpc,
         _ => bail!("--control {name}: must be off, encoder or mpc"),
+    })
+}
+
+/// A source of the pressure advance by name.
+///
+/// # Errors
+/// Names the sources that there are.
+pub fn advance(name: &str) -> anyhow::Result<AdvanceSource> {
+    Ok(match name {
+        "none" => AdvanceSource::None,
+        "file" => AdvanceSource::File,
+        "material" => AdvanceSource::Material,
+        "predicted" => AdvanceSource::Predicted,
+        _ => bail!("--advance {name}: must be {}", ADVANCES.join(", ")),
     })
 }
 

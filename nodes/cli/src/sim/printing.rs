@@ -1,6 +1,7 @@
 //! The whole loop in one process and virtual time: the simulated printer and every brain, wired as over DDS.
 
 use super::consistency::Consistency;
+use super::foresight::Foresight;
 use super::report::{Detection, Extremes};
 use super::sight::{Seen, Sight, SightFigures};
 use super::width_trace::WidthTrace;
@@ -32,6 +33,8 @@ pub struct Printing {
     control_pace: Pace,
     permit_pace: Pace,
     sight: Option<Sight>,
+    /// The advance predictor.
+    pub foresight: Foresight,
     encoder_quantum_m: f64,
     /// Estimation error against stated uncertainty.
     pub consistency: Consistency,
@@ -72,6 +75,7 @@ impl Printing {
             control_pace: Pace::new(setup.controller.period_s),
             permit_pace: Pace::new(PERMIT_PERIOD_S),
             sight: setup.sight.as_ref().map(Sight::new).transpose()?,
+            foresight: Foresight::new(setup.foresight.as_ref()),
             encoder_quantum_m: setup.simulated.simulator.sensors.encoder_quantum_m,
             consistency: Consistency::default(),
             width: WidthTrace::default(),
@@ -104,6 +108,12 @@ impl Printing {
         }
         self.observe();
         !matches!(self.simulator.phase(), JobPhase::Done | JobPhase::Failed)
+    }
+
+    /// The controller, for its report.
+    #[must_use]
+    pub fn controller(&self) -> &Controller {
+        &self.controller
     }
 
     /// The simulated printer, for its truth and its end.
@@ -143,7 +153,9 @@ impl Printing {
                     sight.on_status(&status);
                 }
                 self.estimator.on_event(state_estimator::Event::Printer(*status));
+                let told = self.foresight.on_status(&status);
                 self.controller.on_event(mpc_controller::Event::Printer(*status));
+                self.tell(told);
                 self.supervisor.on_event(now, Safety::Printer(report_of(&status)));
             }
             Output::Imu(batch) => {
@@ -155,8 +167,16 @@ impl Printing {
                 if let Some(sight) = &mut self.sight {
                     sight.on_motion(start, &segment);
                 }
+                let told = self.foresight.on_motion(start, &segment);
+                self.tell(told);
             }
             Output::Note { .. } => {}
+        }
+    }
+
+    fn tell(&mut self, told: Option<mpc_controller::advance::Prediction>) {
+        if let Some(prediction) = told {
+            self.controller.on_event(mpc_controller::Event::Prediction(prediction));
         }
     }
 
@@ -243,7 +263,11 @@ impl Printing {
             sight.note_truth(truth);
         }
         if truth.depositing && truth.target_width_m > 0.0 {
-            self.width.add(truth.path_time_s, truth.width_m / truth.target_width_m - 1.0, STEP_S);
+            let error = truth.width_m / truth.target_width_m - 1.0;
+            self.width.add(truth.path_time_s, error, STEP_S);
+            self.foresight.corners.add(truth.stamp_s, truth.path_speed_m_s, error, STEP_S);
+        } else {
+            self.foresight.corners.pass();
         }
         let Some(onset) = self.simulator.first_onset() else { return };
         self.onset_path_s.get_or_insert(truth.path_time_s);

@@ -30,6 +30,19 @@ pub struct Extremes {
     pub slip: f64,
 }
 
+/// What became of the pressure advance.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct AdvanceFigures {
+    /// Mean of the advance in force over deposits `[s]`.
+    pub mean_s: Option<f64>,
+    /// Commands that hurried a change since a turn was foreseen.
+    pub hurried: u64,
+    /// Commands without a foretold advance where one was asked for.
+    pub without: u64,
+    /// Learnt factor on the foretold advance at the end `[-]`.
+    pub learnt: f64,
+}
+
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Run {
@@ -43,6 +56,10 @@ pub struct Run {
     pub control: String,
     /// Host profile.
     pub host: String,
+    /// Source of the pressure advance.
+    pub advance: String,
+    /// Moves that the firmware knows ahead; `null` for the printer's own look-ahead.
+    pub buffer: Option<u32>,
     /// Seed of all noise.
     pub seed: u64,
     /// How the job ended.
@@ -57,6 +74,10 @@ pub struct Run {
     pub quality_mean: Option<f64>,
     /// RMS of the relative width error.
     pub width_rms_rel: Option<f64>,
+    /// The same over deposits no more than 0.2 s before or after a change of the tool's speed.
+    pub corner_width_rms_rel: Option<f64>,
+    /// Time of those deposits `[s]`.
+    pub corner_time_s: f64,
     /// |delivered / commanded - 1|.
     pub feed_error_rel: Option<f64>,
     /// The same from 2 s after the first onset on.
@@ -73,6 +94,8 @@ pub struct Run {
     pub false_alarms: usize,
     /// What that was.
     pub false_alarm_list: Vec<Detection>,
+    /// What became of the pressure advance.
+    pub advance_control: AdvanceFigures,
     /// Largest corrections.
     pub max_command: Extremes,
     /// What the camera saw, beside the truth; absent without `--camera`.
@@ -105,9 +128,11 @@ pub struct Comparison {
 type Figure = (&'static str, fn(&Run) -> Option<f64>);
 
 /// Figures that are averaged.
-const FIGURES: [Figure; 7] = [
+const FIGURES: [Figure; 9] = [
     ("quality_mean", |run| run.quality_mean),
     ("width_rms_rel", |run| run.width_rms_rel),
+    ("corner_width_rms_rel", |run| run.corner_width_rms_rel),
+    ("print_time_s", |run| Some(run.print_time_s)),
     ("feed_error_rel", |run| run.feed_error_rel),
     ("feed_error_after_2s_rel", |run| run.feed_error_after_2s_rel),
     ("recovery_time_s", |run| run.recovery_time_s),

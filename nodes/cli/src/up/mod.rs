@@ -10,7 +10,7 @@ pub mod words;
 use crate::config::ConfigDir;
 use crate::job::GcodeFile;
 use crate::output::{self, Json};
-use crate::sim::level;
+use crate::sim::{ADVANCES, level};
 use anyhow::{Context, bail};
 use clap::Args;
 use fleet::Fleet;
@@ -43,6 +43,10 @@ pub struct UpArgs {
     /// Host profile: native or serial.
     #[arg(long, default_value = "native", value_parser = ["native", "serial"])]
     pub host: String,
+    /// Source of the pressure advance: none, file (`M900`), material (a constant) or predicted, which starts the node
+    /// `advance_predictor` as well.
+    #[arg(long, default_value = "material", value_parser = ADVANCES)]
+    pub advance: String,
     /// Scenario of config/scenarios, or a path to one.
     #[arg(long, default_value = "nominal")]
     pub scenario: String,

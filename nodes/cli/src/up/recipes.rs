@@ -6,8 +6,13 @@ use anyhow::{Context, bail};
 use runtime::params::{NodePath, Parameters};
 use std::path::PathBuf;
 
+/// The node that is started with `--advance predicted` alone.
+const FORESIGHT: &str = "advance_predictor";
+
 /// The nodes of the simulated printer in the order of their start: who records and who guards come first.
-pub const NODES: [&str; 10] = [
+/// The advance predictor is started where it is asked for alone: without multicast on `lo` twelve processes see each
+/// other, and these eleven with `fdm` are twelve (`runtime::participants`), which leaves no place for a tool.
+pub const NODES: [&str; 11] = [
     "bag_recorder",
     "safety_supervisor",
     "thermistor",
@@ -16,6 +21,7 @@ pub const NODES: [&str; 10] = [
     "filament_encoder",
     "state_estimator",
     "defect_classifier",
+    FORESIGHT,
     "mpc_controller",
     "printer_sim",
 ];
@@ -25,6 +31,8 @@ pub const NODES: [&str; 10] = [
 pub struct Plan {
     /// Control level.
     pub control: String,
+    /// Source of the pressure advance.
+    pub advance: String,
     /// Folder of the bag.
     pub bag: PathBuf,
     /// G-code file.
@@ -63,6 +71,7 @@ impl Plan {
         let gcode = absolute(&args.gcode)?;
         let mut plan = Self {
             control: control.to_owned(),
+            advance: args.advance.clone(),
             bag: absolute(&bag)?,
             gcode,
             host: args.host.clone(),
@@ -89,6 +98,7 @@ impl Plan {
             ("safety_supervisor", "start_mode".into(), args.mode.clone()),
             ("safety_supervisor", "latch_file".into(), quoted(&self.logs().join("latch.json"))),
             ("mpc_controller", "control".into(), format!("\"{}\"", self.control)),
+            ("mpc_controller", "advance.source".into(), format!("\"{}\"", self.advance)),
             ("printer_sim", "run.gcode".into(), quoted(&self.gcode)),
             ("printer_sim", "run.scenario".into(), quoted(&scenario)),
             ("printer_sim", "run.seed".into(), self.seed.to_string()),
@@ -103,6 +113,8 @@ impl Plan {
         all.extend(sensors);
         let models = self.config.model_overrides().into_iter();
         all.extend(models.map(|(name, value)| ("defect_classifier", name, value)));
+        let foresight = self.config.foresight_overrides(&self.material).into_iter();
+        all.extend(foresight.map(|(name, value)| (FORESIGHT, name, value)));
         all
     }
 
@@ -130,6 +142,7 @@ impl Plan {
                 "imu" => _ = parameters.parse::<imu::Params>()?,
                 "camera" => _ = parameters.parse::<camera::Params>()?,
                 "defect_classifier" => _ = self.config.sight(&self.material)?,
+                FORESIGHT => _ = self.config.foresight(&self.material)?,
                 "filament_encoder" => _ = parameters.parse::<filament_encoder::params::Params>()?,
                 "state_estimator" => _ = parameters.without(&NOMINAL).parse::<state_estimator::Params>()?,
                 "mpc_controller" => _ = parameters.without(&NOMINAL).parse::<mpc_controller::Params>()?,
@@ -197,7 +210,7 @@ impl Plan {
     ) -> anyhow::Result<Vec<(&'static str, PathBuf, Parameters, (Vec<PathBuf>, Vec<(String, String)>))>> {
         let folder = std::env::current_exe()?.parent().map(PathBuf::from).unwrap_or_default();
         let mut nodes = Vec::new();
-        for name in NODES {
+        for name in NODES.into_iter().filter(|name| *name != FORESIGHT || self.advance == "predicted") {
             let program = folder.join(name);
             if !program.is_file() {
                 bail!("{} is missing: build all nodes with `cargo build --release`", program.display());

@@ -57,7 +57,7 @@ impl<R: BufRead> Job<R> {
         Self {
             reader: LineReader::new(source, params.read.line_bytes_max),
             interpreter: Interpreter::new(params.read, header),
-            planner: Planner::new(header.limits(params.limits), params.lookahead_moves),
+            planner: planner(header, params),
             totals: Totals::default(),
             arc_line: 0,
             ended: false,
@@ -150,4 +150,9 @@ impl<R: BufRead> Iterator for Job<R> {
             }
         }
     }
+}
+
+fn planner(header: &Header, params: &MotionParams) -> Planner {
+    let planner = Planner::new(header.limits(params.limits), params.lookahead_moves);
+    if params.starved { planner.starved() } else { planner }
 }

@@ -91,6 +91,16 @@ pub struct MotionParams {
     pub read: ReadParams,
     /// Moves known ahead of the one that is released.
     pub lookahead_moves: usize,
+    /// No move beyond those is ever known: as a firmware whose buffer holds so many, at the cost of a pass a move.
+    pub starved: bool,
+}
+
+impl MotionParams {
+    /// The same with a buffer that holds no more than so many moves ahead of the current one.
+    #[must_use]
+    pub fn with_buffer(self, moves: usize) -> Self {
+        Self { lookahead_moves: moves, starved: true, ..self }
+    }
 }
 
 /// The block as it is written; arrays are X, Y, Z, E.
@@ -132,6 +142,7 @@ impl TryFrom<RawMotionParams> for MotionParams {
             limits: limits(&raw)?,
             read: reading(&raw)?,
             lookahead_moves: count("printer_motion.lookahead_moves", raw.lookahead_moves, (2.0, 10_000.0))?,
+            starved: false,
         })
     }
 }

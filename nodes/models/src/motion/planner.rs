@@ -78,6 +78,8 @@ struct Last {
 pub struct Planner {
     limits: Limits,
     lookahead_moves: usize,
+    /// Open moves at which a batch is planned.
+    batch_moves: usize,
     queue: VecDeque<Item>,
     /// Items at the queue's front whose speeds are final.
     released: usize,
@@ -95,12 +97,19 @@ impl Planner {
         Self {
             limits,
             lookahead_moves,
+            batch_moves: BATCH * lookahead_moves,
             queue: VecDeque::new(),
             released: 0,
             open_moves: 0,
             promised_entry_m_s: None,
             last: None,
         }
+    }
+
+    /// The same with no move beyond the look-ahead known when one is released.
+    #[must_use]
+    pub fn starved(self) -> Self {
+        Self { batch_moves: self.lookahead_moves + 1, ..self }
     }
 
     /// Limits in force for moves pushed from now on.
@@ -119,7 +128,7 @@ impl Planner {
         });
         self.open_moves += 1;
         self.queue.push_back(Item::Block(block));
-        if self.open_moves >= BATCH * self.lookahead_moves {
+        if self.open_moves >= self.batch_moves {
             self.plan();
             self.release(self.items_before_last(self.lookahead_moves));
         }

@@ -142,6 +142,35 @@ fn a_burst_is_planned_within_the_same_horizon() {
     assert_eq!(burst, plan(params.limits, params.lookahead_moves, &moves));
 }
 
+/// A firmware that knows 4 moves of 0.1 mm beyond the current one must be able to stop within them: no junction is
+/// faster than `v^2 = v_rest^2 + 2 a 4 s`; with 64 of them the wished 50 mm/s are reached.
+#[test]
+fn a_starved_buffer_can_always_stop() {
+    let limits = shipped_params().limits;
+    let point = |index: u32| [f64::from(index) * 1e-4, 0.0, 0.0];
+    let moves: Vec<Waypoint> =
+        (0..600).map(|index| waypoint(point(index), point(index + 1), 4e-6, 0.05)).collect();
+    let fastest = |moves_ahead: usize| {
+        let mut planner = Planner::new(limits, moves_ahead).starved();
+        let mut segments = Vec::new();
+        for waypoint in &moves {
+            planner.push_move(*waypoint);
+            drain(&mut planner, &mut segments);
+        }
+        planner.finish();
+        drain(&mut planner, &mut segments);
+        assert_eq!(segments.len(), moves.len());
+        let rest_m_s = segments[0].profile.entry_m_s;
+        let most = segments.iter().map(|s| s.profile.cruise_m_s).fold(0.0, f64::max);
+        (rest_m_s, most, segments[0].profile.acceleration_m_s2)
+    };
+    let (rest_m_s, most_m_s, acceleration_m_s2) = fastest(4);
+    // The peak lies within the current move: half of its way more.
+    let bound = (rest_m_s * rest_m_s + 2.0 * acceleration_m_s2 * 5e-4).sqrt();
+    assert!(most_m_s <= bound * (1.0 + ROUNDING) && most_m_s > 0.8 * bound, "{most_m_s} {bound}");
+    assert!((fastest(64).1 - 0.05).abs() < 1e-9);
+}
+
 fn jobs() -> impl Strategy<Value = Vec<Waypoint>> {
     let coordinate = || prop_oneof![Just(0.0), -0.05..0.05_f64, -1e-5..1e-5_f64];
     let filament = prop_oneof![Just(0.0), -1e-3..1e-3_f64, 0.0..0.02_f64];

@@ -17,6 +17,7 @@ impl Controller {
             self.report.refusals.width.invalid += 1;
             return;
         }
+        self.advance.on_width(exposed, width_m);
         let Some(status) = self.status else { return };
         let target_m = status.target_width_m.filter(|_| status.depositing);
         let steady = exposed.0 >= self.steady_since_s + self.params.trims.steady_s;

@@ -1,0 +1,54 @@
+//! The advance predictor's parameters and networks.
+
+use super::ConfigDir;
+use anyhow::Context;
+use runtime::params::{NodePath, Parameters};
+use std::path::Path;
+
+/// Parameters and trained networks of the advance predictor.
+#[derive(Debug, Clone)]
+pub struct Foresight {
+    /// Parameters.
+    pub params: advance_predictor::Params,
+    /// `K_A`.
+    pub compensation: advance_predictor::compensation::Predictor,
+    /// Turns.
+    pub network: advance_predictor::turn::TurnNetwork,
+}
+
+impl ConfigDir {
+    /// The advance predictor for a material.
+    ///
+    /// # Errors
+    /// File, line, field, value and range of what is refused, networks that cannot be read.
+    pub fn foresight(&self, material: &str) -> anyhow::Result<Foresight> {
+        use advance_predictor::{compensation, turn};
+        let path =
+            NodePath { qualified: "/printer/advance_predictor".into(), base: "advance_predictor".into() };
+        let files = self.files_of("advance_predictor", material);
+        let parameters = Parameters::read(&files, &self.foresight_overrides(material), &path)?;
+        let params: advance_predictor::Params = parameters.without(&["advance_physics"]).parse()?;
+        let physics = parameters.block("advance_physics")?;
+        let text = |file: &Path| {
+            std::fs::read_to_string(file).with_context(|| format!("models: {}", file.display()))
+        };
+        let ensemble = compensation::Ensemble::parse(&text(params.models.of(params.drive))?)?;
+        Ok(Foresight {
+            compensation: compensation::Predictor::new(physics, params.bounds, ensemble),
+            network: turn::TurnNetwork::parse(&text(&params.models.turn)?)?,
+            params,
+        })
+    }
+
+    /// Polymer and networks of the advance predictor, wherever it is started.
+    #[must_use]
+    pub fn foresight_overrides(&self, material: &str) -> Vec<(String, String)> {
+        let mut all = vec![("polymer".to_owned(), serde_json::json!(material.to_uppercase()).to_string())];
+        let names = ["bowden", "direct", "turn"].map(|name| {
+            let file = if name == "turn" { "turn.json".to_owned() } else { format!("advance_{name}.json") };
+            (format!("models.{name}"), self.model(&file))
+        });
+        all.extend(names);
+        all
+    }
+}

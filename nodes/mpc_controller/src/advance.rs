@@ -1,0 +1,184 @@
+//! Which pressure advance is sent: the foretold `K_A`, changed where a change disturbs least.
+//!
+//! The drive holds `K_A v` of filament compressed. While a road is laid a change of `K_A` pushes
+//! `d(K_A v)/dt = v dK_A/dt` beside the feed: the relative width error of a straight is the slew itself, `[s/s]`. At a
+//! corner the wrong `K_A` costs more: a change of speed `dv` leaves `(K - K_A) dv` of filament out of place. So a change
+//! is slow on a straight, fast while a turn is foreseen, so that it is over before the speed falls, and at once where
+//! nothing is laid (`v = 0`). It never slows the tool.
+
+use crate::params::{AdvanceSource, RawAdvance};
+use learning::Learning;
+use models::status::PrinterStatus;
+use models::units::Seconds;
+
+pub(crate) mod learning;
+
+/// Who foretold a `K_A`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Basis {
+    /// Networks, inside of their data.
+    Network,
+    /// The physical model, outside of them.
+    Physics,
+}
+
+/// A `K_A` foretold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Foretold {
+    /// `K_A` `[s]`, 0 or more.
+    pub advance_s: f64,
+    /// Half width of its 95 % interval `[s]`, 0 or more.
+    pub half_width_s: f64,
+    /// Who says so.
+    pub basis: Basis,
+}
+
+/// The next turn of the path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn {
+    /// Probability that there is one within the predictor's horizon `[0, 1]`.
+    pub probability: f64,
+    /// The probability is above the predictor's threshold.
+    pub expected: bool,
+    /// Time until it begins `[s]`, 0 or more.
+    pub lead: Seconds,
+}
+
+/// A word of the advance predictor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prediction {
+    /// Time of validity.
+    pub stamp: Seconds,
+    /// `K_A`; `None` where the conditions are not known or out of bounds.
+    pub advance: Option<Foretold>,
+    /// The next turn; `None` before the first move.
+    pub turn: Option<Turn>,
+}
+
+impl Prediction {
+    pub(crate) fn is_valid(&self) -> bool {
+        let size = |value: f64| value.is_finite() && value >= 0.0;
+        self.stamp.0.is_finite()
+            && self.advance.is_none_or(|k| size(k.advance_s) && size(k.half_width_s))
+            && self.turn.is_none_or(|turn| (0.0..=1.0).contains(&turn.probability) && size(turn.lead.0))
+    }
+}
+
+/// What became of the predictions, for diagnostics.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct AdvanceReport {
+    /// Newest advance sent `[s]`; `None` leaves the file's own.
+    pub sent_s: Option<f64>,
+    /// Commands without a foretold advance, since it was missing, stale or doubtful.
+    pub without: u64,
+    /// Commands that hurried a change since a turn was foreseen.
+    pub hurried: u64,
+    /// Learnt factor on the foretold advance `[-]`.
+    pub learnt: f64,
+}
+
+/// The advance over time.
+#[derive(Debug, Clone)]
+pub(crate) struct Advance {
+    settings: RawAdvance,
+    newest: Option<Prediction>,
+    held_s: Option<f64>,
+    at_s: f64,
+    learning: Learning,
+    report: AdvanceReport,
+}
+
+impl Advance {
+    pub(crate) fn new(settings: RawAdvance) -> Self {
+        Self {
+            settings,
+            newest: None,
+            held_s: None,
+            at_s: 0.0,
+            learning: Learning::new(settings.learning),
+            report: AdvanceReport::default(),
+        }
+    }
+
+    pub(crate) fn newest_stamp(&self) -> Option<Seconds> {
+        self.newest.map(|newest| newest.stamp)
+    }
+
+    pub(crate) fn report(&self) -> AdvanceReport {
+        AdvanceReport { learnt: self.learning.factor(), ..self.report }
+    }
+
+    pub(crate) fn on_prediction(&mut self, prediction: Prediction) {
+        self.newest = Some(prediction);
+    }
+
+    /// Follows feed and outlet, for what frames will show of them.
+    pub(crate) fn on_status(&mut self, status: &PrinterStatus) {
+        if let Some(foretold_s) = self.foretold_s(status.stamp.0) {
+            self.learning.on_status(status, foretold_s);
+        }
+    }
+
+    pub(crate) fn on_width(&mut self, exposed: Seconds, width_m: f64) {
+        if self.settings.source == AdvanceSource::Predicted {
+            self.learning.on_width(exposed.0, width_m);
+        }
+    }
+
+    /// Forgets what is held: nothing is printed. What was learnt of the printer stays.
+    pub(crate) fn rest(&mut self) {
+        self.held_s = None;
+    }
+
+    /// The advance to send at `now_s`; `nominal_s` is the material's constant.
+    pub(crate) fn command(&mut self, now_s: f64, status: &PrinterStatus, nominal_s: f64) -> Option<f64> {
+        self.report.sent_s = match self.settings.source {
+            AdvanceSource::None => Some(0.0),
+            AdvanceSource::File => None,
+            AdvanceSource::Material => Some(nominal_s),
+            AdvanceSource::Predicted => self.predicted(now_s, status),
+        };
+        self.report.sent_s
+    }
+
+    /// `K_A` in use of what was foretold `[s]`; `None` where it is missing, stale or doubtful.
+    fn foretold_s(&self, now_s: f64) -> Option<f64> {
+        let newest = self.newest.filter(|newest| now_s - newest.stamp.0 <= self.settings.age_limit_s)?;
+        let foretold = newest.advance?;
+        let sure = foretold.half_width_s <= self.settings.doubt_max * foretold.advance_s;
+        sure.then_some(foretold.advance_s)
+    }
+
+    fn predicted(&mut self, now_s: f64, status: &PrinterStatus) -> Option<f64> {
+        let dt_s = (now_s - self.at_s).max(0.0);
+        self.at_s = now_s;
+        let Some(foretold_s) = self.foretold_s(now_s) else {
+            self.report.without += 1;
+            self.held_s = None;
+            return None;
+        };
+        let goal_s = (foretold_s * self.learning.factor()).clamp(self.settings.low_s, self.settings.high_s);
+        let before_s = self.held_s.filter(|_| status.depositing && status.planned_feed_m_s > 0.0);
+        let next_s = before_s.map_or(goal_s, |before_s| {
+            let turn = self.turn_comes(now_s);
+            let slew = if turn { self.settings.turn_slew_s_s } else { self.settings.straight_slew_s_s };
+            let most_s = slew * dt_s;
+            let change_s = goal_s - before_s;
+            self.report.hurried += u64::from(turn && change_s.abs() > self.settings.straight_slew_s_s * dt_s);
+            before_s + change_s.clamp(-most_s, most_s)
+        });
+        self.held_s = Some(next_s);
+        Some(next_s)
+    }
+
+    fn turn_comes(&self, now_s: f64) -> bool {
+        let Some(newest) = self.newest else { return false };
+        let age_s = now_s - newest.stamp.0;
+        newest.turn.is_some_and(|turn| {
+            turn.expected && age_s <= turn.lead.0 && turn.lead.0 - age_s <= self.settings.turn_lead_s
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,62 @@
+//! Laws of what is learnt, on a printer with a linear lag.
+
+use super::super::tests::{LEARNING, status};
+use super::*;
+use models::advance::Compensation;
+
+const FORETOLD_S: f64 = 0.6;
+const HEIGHT_M: f64 = 2e-4;
+const TARGET_M: f64 = 4.5e-4;
+
+/// Feed that swings between 1 and 3 mm/s, 4 s a period, in ramps.
+fn feed_m_s(at_s: f64) -> f64 {
+    let place = (at_s / 4.0).fract();
+    1e-3 + 2e-3 * (6.0 * (0.5 - (2.0 * place - 1.0).abs()) + 0.5).clamp(0.0, 1.0)
+}
+
+/// Factor after so long on a printer of `lag_s`, with a constant error of the width on top.
+fn learnt(reach: f64, lag_s: f64, (offset, for_s): (f64, f64)) -> f64 {
+    let mut learning = Learning::new(RawLearning { reach, ..LEARNING });
+    let advance_s = status(0.0, 1e-3).advance_s;
+    let plant = Compensation { lag_s, advance_s };
+    let mut state = plant.steady(feed_m_s(0.0));
+    let (mut at_s, mut step) = (0.0, 0_u32);
+    while at_s < for_s {
+        step += 1;
+        at_s = 0.02 * f64::from(step);
+        let (before, now) = (feed_m_s(at_s - 0.02), feed_m_s(at_s));
+        state = plant.step(state, (before, now), Seconds(0.02));
+        learning.on_status(&status(at_s, now), FORETOLD_S);
+        // 2 Hz against 4 s would meet the same eight places for ever.
+        if step.is_multiple_of(23) {
+            let section = plant.outlet(state, now) / now;
+            let sides_m = HEIGHT_M * ROUND_SIDES;
+            learning.on_width(at_s, section * (TARGET_M - sides_m) + sides_m + offset * TARGET_M);
+        }
+    }
+    learning.factor()
+}
+
+/// The plant's K is 10 % above the foretold: after 200 s the factor is 1.1 but for prior and second order, 0.03.
+#[test]
+fn the_factor_meets_the_lag() {
+    let factor = learnt(0.25, 1.1 * FORETOLD_S, (0.0, 200.0));
+    assert!((factor - 1.1).abs() < 0.03, "{factor}");
+    let factor = learnt(0.25, 0.9 * FORETOLD_S, (0.0, 200.0));
+    assert!((factor - 0.9).abs() < 0.03, "{factor}");
+}
+
+/// Thick filament widens every road; it is no lag.
+#[test]
+fn a_constant_error_is_not_learnt() {
+    let factor = learnt(0.25, FORETOLD_S, (0.05, 200.0));
+    assert!((factor - 1.0).abs() < 0.03, "{factor}");
+}
+
+#[test]
+fn it_stays_within_its_reach_and_can_be_switched_off() {
+    let factor = learnt(0.1, 2.0 * FORETOLD_S, (0.0, 400.0));
+    assert!((factor - 1.1).abs() < 1e-12, "{factor}");
+    let off = learnt(0.0, 2.0 * FORETOLD_S, (0.0, 400.0));
+    assert!((off - 1.0).abs() < 1e-12);
+}

@@ -1,0 +1,170 @@
+//! Laws of the advance that is sent.
+
+use super::*;
+use crate::params::RawLearning;
+use models::command::Trims;
+use models::status::{HostProfile, JobPhase};
+use models::units::Celsius;
+
+pub(super) const LEARNING: RawLearning = RawLearning {
+    reach: 0.0,
+    width_noise: 0.1,
+    frames: 200.0,
+    settle_s: 0.3,
+    pairing_s: 0.03,
+    lever_max: 0.6,
+    error_max: 0.5,
+};
+
+const SETTINGS: RawAdvance = RawAdvance {
+    source: AdvanceSource::Predicted,
+    age_limit_s: 5.0,
+    doubt_max: 0.3,
+    low_s: 0.0,
+    high_s: 1.5,
+    straight_slew_s_s: 0.02,
+    turn_slew_s_s: 0.3,
+    turn_lead_s: 0.5,
+    learning: LEARNING,
+};
+
+const NOMINAL_S: f64 = 0.63;
+
+pub(super) fn status(stamp_s: f64, feed_m_s: f64) -> PrinterStatus {
+    let laid = feed_m_s > 0.0;
+    PrinterStatus {
+        stamp: Seconds(stamp_s),
+        phase: JobPhase::Printing,
+        host: HostProfile::Native,
+        progress: 0.5,
+        layer: Some(3),
+        line: 100,
+        position_m: [0.1, 0.1, 1e-3],
+        path_time_s: stamp_s,
+        path_speed_m_s: 0.05,
+        planned_speed_m_s: 0.05,
+        planned_feed_m_s: feed_m_s,
+        motor_position_m: 0.0,
+        wanted_position_m: 0.0,
+        depositing: laid,
+        target_width_m: laid.then_some(4.5e-4),
+        layer_height_m: laid.then_some(2e-4),
+        hotend_target: Celsius(215.0),
+        hotend_sliced_target: Celsius(215.0),
+        bed_target: Celsius(60.0),
+        hotend_duty: 0.5,
+        bed_duty: 0.2,
+        fan: 1.0,
+        trims: Trims::NEUTRAL,
+        advance_s: 0.5,
+        homed: true,
+        mains_on: true,
+        filament_present: Some(true),
+    }
+}
+
+fn word(stamp_s: f64, advance_s: f64, turn: Option<Turn>) -> Prediction {
+    let advance = Some(Foretold { advance_s, half_width_s: 0.02, basis: Basis::Network });
+    Prediction { stamp: Seconds(stamp_s), advance, turn }
+}
+
+const COMING: Option<Turn> = Some(Turn { probability: 0.9, expected: true, lead: Seconds(0.2) });
+
+fn sent(advance: &mut Advance, now_s: f64) -> Option<f64> {
+    advance.command(now_s, &status(now_s, 2e-3), NOMINAL_S)
+}
+
+fn holding(advance_s: f64) -> Advance {
+    let mut advance = Advance::new(SETTINGS);
+    advance.on_prediction(word(0.0, advance_s, None));
+    assert_eq!(sent(&mut advance, 0.0), Some(advance_s));
+    advance
+}
+
+#[test]
+fn without_a_word_the_files_own_advance_stays() {
+    let mut advance = Advance::new(SETTINGS);
+    assert_eq!(sent(&mut advance, 0.0), None);
+    assert_eq!(advance.report().without, 1);
+}
+
+/// Silence is neutral: 5 s after the last word the file's own advance is back.
+#[test]
+fn a_stale_word_is_not_used() {
+    let mut advance = holding(0.6);
+    assert_eq!(sent(&mut advance, 5.0), Some(0.6));
+    assert_eq!(sent(&mut advance, 5.05), None);
+}
+
+/// A half width of 0.2 s on 0.6 s is a third; 0.3 is allowed.
+#[test]
+fn a_doubtful_word_is_not_used() {
+    let mut advance = Advance::new(SETTINGS);
+    let doubtful = Foretold { advance_s: 0.6, half_width_s: 0.2, basis: Basis::Physics };
+    advance.on_prediction(Prediction { advance: Some(doubtful), ..word(0.0, 0.6, None) });
+    assert_eq!(sent(&mut advance, 0.0), None);
+}
+
+#[test]
+fn what_is_sent_is_bounded() {
+    let mut advance = Advance::new(SETTINGS);
+    advance.on_prediction(word(0.0, 4.0, None));
+    assert_eq!(sent(&mut advance, 0.0), Some(1.5));
+}
+
+/// 0.02 s/s over 50 ms is 1 ms.
+#[test]
+fn a_change_on_a_straight_is_slow() {
+    let mut advance = holding(0.6);
+    advance.on_prediction(word(0.0, 0.7, None));
+    let next_s = sent(&mut advance, 0.05).unwrap();
+    assert!((next_s - 0.601).abs() < 1e-12, "{next_s}");
+    assert_eq!(advance.report().hurried, 0);
+}
+
+/// 0.3 s/s over 50 ms is 15 ms: a change of 45 ms is over 150 ms after the turn was told, 50 ms before it begins.
+#[test]
+fn a_change_is_over_before_a_foreseen_turn() {
+    let mut advance = holding(0.6);
+    advance.on_prediction(word(0.0, 0.645, COMING));
+    let last_s = (1..=3).filter_map(|step| sent(&mut advance, 0.05 * f64::from(step))).last().unwrap();
+    assert!((last_s - 0.645).abs() < 1e-12, "{last_s}");
+    assert_eq!(advance.report().hurried, 3);
+    // Past the turn the slow slew holds again: 1 ms.
+    advance.on_prediction(word(0.2, 0.7, COMING));
+    let far = Some(Turn { lead: Seconds(2.0), ..COMING.unwrap() });
+    advance.on_prediction(word(0.2, 0.7, far));
+    let next_s = sent(&mut advance, 0.2).unwrap();
+    assert!((next_s - 0.646).abs() < 1e-12, "{next_s}");
+}
+
+/// `K_A v` with `v = 0` holds nothing: no filament moves.
+#[test]
+fn where_nothing_is_laid_a_change_is_at_once() {
+    let mut advance = holding(0.6);
+    advance.on_prediction(word(0.0, 0.9, None));
+    assert_eq!(advance.command(0.05, &status(0.05, 0.0), NOMINAL_S), Some(0.9));
+}
+
+#[test]
+fn other_sources_ask_no_predictor() {
+    let of = |source| {
+        let mut advance = Advance::new(RawAdvance { source, ..SETTINGS });
+        advance.on_prediction(word(0.0, 0.9, None));
+        sent(&mut advance, 0.0)
+    };
+    assert_eq!(of(AdvanceSource::None), Some(0.0));
+    assert_eq!(of(AdvanceSource::File), None);
+    assert_eq!(of(AdvanceSource::Material), Some(NOMINAL_S));
+}
+
+#[test]
+fn words_that_are_no_numbers_are_invalid() {
+    let foretold = |advance_s, half_width_s| Foretold { advance_s, half_width_s, basis: Basis::Network };
+    for bad in [foretold(f64::NAN, 0.0), foretold(-0.1, 0.0), foretold(0.6, f64::INFINITY)] {
+        assert!(!Prediction { advance: Some(bad), ..word(0.0, 0.6, None) }.is_valid());
+    }
+    assert!(!word(f64::NAN, 0.6, None).is_valid());
+    assert!(!word(0.0, 0.6, Some(Turn { probability: 1.1, ..COMING.unwrap() })).is_valid());
+    assert!(word(0.0, 0.6, COMING).is_valid());
+}

@@ -1,0 +1,84 @@
+//! The block `advance`.
+
+use models::params::{ParamError, in_range, ordered, positive};
+use serde::Deserialize;
+
+/// Where the pressure advance comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AdvanceSource {
+    /// No advance at all.
+    None,
+    /// The file's own (`M900`, `SET_PRESSURE_ADVANCE`).
+    File,
+    /// The material's constant.
+    Material,
+    /// The advance predictor; without a word of it the file's own.
+    Predicted,
+}
+
+/// Pressure advance.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawAdvance {
+    /// Where it comes from.
+    pub source: AdvanceSource,
+    /// An older prediction is not used `[s]`.
+    pub age_limit_s: f64,
+    /// Largest half width of the interval that is used, over the prediction `[-]`.
+    pub doubt_max: f64,
+    /// Lowest advance sent `[s]`.
+    pub low_s: f64,
+    /// Highest advance sent `[s]`.
+    pub high_s: f64,
+    /// Change while a road is laid `[s/s]`: the relative width error that it makes.
+    pub straight_slew_s_s: f64,
+    /// Change while a turn is foreseen `[s/s]`.
+    pub turn_slew_s_s: f64,
+    /// A turn farther ahead is not yet acted on `[s]`.
+    pub turn_lead_s: f64,
+    /// Learning from widths.
+    pub learning: RawLearning,
+}
+
+/// Learning from widths.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawLearning {
+    /// Largest correction, relative to the prediction `[-]`; 0 learns nothing.
+    pub reach: f64,
+    /// Scatter of widths that no advance explains, relative `[-]`.
+    pub width_noise: f64,
+    /// Frames that are remembered `[-]`.
+    pub frames: f64,
+    /// Wait after the start of a road `[s]`.
+    pub settle_s: f64,
+    /// Status and frame further apart are no pair `[s]`.
+    pub pairing_s: f64,
+    /// Larger levers are left out: next to rest the lag is not linear `[-]`.
+    pub lever_max: f64,
+    /// Larger width errors count as this one `[-]`.
+    pub error_max: f64,
+}
+
+impl RawAdvance {
+    pub(super) fn check(&self) -> Result<(), ParamError> {
+        positive("advance.age_limit_s", self.age_limit_s, "s")?;
+        in_range("advance.doubt_max", self.doubt_max, "-", (0.0, 1.0))?;
+        in_range("advance.low_s", self.low_s, "s", (0.0, 5.0))?;
+        in_range("advance.high_s", self.high_s, "s", (0.0, 5.0))?;
+        ordered(("advance.low_s", self.low_s), ("advance.high_s", self.high_s))?;
+        positive("advance.straight_slew_s_s", self.straight_slew_s_s, "s/s")?;
+        in_range("advance.turn_slew_s_s", self.turn_slew_s_s, "s/s", (self.straight_slew_s_s, 10.0))?;
+        in_range("advance.turn_lead_s", self.turn_lead_s, "s", (0.0, 5.0))?;
+        let learning = &self.learning;
+        in_range("advance.learning.reach", learning.reach, "-", (0.0, 0.5))?;
+        in_range("advance.learning.width_noise", learning.width_noise, "-", (0.001, 1.0))?;
+        in_range("advance.learning.frames", learning.frames, "-", (2.0, 1e5))?;
+        in_range("advance.learning.settle_s", learning.settle_s, "s", (0.0, 10.0))?;
+        in_range("advance.learning.pairing_s", learning.pairing_s, "s", (1e-3, 1.0))?;
+        in_range("advance.learning.lever_max", learning.lever_max, "-", (0.01, 10.0))?;
+        in_range("advance.learning.error_max", learning.error_max, "-", (0.01, 10.0))?;
+        Ok(())
+    }
+}
