@@ -102,6 +102,7 @@ fn a_whole_bag_fills_every_section() {
     let pictures = section(&page, "pictures");
     assert!(pictures.contains("<b>spaghetti</b> at 1:24 min"), "the first flagged frame: 0.7 of 120 s");
     assert!(pictures.contains("<b>degraded → paused</b> at 1:48 min"), "{pictures:.2000}");
+    assert!(pictures.contains("<b>impulse</b> at 36.0 s"), "{pictures:.2000}");
     // The truth stands in its own section and nowhere before it.
     let (before, _) = page.split_once("<h2 id=\"truth\"").unwrap();
     assert!(!before.contains("true slip") && !before.contains("Feed error"));

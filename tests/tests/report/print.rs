@@ -40,7 +40,8 @@ const EDGE_M: f64 = 0.02;
 const SPEED_M_S: f64 = 0.04;
 
 impl Print {
-    /// Share of the print at which the gear begins to slip, a defect is seen, and the print pauses.
+    /// Share of the print at which the head is knocked, the gear begins to slip, a defect is seen, and the print pauses.
+    pub(crate) const KNOCK: f64 = 0.3;
     pub(crate) const SLIP: f64 = 0.4;
     pub(crate) const DEFECT: f64 = 0.7;
     pub(crate) const PAUSE: f64 = 0.9;
@@ -227,13 +228,14 @@ impl Print {
     }
 
     fn events(&self) -> Vec<(f64, PrintEvent)> {
-        let event = |share: f64, severity, why: &str, before: &str, after: &str| {
+        let event = |share: f64, severity, why: &str, (before, after): (&str, &str)| {
+            let what = if before == after { "impulse" } else { "mode_changed" };
             let at = self.duration_s * share;
             let event = PrintEvent {
                 header: Header::at(at),
                 severity,
                 who: self.text("/printer/safety_supervisor"),
-                what: "mode_changed".to_owned(),
+                what: what.to_owned(),
                 why: self.text(why),
                 before: self.text(before),
                 after: self.text(after),
@@ -242,8 +244,9 @@ impl Print {
         };
         let (warn, error) = (PrintEvent::SEVERITY_WARN, PrintEvent::SEVERITY_ERROR);
         vec![
-            event(Self::DEFECT, warn, "P9: spaghetti in 6 of 10 frames", "act", "degraded"),
-            event(Self::PAUSE, error, "P9: spaghetti, no way back", "degraded", "paused"),
+            event(Self::KNOCK, warn, "P8: a knock or lost steps", ("act", "act")),
+            event(Self::DEFECT, warn, "P9: spaghetti in 6 of 10 frames", ("act", "degraded")),
+            event(Self::PAUSE, error, "P9: spaghetti, no way back", ("degraded", "paused")),
         ]
     }
 }

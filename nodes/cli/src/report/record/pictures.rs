@@ -12,6 +12,8 @@ const BYTES_MAX: usize = 160_000;
 const TOTAL_MAX: usize = 1_300_000;
 /// Pictures and reports that wait for their partner.
 const WAIT: usize = 16;
+/// Events of which the picture is wanted though they are no errors.
+const DECISIONS: [&str; 3] = ["mode_changed", "cause_changed", "impulse"];
 /// A picture tells of an event no older than this `[s]`.
 const BEFORE_S: f64 = 10.0;
 /// Or no later.
@@ -122,10 +124,14 @@ impl Pictures {
 
     /// A warning or an error: what the camera saw then is wanted.
     pub(crate) fn event(&mut self, at: f64, event: &PrintEvent) {
-        if event.what != "mode_changed" && event.what != "cause_changed" && event.severity < 2 {
+        if !DECISIONS.contains(&event.what.as_str()) && event.severity < 2 {
             return;
         }
-        let title = format!("{} → {}", short(&event.before, 40), short(&event.after, 40));
+        let title = if event.before == event.after {
+            short(&event.what, 60)
+        } else {
+            format!("{} → {}", short(&event.before, 40), short(&event.after, 40))
+        };
         let weight = 2.0 + f64::from(event.severity.min(2));
         self.want(Wanted { at, title, detail: short(&event.why, 160), weight, exact: false });
     }
