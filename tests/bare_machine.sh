@@ -39,8 +39,14 @@ git clone -q "$repository" "$root/home/maker/fdm_loop"
 if [ ! -d "$root/home/maker/.rustup" ]; then
   mkdir -p "$root/home/maker/.cargo"
   cp -a "$cargo_bin" "$root/home/maker/.cargo/bin"
-  cp -a "$toolchain" "$root/home/maker/.rustup"
-  rm -rf "$root"/home/maker/.rustup/{tmp,downloads} "$root"/home/maker/.rustup/toolchains/*/share/doc
+  # The one that the repository asks for; here it may be a link to another.
+  channel=$(sed -n 's/^channel = "\(.*\)"/\1/p' "$repository/rust-toolchain.toml")
+  mkdir -p "$root/home/maker/.rustup/toolchains"
+  cp -a "$toolchain/settings.toml" "$root/home/maker/.rustup/"
+  for from in "$toolchain/toolchains/$channel"-*; do
+    cp -aL "$from" "$root/home/maker/.rustup/toolchains/$(basename "$from")"
+  done
+  rm -rf "$root"/home/maker/.rustup/toolchains/*/share/doc
   echo 'export PATH="$HOME/.cargo/bin:$PATH"' >"$root/home/maker/.cargo/env"
 fi
 inside chown -R maker:maker /home/maker
