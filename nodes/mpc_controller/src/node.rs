@@ -45,9 +45,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     let mut estimate = node.inlet(&topics::ESTIMATE, Seconds(params.estimate_age_limit_s))?;
     let mut printer = node.inlet(&topics::PRINTER_STATE, telemetry)?;
     let mut encoder = node.inlet(&topics::FILAMENT_MOTION, telemetry)?;
-    // A frame older than the time to its effect and the period of frames has a newer one on its way.
-    let frame = Seconds(params.trims.delay_s + params.trims.frame_period_s);
-    let mut width = node.inlet(&topics::BEAD_WIDTH, frame)?;
+    let mut width = node.inlet(&topics::BEAD_WIDTH, params.frame_age_limit())?;
     let mut predictions = node.inlet(&topics::ADVANCE_PREDICTION, Seconds(params.advance.age_limit_s))?;
     let commands = node.publish_on(&topics::CONTROL_COMMAND)?;
     let mut ticks = node.timer(Seconds(params.period_s));

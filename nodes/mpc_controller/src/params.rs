@@ -2,6 +2,7 @@
 
 use crate::qp::Move;
 use models::params::{ParamError, in_range, ordered, positive};
+use models::units::Seconds;
 use serde::Deserialize;
 
 /// What is corrected.
@@ -29,6 +30,12 @@ impl std::ops::Deref for Params {
 }
 
 impl Params {
+    /// A frame older than the time to its effect and the period of frames has a newer one on its way.
+    #[must_use]
+    pub fn frame_age_limit(&self) -> Seconds {
+        Seconds(self.trims.delay_s + self.trims.frame_period_s)
+    }
+
     /// The same parameters with another source of the pressure advance.
     #[must_use]
     pub fn with_advance(self, source: AdvanceSource) -> Self {

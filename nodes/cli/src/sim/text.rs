@@ -44,10 +44,26 @@ pub fn table(groups: &[Group]) -> String {
     }
     for group in groups {
         _ = writeln!(text, "{:<9} NIS {}", group.control, nis(&group.runs));
+        advance(&mut text, group);
         seen(&mut text, group);
         noticed(&mut text, group);
     }
     text
+}
+
+/// Pressure advance and what it is for.
+fn advance(text: &mut String, group: &Group) {
+    let Some(run) = group.runs.first() else { return };
+    let mean = |name: &str| group.mean.get(name).copied();
+    let buffer = run.buffer.map_or_else(|| "the printer's".to_owned(), |moves| format!("{moves} moves"));
+    _ = writeln!(
+        text,
+        "{:<9} advance {}, look-ahead {buffer}: width RMS at corners {}, print time {}",
+        group.control,
+        run.advance,
+        mean("corner_width_rms_rel").map_or_else(|| "-".to_owned(), |rms| format!("{:.2} %", 1e2 * rms)),
+        mean("print_time_s").map_or_else(|| "-".to_owned(), |time_s| format!("{time_s:.1} s")),
+    );
 }
 
 /// Mean NIS by channel over the runs.

@@ -1,9 +1,9 @@
 //! Learns how far the foretold `K_A` is off, from the widths of roads whose speed has just changed.
 //!
 //! With `K y' + y = v + K_A v'` and `u` the same feed behind the lag alone, the width error is
-//! `e = r_w (K_A - K)/K (1 - u/v)`. With `K = rho K_0`, `K_A = kappa K_0`, `K_0` foretold and `h = r_w (1 - u/v)`, near
-//! `rho = 1` that is `kappa h - e = rho h`: a line through widths, whose slope is `rho`. A constant part of `e` (diameter,
-//! slip) is no lag: slopes are taken about the means. The prior is `rho = 1`.
+//! `e = r_w (K_A - K)/K (1 - u/v)`. With `K = rho K_0`, `K_A = kappa K_0`, `K_0` foretold, and `h = r_w (1 - u/v)` behind
+//! the lag that is believed now, `f K_0`, that is `kappa h - f e = rho h` near `f = rho`: a line through widths, whose slope
+//! is `rho`. A constant part of `e` (diameter, slip) is no lag: slopes are taken about the means. The prior is `rho = 1`.
 
 use crate::params::RawLearning;
 use models::bead::ROUND_SIDES;
@@ -26,6 +26,8 @@ struct Moment {
     lever: f64,
     /// `kappa`: advance in force over the foretold one `[-]`.
     share: f64,
+    /// `f`: factor that was believed `[-]`.
+    factor: f64,
 }
 
 /// Weighted sums over frames.
@@ -85,7 +87,8 @@ impl Learning {
             self.since_s = None;
             return;
         }
-        let lag = LinearLag { lag_s: foretold_s };
+        let factor = self.factor();
+        let lag = LinearLag { lag_s: factor * foretold_s };
         self.outlet_m_s = lag.step_ramp(self.outlet_m_s, (before_m_s, feed_m_s), Seconds(dt_s));
         let (Some(target_width_m), Some(height_m), true) =
             (status.target_width_m, status.layer_height_m, status.depositing && feed_m_s > 0.0)
@@ -104,6 +107,7 @@ impl Learning {
             target_width_m,
             lever: (1.0 - self.outlet_m_s / feed_m_s) * (1.0 - sides),
             share: status.advance_s / foretold_s,
+            factor,
         });
     }
 
@@ -120,7 +124,7 @@ impl Learning {
         }
         let error =
             (width_m / moment.target_width_m - 1.0).clamp(-self.settings.error_max, self.settings.error_max);
-        let answer = moment.share * moment.lever - error;
+        let answer = moment.share * moment.lever - moment.factor * error;
         let kept = 1.0 - 1.0 / self.settings.frames;
         let sums = &mut self.sums;
         sums.weight = kept * sums.weight + 1.0;
