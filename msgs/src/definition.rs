@@ -67,6 +67,8 @@ pub trait RosService: 'static {
     const NAME: &'static str;
     /// Text of the `.srv` file.
     const TEXT: &'static str;
+    /// Definitions of the types of its fields.
+    const DEPENDENCIES: &'static [&'static Definition] = &[];
 }
 
 #[cfg(test)]

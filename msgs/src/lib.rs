@@ -11,6 +11,8 @@ mod advance;
 mod control;
 mod definition;
 mod estimate;
+mod parameter_services;
+mod parameters;
 mod printer;
 mod quality;
 mod safety;
@@ -24,6 +26,17 @@ pub use advance::AdvancePrediction;
 pub use control::ControlCommand;
 pub use definition::{Definition, RosService, RosType};
 pub use estimate::StateEstimate;
+pub use parameter_services::{
+    DescribeParameters, DescribeParametersRequest, DescribeParametersResponse, GetParameterTypes,
+    GetParameterTypesRequest, GetParameterTypesResponse, GetParameters, GetParametersRequest,
+    GetParametersResponse, ListParameters, ListParametersRequest, ListParametersResponse, SetParameters,
+    SetParametersAtomically, SetParametersAtomicallyRequest, SetParametersAtomicallyResponse,
+    SetParametersRequest, SetParametersResponse,
+};
+pub use parameters::{
+    FloatingPointRange, IntegerRange, ListParametersResult, Parameter, ParameterDescriptor, ParameterEvent,
+    ParameterValue, SetParametersResult,
+};
 pub use printer::{MotionSegment, PrintInfo, PrinterState};
 pub use quality::{DefectReport, LayerHeight, LayerQuality};
 pub use safety::{Heartbeat, PrintEvent, SafetyState, SetMode, SetModeRequest, SetModeResponse};

@@ -10,9 +10,11 @@ mod tracer;
 use definition::{fields_of, flatten};
 use fdm_loop_msgs::{
     AdvancePrediction, BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport,
-    DiagnosticArray, FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight,
-    LayerQuality, Log, MotionSegment, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState,
-    SetMode, SimTruth, SimWire, StateEstimate, Temperature, TemperatureReport, Trigger,
+    DescribeParameters, DiagnosticArray, FilamentMotion, FilamentReport, GetParameterTypes, GetParameters,
+    Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, ListParameters, Log, MotionSegment,
+    ParameterEvent, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode,
+    SetParameters, SetParametersAtomically, SimTruth, SimWire, StateEstimate, Temperature, TemperatureReport,
+    Trigger,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -55,6 +57,7 @@ fn messages() -> Vec<(String, Fields, Fields)> {
         message::<DiagnosticArray>(),
         message::<Clock>(),
         message::<Log>(),
+        message::<ParameterEvent>(),
     ]
 }
 
@@ -62,7 +65,7 @@ fn messages() -> Vec<(String, Fields, Fields)> {
 fn service<S: RosService>() -> (&'static str, [(Fields, Fields); 2]) {
     let (request, response) = S::TEXT.split_once("---\n").expect("a service has two parts");
     let flat = |text: &str| {
-        let fields = definition::flatten_alone(text);
+        let fields = definition::flatten_part(text, S::DEPENDENCIES);
         // An empty structure is one byte on the wire.
         let byte = || vec![("structure_needs_at_least_one_member".to_owned(), "u8".to_owned())];
         if fields.is_empty() { byte() } else { fields }
@@ -79,7 +82,18 @@ fn every_struct_has_the_fields_of_its_definition_in_order() {
 
 #[test]
 fn every_service_has_the_fields_of_its_definition_in_order() {
-    for (name, parts) in [service::<InjectFault>(), service::<SetMode>(), service::<Trigger>()] {
+    let services = [
+        service::<InjectFault>(),
+        service::<SetMode>(),
+        service::<Trigger>(),
+        service::<ListParameters>(),
+        service::<GetParameters>(),
+        service::<GetParameterTypes>(),
+        service::<DescribeParameters>(),
+        service::<SetParameters>(),
+        service::<SetParametersAtomically>(),
+    ];
+    for (name, parts) in services {
         for (defined, traced) in parts {
             assert_eq!(traced, defined, "{name}");
         }

@@ -10,6 +10,8 @@
 
 #[path = "refusals/fleet.rs"]
 mod fleet;
+#[path = "refusals/parameters.rs"]
+mod parameters;
 #[path = "refusals/permits.rs"]
 mod permits;
 #[path = "refusals/shown.rs"]
@@ -54,6 +56,7 @@ fn every_bad_message_is_refused_counted_and_shown() {
         for kind in Kind::BAD {
             peer.bad_messages_are_counted(kind, &pairs).await;
         }
+        parameters::are_told_and_refused(&mut peer.node).await;
         peer.the_controllers_last_word_is_neutral(&mut fleet).await;
         fleet.end();
         drop(peer);
@@ -63,7 +66,7 @@ fn every_bad_message_is_refused_counted_and_shown() {
 
 /// A node that publishes on every topic and reads what the others show.
 struct Peer {
-    _node: Node,
+    node: Node,
     clock: runtime::Clock,
     entries: Vec<Entry>,
     reports: Subscription<fdm_loop_msgs::DiagnosticArray>,
@@ -82,7 +85,7 @@ impl Peer {
             commands: node.subscribe(&topics::CONTROL_COMMAND).unwrap(),
             ticks: node.timer(Seconds(0.05)),
             shown: Shown::default(),
-            _node: node,
+            node,
         }
     }
 

@@ -1,6 +1,6 @@
 //! A node: name, parameters, clock, endpoints, diagnostics, heartbeat, self loop.
 //!
-//! Lifecycle (five services, `transition_event`, gated publishers) and the six parameter services are not here yet;
+//! Lifecycle (five services, `transition_event`, gated publishers) is not here yet;
 //! they will be started by [`Node::start`] beside the heartbeat.
 
 mod endpoints;
@@ -12,7 +12,9 @@ use crate::environment::{Environment, Services};
 use crate::error::RuntimeError;
 use crate::heartbeat::{self, Heart, Work};
 use crate::names::Names;
-use crate::params::{NodePath, Parameters};
+use crate::params::services::ParameterServices;
+use crate::params::store::{Checked, Store};
+use crate::params::{NodePath, ParamFileError, Parameters};
 use crate::participants::Participants;
 use crate::self_loop::SelfLoop;
 use crate::shutdown::{self, Shutdown, ShutdownSender};
@@ -45,6 +47,7 @@ pub struct Node {
     shutdown_sender: ShutdownSender,
     refused: Arc<AtomicBool>,
     clock_task: Option<AbortHandle>,
+    check: Checked,
 }
 
 impl std::fmt::Debug for Node {
@@ -115,6 +118,7 @@ impl Node {
             shutdown_sender,
             refused: Arc::default(),
             clock_task: None,
+            check: Checked::default(),
         };
         node.start_background()?;
         Ok(node)
@@ -149,6 +153,9 @@ impl Node {
             self_loop: self.self_loop.age(),
         };
         self.tasks.spawn(heartbeat::beat(heart, publisher));
+        let services = ParameterServices::open(self)?;
+        let store = Store::new(self.parameters.clone(), self.check.clone());
+        self.tasks.spawn(services.serve(store, self.clock.clone(), self.names.qualified()));
         Ok(())
     }
 
@@ -156,11 +163,20 @@ impl Node {
     ///
     /// # Errors
     /// [`RuntimeError::Parameters`] with file, line, field, value and range.
-    pub fn parameters<T: DeserializeOwned>(&self) -> Result<T, RuntimeError> {
+    pub fn parameters<T: DeserializeOwned + 'static>(&self) -> Result<T, RuntimeError> {
+        self.check_parameters(|parameters| parameters.parse::<T>().map(drop));
         self.parameters.parse().map_err(|error| {
             self.refused.store(true, Ordering::Relaxed);
             RuntimeError::Parameters(error)
         })
+    }
+
+    /// How the node parses its parameters, where it does so by itself: what somebody asks to set is checked by it.
+    pub fn check_parameters(
+        &self,
+        check: impl Fn(&Parameters) -> Result<(), ParamFileError> + Send + 'static,
+    ) {
+        self.check.tell(check);
     }
 
     /// Notes refused parameters in `refused` from now on.

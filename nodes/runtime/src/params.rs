@@ -9,11 +9,17 @@
 //! An error is one line: `config/mpc.yaml:12: limits.flow_max = 3 -: must be in [1, 2]`. Unknown keys are refused by
 //! the structs (`deny_unknown_fields`). `use_sim_time` belongs to the runtime and is taken out.
 //!
-//! The six parameter services of ROS 2 and changes at run time are not here yet; they will live in
-//! `params/services.rs` and pass a changed tree through the same `Deserialize`.
+//! What the six parameter services say stands in `params/store.rs`; a value that somebody asks for passes through the
+//! same `Deserialize`. Changes at run time are not here yet: all are read-only.
 
+mod comments;
+pub(crate) mod services;
+pub(crate) mod store;
 mod tree;
+mod values;
 mod yaml;
+
+use comments::Comments;
 
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -21,6 +27,7 @@ use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use tree::{Origin, Tree};
 
 /// Why parameters were refused; one line that says where, what and why.
@@ -66,6 +73,7 @@ pub struct NodePath {
 #[derive(Debug, Clone, Default)]
 pub struct Parameters {
     tree: Tree,
+    comments: Comments,
     use_sim_time: bool,
     last_file: Option<PathBuf>,
 }
@@ -83,12 +91,13 @@ impl Parameters {
         overrides: &[(String, String)],
         node: &NodePath,
     ) -> Result<Self, ParamFileError> {
-        let mut merged = Tree::default();
+        let (mut merged, mut comments) = (Tree::default(), Comments::default());
         for file in files {
             let text = std::fs::read_to_string(file).map_err(|error| ParamFileError::Unreadable {
                 file: file.clone(),
                 reason: error.to_string(),
             })?;
+            comments.read(&Arc::from(file.display().to_string()), &text);
             tree::merge_file(&mut merged, &text, file, node)?;
         }
         for (name, value) in overrides {
@@ -101,7 +110,7 @@ impl Parameters {
                 return Err(refused(&origin, USE_SIM_TIME, &other.to_json(), "a boolean"));
             }
         };
-        Ok(Self { tree: merged, use_sim_time, last_file: files.last().cloned() })
+        Ok(Self { tree: merged, comments, use_sim_time, last_file: files.last().cloned() })
     }
 
     /// Whether the node's time comes from `/clock`.
@@ -134,11 +143,7 @@ impl Parameters {
     /// # Errors
     /// As [`Parameters::parse`]; a block that is not there is named.
     pub fn block<T: DeserializeOwned>(&self, name: &str) -> Result<T, ParamFileError> {
-        let mut alone = Self {
-            tree: Tree::default(),
-            use_sim_time: self.use_sim_time,
-            last_file: self.last_file.clone(),
-        };
+        let mut alone = Self { tree: Tree::default(), ..self.clone() };
         if let Some((tree, origin)) = self.tree.clone().take(name) {
             alone.tree = Tree::Block(vec![(name.to_owned(), tree, origin)]);
         }

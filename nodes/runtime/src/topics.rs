@@ -5,9 +5,11 @@
 use crate::qos::{self, Qos};
 use fdm_loop_msgs::{
     AdvancePrediction, BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport,
-    Definition, DiagnosticArray, FilamentMotion, FilamentReport, Heartbeat, Imu, ImuBatch, InjectFault,
-    LayerHeight, LayerQuality, Log, MotionSegment, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState,
-    SetMode, SimTruth, SimWire, StateEstimate, Temperature, TemperatureReport, Trigger,
+    Definition, DescribeParameters, DiagnosticArray, FilamentMotion, FilamentReport, GetParameterTypes,
+    GetParameters, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, ListParameters, Log,
+    MotionSegment, ParameterEvent, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode,
+    SetParameters, SetParametersAtomically, SimTruth, SimWire, StateEstimate, Temperature, TemperatureReport,
+    Trigger,
 };
 use models::units::Seconds;
 use std::marker::PhantomData;
@@ -140,6 +142,8 @@ pub const SIM_WIRE: Topic<SimWire> = Topic::new("sim/truth/wire", qos::SENSOR);
 pub const CLOCK: Topic<Clock> = Topic::new("/clock", qos::CLOCK);
 /// Status of all nodes.
 pub const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::new("/diagnostics", qos::STANDARD);
+/// Parameters of all nodes, as they come and change.
+pub const PARAMETER_EVENTS: Topic<ParameterEvent> = Topic::new("/parameter_events", qos::RELIABLE);
 /// Log lines of all nodes.
 pub const ROSOUT: Topic<Log> = Topic::new("/rosout", qos::ROSOUT);
 
@@ -181,6 +185,7 @@ pub const ALL: &[TopicInfo] = &[
     SIM_WIRE.info(),
     CLOCK.info(),
     DIAGNOSTICS.info(),
+    PARAMETER_EVENTS.info(),
     ROSOUT.info(),
 ];
 
@@ -198,6 +203,19 @@ pub const SAFETY_ACKNOWLEDGE: Service<Trigger> = Service::new("safety/acknowledg
 pub const SAFETY_SET_MODE: Service<SetMode> = Service::new("safety/set_mode");
 /// Approve the waiting correction in the mode advise.
 pub const CONTROL_APPROVE: Service<Trigger> = Service::new("control/approve");
+/// Names of a node's parameters.
+pub const LIST_PARAMETERS: Service<ListParameters> = Service::new("~/list_parameters");
+/// Values of a node's parameters.
+pub const GET_PARAMETERS: Service<GetParameters> = Service::new("~/get_parameters");
+/// Types of a node's parameters.
+pub const GET_PARAMETER_TYPES: Service<GetParameterTypes> = Service::new("~/get_parameter_types");
+/// Unit, range and source of a node's parameters.
+pub const DESCRIBE_PARAMETERS: Service<DescribeParameters> = Service::new("~/describe_parameters");
+/// Sets parameters one by one.
+pub const SET_PARAMETERS: Service<SetParameters> = Service::new("~/set_parameters");
+/// Sets all parameters or none.
+pub const SET_PARAMETERS_ATOMICALLY: Service<SetParametersAtomically> =
+    Service::new("~/set_parameters_atomically");
 /// Inject a fault into the simulated printer.
 pub const INJECT_FAULT: Service<InjectFault> = Service::new("printer_sim/inject_fault");
 

@@ -43,6 +43,8 @@ pub(crate) fn flatten(text: &str, definition: &Definition) -> Vec<(String, Strin
     let mut flat = Vec::new();
     for field in fields_of(text) {
         let (element, suffix) = match field.type_name.split_once('[') {
+            // A bound is no length: on the wire it is a sequence like any other.
+            Some((element, length)) if length.starts_with("<=") => (element, "[]".to_owned()),
             Some((element, length)) => (element, format!("[{length}")),
             None => (field.type_name, String::new()),
         };
@@ -62,7 +64,10 @@ pub(crate) fn flatten(text: &str, definition: &Definition) -> Vec<(String, Strin
     flat
 }
 
-/// Fields of a part of a service, which has primitives only.
-pub(crate) fn flatten_alone(text: &str) -> Vec<(String, String)> {
-    flatten(text, &Definition { package: "", name: "service", text: "", dependencies: &[] })
+/// Fields of a part of a service.
+pub(crate) fn flatten_part(
+    text: &str,
+    dependencies: &'static [&'static Definition],
+) -> Vec<(String, String)> {
+    flatten(text, &Definition { package: "", name: "service", text: "", dependencies })
 }

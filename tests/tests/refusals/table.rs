@@ -1,8 +1,8 @@
 //! One entry per topic: a sound message, and what makes it a bad one.
 
 use fdm_loop_msgs::{
-    BeadWidth, CompressedImage, ControlCommand, DefectReport, FilamentMotion, FilamentReport, Header,
-    ImuBatch, PrinterState, RosType, StateEstimate, Temperature, TemperatureReport,
+    AdvancePrediction, BeadWidth, CompressedImage, ControlCommand, DefectReport, FilamentMotion,
+    FilamentReport, Header, ImuBatch, PrinterState, RosType, StateEstimate, Temperature, TemperatureReport,
 };
 use runtime::topics::{self, Topic};
 use runtime::{Node, wire};
@@ -217,7 +217,14 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         set: |message: &mut StateEstimate, value| message.x[1] = value,
         out_of_range: -1.0,
     };
+    let prediction = Sample {
+        sound: AdvancePrediction { advance_known: true, advance_s: 0.5, ..AdvancePrediction::default() },
+        header: |message: &mut AdvancePrediction| &mut message.header,
+        set: |message: &mut AdvancePrediction, value| message.advance_s = value,
+        out_of_range: 100.0,
+    };
     vec![
+        entry(node, &topics::ADVANCE_PREDICTION, prediction),
         entry(node, &topics::TEMPERATURE_REPORT, report),
         entry(node, &topics::FILAMENT_REPORT, counts),
         entry(node, &topics::HOTEND_TEMPERATURE, temperature()),

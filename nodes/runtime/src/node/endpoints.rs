@@ -103,6 +103,24 @@ impl Node {
         S: RosService<Request: Clone>,
     {
         let name = self.names.resolve(service.name());
+        self.client_named(name)
+    }
+
+    /// Prepares calls of a private service (`~/...`) of another node, given with its namespace.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
+    pub fn client_of<S>(&mut self, node: &str, service: &Service<S>) -> Result<Client<S>, RuntimeError>
+    where
+        S: RosService<Request: Clone>,
+    {
+        self.client_named(format!("{node}/{}", service.name().trim_start_matches("~/")))
+    }
+
+    fn client_named<S>(&mut self, name: String) -> Result<Client<S>, RuntimeError>
+    where
+        S: RosService<Request: Clone>,
+    {
         let ros_name = self.names.check(&name)?;
         let profile = qos::SERVICE.profile();
         let client = self.ros.create_client(

@@ -14,6 +14,8 @@ pub(super) enum Origin {
     File(Arc<str>, u64),
     /// The option `-p name:=value`.
     Override(String),
+    /// A request while the node runs.
+    Request,
 }
 
 impl fmt::Display for Origin {
@@ -21,6 +23,7 @@ impl fmt::Display for Origin {
         match self {
             Self::File(file, line) => write!(f, "{file}:{line}"),
             Self::Override(name) => write!(f, "-p {name}"),
+            Self::Request => f.write_str("as asked"),
         }
     }
 }
@@ -105,6 +108,16 @@ impl Tree {
         lines
     }
 
+    /// Dotted names of all values.
+    pub(super) fn leaves(&self) -> Vec<String> {
+        let Self::Block(entries) = self else { return Vec::new() };
+        let below = |(key, tree, _): &(String, Self, Origin)| match tree {
+            Self::Block(_) => tree.leaves().iter().map(|name| join(key, name)).collect(),
+            Self::Leaf(_) | Self::NotFinite => vec![key.clone()],
+        };
+        entries.iter().flat_map(below).collect()
+    }
+
     fn collect_lines(&self, path: &str, lines: &mut Vec<String>) {
         match self {
             Self::Block(entries) => {
@@ -117,7 +130,7 @@ impl Tree {
     }
 
     /// Sets a dotted path: blocks are merged, values replaced.
-    fn set(&mut self, path: &str, value: Self, origin: Origin) {
+    pub(super) fn set(&mut self, path: &str, value: Self, origin: Origin) {
         let (first, rest) = path.split_once('.').map_or((path, None), |(first, rest)| (first, Some(rest)));
         if !matches!(self, Self::Block(_)) {
             *self = Self::default();

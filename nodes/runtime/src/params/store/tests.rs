@@ -1,0 +1,129 @@
+//! What the services say of a file.
+
+use super::super::{NodePath, Parameters};
+use super::*;
+use models::params::in_range;
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Params {
+    rate_hz: f64,
+    limits: Limits,
+    names: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(try_from = "RawLimits")]
+struct Limits(f64);
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawLimits {
+    flow_min: f64,
+    flow_max: f64,
+    samples: u32,
+}
+
+impl TryFrom<RawLimits> for Limits {
+    type Error = models::params::ParamError;
+
+    fn try_from(raw: RawLimits) -> Result<Self, Self::Error> {
+        models::params::ordered(("flow_min", raw.flow_min), ("flow_max", raw.flow_max))?;
+        in_range("samples", f64::from(raw.samples), "-", (1.0, 20.0))?;
+        in_range("flow_max", raw.flow_max, "-", (1.0, 2.0)).map(Self)
+    }
+}
+
+const FILE: &str = "/**:\n  ros__parameters:\n    rate_hz: 4\n    limits:\n      flow_min: 0.8  # [-] in [0, 1]; book\n      \
+                    flow_max: 1.2  # [-] in [1, 2]; book\n      samples: 3  # [-] in [1, 20]\n    names: [a, b]\n";
+
+fn store() -> Store {
+    static COUNT: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0);
+    let count = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    let file = std::env::temp_dir().join(format!("runtime_store_{}_{count}.yaml", std::process::id()));
+    std::fs::write(&file, FILE).unwrap();
+    let node = NodePath { qualified: "/printer/mpc".into(), base: "mpc".into() };
+    let parameters = Parameters::read(std::slice::from_ref(&file), &[], &node).unwrap();
+    std::fs::remove_file(file).unwrap();
+    let check = Checked::default();
+    check.tell(|parameters| {
+        parameters.parse::<Params>().map(|params| _ = (params.rate_hz, params.limits.0, params.names))
+    });
+    Store::new(parameters, check)
+}
+
+fn names(of: &[&str]) -> Vec<String> {
+    of.iter().map(|name| (*name).to_owned()).collect()
+}
+
+fn wanted(name: &str, value: Value) -> Parameter {
+    Parameter { name: name.to_owned(), value: to_ros(&value) }
+}
+
+fn reason(wanted: &[Parameter]) -> String {
+    let result = store().set(wanted);
+    assert!(!result.successful);
+    result.reason
+}
+
+#[test]
+fn names_are_listed_below_a_prefix_and_down_to_a_depth() {
+    let all = store().list(&[], 0);
+    let limits = ["limits.flow_max", "limits.flow_min", "limits.samples"];
+    assert_eq!(all.names, [limits.as_slice(), &["names", "rate_hz", "use_sim_time"]].concat());
+    assert_eq!(all.prefixes, ["limits"]);
+    assert_eq!(store().list(&names(&["limits"]), 0).names, limits);
+    assert_eq!(store().list(&[], 1).names, ["names", "rate_hz", "use_sim_time"]);
+    assert_eq!(store().list(&names(&["limit", "rate_hz"]), 0).names, ["rate_hz"]);
+}
+
+#[test]
+fn values_come_in_the_order_asked_and_unset_where_there_is_none() {
+    let values = store().get(&names(&["names", "limits.flow_max", "nothing", "limits", "use_sim_time"]));
+    let kinds: Vec<u8> = values.iter().map(|value| value.kind).collect();
+    assert_eq!(kinds, [9, 3, 0, 0, 1]);
+    assert_eq!(
+        (values[0].string_array_value.as_slice(), values[1].double_value),
+        (names(&["a", "b"]).as_slice(), 1.2)
+    );
+}
+
+#[test]
+fn the_comment_is_the_description_and_its_range_the_range() {
+    let said = store().describe(&names(&["limits.flow_max", "limits.samples", "rate_hz", "nothing"]));
+    assert_eq!(said[0].description, "[-] in [1, 2]; book");
+    assert_eq!(
+        (said[0].floating_point_range[0].from_value, said[0].floating_point_range[0].to_value),
+        (1.0, 2.0)
+    );
+    assert_eq!((said[1].integer_range[0].from_value, said[1].integer_range[0].to_value), (1, 20));
+    assert!(said[2].floating_point_range.is_empty() && said[2].integer_range.is_empty());
+    assert!(said.iter().take(3).all(|descriptor| descriptor.read_only));
+    assert_eq!((said[3].kind, said[3].description.as_str()), (0, "there is no such parameter"));
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_range_and_what_is_right_with_its_place() {
+    let far = reason(&[wanted("limits.flow_max", Value::from(3.0))]);
+    assert_eq!(far, "as asked: limits.flow_max = 3 -: must be in [1, 2]");
+    assert_eq!(
+        reason(&[wanted("limits.flow_max", Value::from("much"))]),
+        "limits.flow_max: is a double, and \"much\" is a string"
+    );
+    assert_eq!(reason(&[wanted("flow", Value::from(1.0))]), "flow: there is no such parameter");
+    assert_eq!(reason(&[wanted("rate_hz", Value::Null)]), "rate_hz: must be set, and finite");
+    let right = reason(&[wanted("limits.flow_max", Value::from(1.5))]);
+    assert!(
+        right.starts_with("limits.flow_max: read-only while the node runs: change ")
+            && right.contains(".yaml:6 ")
+    );
+}
+
+/// Each alone is sound; together the lower bound lies above the upper one.
+#[test]
+fn what_is_set_together_is_checked_together() {
+    let text =
+        reason(&[wanted("limits.flow_max", Value::from(1.0)), wanted("limits.flow_min", Value::from(1.0))]);
+    assert!(text.contains("flow_min") && !text.contains("read-only"), "{text}");
+}
