@@ -6,6 +6,7 @@ use models::params::{ParamError, in_range};
 use models::units::Seconds;
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
+use std::convert::Infallible;
 
 /// A pattern. Built only from a valid [`RawPattern`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -45,6 +46,12 @@ impl TryFrom<RawPattern> for Pattern {
 }
 
 impl Pattern {
+    /// Standard deviation of a measured width `[m]`.
+    #[must_use]
+    pub fn width_sigma_m(&self) -> f64 {
+        self.0.width_sigma_m
+    }
+
     /// Step of the simulated printer.
     #[must_use]
     pub fn step(&self) -> Seconds {
@@ -82,47 +89,68 @@ pub enum NoBest {
 pub fn calibrate(
     printer: &VirtualLine,
     pattern: &Pattern,
-    (start_s, width_m): (f64, f64),
+    start: (f64, f64),
     chance: &mut Stream,
 ) -> Result<Calibrated, NoBest> {
-    let mut centre_s = start_s;
-    for _ in 0..pattern.0.patterns_max {
-        let reach_s = pattern.0.reach * centre_s;
-        let lines = print(printer, &pattern.0, (centre_s, width_m), chance);
-        match valley(&lines, centre_s, pattern.0.width_sigma_m / width_m)? {
-            Valley::Here { offset_s, half_width_s } if offset_s.abs() <= reach_s => {
-                return Ok(Calibrated { advance_s: centre_s + offset_s, half_width_s, lines });
-            }
-            Valley::Here { offset_s, .. } => centre_s += offset_s.clamp(-reach_s, reach_s),
-            Valley::Below => centre_s -= reach_s,
-            Valley::Above => centre_s += reach_s,
-        }
+    let noise = pattern.0.width_sigma_m / start.1;
+    let mut line = |advance_s: f64| -> Result<f64, Infallible> {
+        Ok(mean_square(printer, pattern.0.spacing_m, (advance_s, noise), chance))
+    };
+    match calibrate_by(&mut line, pattern, start) {
+        Ok(found) => found,
+        Err(never) => match never {},
     }
-    Err(NoBest::Outside)
 }
 
-fn print(
-    printer: &VirtualLine,
-    pattern: &RawPattern,
-    (centre_s, width_m): (f64, f64),
-    chance: &mut Stream,
-) -> Vec<[f64; 2]> {
-    let noise = pattern.width_sigma_m / width_m;
-    let mut line = |index: u32| {
-        let place = 2.0 * f64::from(index) / f64::from(pattern.lines - 1) - 1.0;
-        let advance_s = centre_s * (1.0 + pattern.reach * place);
-        let (mut way_m, mut due_m, mut squares, mut count) = (0.0, 0.0, 0.0, 0.0);
-        printer.print(advance_s, |_, wanted_m_s, laid_m_s, dt| {
-            way_m += wanted_m_s * dt.0 / printer.per_way();
-            if way_m >= due_m {
-                due_m += pattern.spacing_m;
-                squares += (laid_m_s / wanted_m_s - 1.0 + noise * chance.normal()).powi(2);
-                count += 1.0;
+/// The same with lines from anywhere: `line` prints one with a K `[s]` and gives the mean square of its relative error.
+///
+/// # Errors
+/// What `line` cannot print; inside, [`NoBest`] where no pattern brackets the best one.
+pub fn calibrate_by<E>(
+    line: &mut dyn FnMut(f64) -> Result<f64, E>,
+    pattern: &Pattern,
+    (start_s, width_m): (f64, f64),
+) -> Result<Result<Calibrated, NoBest>, E> {
+    let RawPattern { lines: count, reach, width_sigma_m, patterns_max, .. } = pattern.0;
+    let mut centre_s = start_s;
+    for _ in 0..patterns_max {
+        let reach_s = reach * centre_s;
+        let mut lines = Vec::new();
+        for index in 0..count {
+            let place = 2.0 * f64::from(index) / f64::from(count - 1) - 1.0;
+            let advance_s = centre_s * (1.0 + reach * place);
+            lines.push([advance_s, line(advance_s)?]);
+        }
+        match valley(&lines, centre_s, width_sigma_m / width_m) {
+            Ok(Valley::Here { offset_s, half_width_s }) if offset_s.abs() <= reach_s => {
+                return Ok(Ok(Calibrated { advance_s: centre_s + offset_s, half_width_s, lines }));
             }
-        });
-        [advance_s, squares / count]
-    };
-    (0..pattern.lines).map(&mut line).collect()
+            Ok(Valley::Here { offset_s, .. }) => centre_s += offset_s.clamp(-reach_s, reach_s),
+            Ok(Valley::Below) => centre_s -= reach_s,
+            Ok(Valley::Above) => centre_s += reach_s,
+            Err(nothing) => return Ok(Err(nothing)),
+        }
+    }
+    Ok(Err(NoBest::Outside))
+}
+
+/// Mean square of the relative errors of a virtual line, measured every `spacing_m`.
+fn mean_square(
+    printer: &VirtualLine,
+    spacing_m: f64,
+    (advance_s, noise): (f64, f64),
+    chance: &mut Stream,
+) -> f64 {
+    let (mut way_m, mut due_m, mut squares, mut count) = (0.0, 0.0, 0.0, 0.0);
+    printer.print(advance_s, |_, wanted_m_s, laid_m_s, dt| {
+        way_m += wanted_m_s * dt.0 / printer.per_way();
+        if way_m >= due_m {
+            due_m += spacing_m;
+            squares += (laid_m_s / wanted_m_s - 1.0 + noise * chance.normal()).powi(2);
+            count += 1.0;
+        }
+    });
+    squares / count
 }
 
 /// Where the mean squares are least.

@@ -4,6 +4,7 @@ pub mod calibrate;
 pub mod data;
 pub mod export;
 mod measured;
+mod plant_line;
 pub mod predict;
 pub mod train;
 mod turns;
