@@ -12,6 +12,8 @@ use models::status::PrinterStatus;
 use models::units::Seconds;
 use std::collections::VecDeque;
 
+/// A smaller relative change from status to status is none.
+const CALM: f64 = 0.01;
 /// Statuses kept to meet a frame: 1.6 s at 50 Hz.
 const STATUSES: usize = 80;
 
@@ -21,6 +23,8 @@ struct Moment {
     stamp_s: f64,
     /// Since when a road has been laid without a break `[s]`.
     since_s: f64,
+    /// Since when the feed has been constant `[s]`.
+    calm_since_s: f64,
     target_width_m: f64,
     /// `h`: what a relative error of `K_A` does to the relative width `[-]`.
     lever: f64,
@@ -47,6 +51,7 @@ pub(crate) struct Learning {
     outlet_m_s: f64,
     before: Option<(f64, f64)>,
     since_s: Option<f64>,
+    calm_since_s: f64,
     moments: VecDeque<Moment>,
     sums: Sums,
 }
@@ -58,6 +63,7 @@ impl Learning {
             outlet_m_s: 0.0,
             before: None,
             since_s: None,
+            calm_since_s: f64::NEG_INFINITY,
             moments: VecDeque::with_capacity(STATUSES),
             sums: Sums::default(),
         }
@@ -82,6 +88,9 @@ impl Learning {
         let feed_m_s = (status.planned_feed_m_s * status.trims.flow * status.trims.speed).max(0.0);
         let (before_s, before_m_s) = self.before.replace((stamp_s, feed_m_s)).unwrap_or((stamp_s, feed_m_s));
         let dt_s = stamp_s - before_s;
+        if (feed_m_s - before_m_s).abs() > CALM * feed_m_s.max(before_m_s) {
+            self.calm_since_s = stamp_s;
+        }
         if !(foretold_s > 0.0 && (0.0..=foretold_s).contains(&dt_s)) {
             self.outlet_m_s = feed_m_s;
             self.since_s = None;
@@ -104,6 +113,7 @@ impl Learning {
         self.moments.push_back(Moment {
             stamp_s,
             since_s,
+            calm_since_s: self.calm_since_s,
             target_width_m,
             lever: (1.0 - self.outlet_m_s / feed_m_s) * (1.0 - sides),
             share: status.advance_s / foretold_s,
@@ -115,7 +125,9 @@ impl Learning {
     pub(crate) fn on_width(&mut self, exposed_s: f64, width_m: f64) {
         let after = self.moments.partition_point(|moment| moment.stamp_s < exposed_s);
         let Some(moment) = self.moments.get(after).copied() else { return };
-        let settled = moment.stamp_s - moment.since_s >= self.settings.settle_s;
+        // In a ramp the drive's smoothing and the nozzle's flat show, which are no lag of the melt.
+        let settled = moment.stamp_s - moment.since_s >= self.settings.settle_s
+            && moment.stamp_s - moment.calm_since_s >= self.settings.calm_s;
         if moment.stamp_s - exposed_s > self.settings.pairing_s
             || !settled
             || moment.lever.abs() > self.settings.lever_max

@@ -53,6 +53,8 @@ pub struct RawLearning {
     pub frames: f64,
     /// Wait after the start of a road `[s]`.
     pub settle_s: f64,
+    /// Wait after the end of a ramp `[s]`.
+    pub calm_s: f64,
     /// Status and frame further apart are no pair `[s]`.
     pub pairing_s: f64,
     /// Larger levers are left out: next to rest the lag is not linear `[-]`.
@@ -76,6 +78,7 @@ impl RawAdvance {
         in_range("advance.learning.width_noise", learning.width_noise, "-", (0.001, 1.0))?;
         in_range("advance.learning.frames", learning.frames, "-", (2.0, 1e5))?;
         in_range("advance.learning.settle_s", learning.settle_s, "s", (0.0, 10.0))?;
+        in_range("advance.learning.calm_s", learning.calm_s, "s", (0.0, 10.0))?;
         in_range("advance.learning.pairing_s", learning.pairing_s, "s", (1e-3, 1.0))?;
         in_range("advance.learning.lever_max", learning.lever_max, "-", (0.01, 10.0))?;
         in_range("advance.learning.error_max", learning.error_max, "-", (0.01, 10.0))?;

@@ -62,3 +62,16 @@ fn it_stays_within_its_reach_and_can_be_switched_off() {
     let off = learnt(0.0, 2.0 * FORETOLD_S, (0.0, 400.0));
     assert!((off - 1.0).abs() < 1e-12);
 }
+
+/// In a ramp the width lags behind for reasons that no advance mends: such frames are not learnt from.
+#[test]
+fn frames_in_a_ramp_are_left_out() {
+    let mut learning = Learning::new(RawLearning { reach: 0.25, ..LEARNING });
+    for step in 0..2000_u32 {
+        let at_s = 0.02 * f64::from(step);
+        // 2 % more with every status, from anew each second.
+        learning.on_status(&status(at_s, 1e-3 * 1.02_f64.powf(f64::from(step % 50))), FORETOLD_S);
+        learning.on_width(at_s, 0.8 * TARGET_M);
+    }
+    assert!((learning.factor() - 1.0).abs() < 1e-12, "{}", learning.factor());
+}
