@@ -94,6 +94,9 @@ impl Setup {
     fn read(node: &Node) -> Result<Self, NodeError> {
         let parameters = node.raw_parameters();
         let params: Params = parameters.without(&["advance_physics"]).parse()?;
+        node.check_parameters(|parameters| {
+            parameters.without(&["advance_physics"]).parse::<Params>().map(drop)
+        });
         let physics: Physics = parameters.block("advance_physics")?;
         let ensemble = network(params.models.of(params.drive), Ensemble::parse)?;
         let network = network(&params.models.turn, TurnNetwork::parse)?;

@@ -107,6 +107,7 @@ impl Setup {
     fn read(node: &Node) -> Result<Self, NodeError> {
         let parameters = node.raw_parameters();
         let params: Params = parameters.without(&SHARED).parse()?;
+        node.check_parameters(|parameters| parameters.without(&SHARED).parse::<Params>().map(drop));
         let models = Models {
             network: Network::parse(&read(&params.models.network)?)?,
             edge: EdgeModel::parse(&read(&params.models.edge)?)?,

@@ -5,7 +5,7 @@ use models::material::Material;
 use models::printer::Printer;
 use models::units::Seconds;
 use runtime::wire::command_to_wire;
-use runtime::{Diagnostics, Node, ParamFileError, Reason, Refused, RuntimeError, topics};
+use runtime::{Diagnostics, Node, ParamFileError, Parameters, Reason, Refused, RuntimeError, topics};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
@@ -110,12 +110,17 @@ struct Setup {
 
 impl Setup {
     fn read(node: &Node) -> Result<Self, RuntimeError> {
-        let parameters = node.raw_parameters();
+        let session = node.session();
+        node.check_parameters(move |parameters| Self::of(parameters, session).map(drop));
+        Ok(Self::of(node.raw_parameters(), session)?)
+    }
+
+    fn of(parameters: &Parameters, session: u64) -> Result<Self, ParamFileError> {
         Ok(Self {
             params: parameters.without(&["printer", "material"]).parse()?,
             printer: parameters.block("printer")?,
             material: parameters.block("material")?,
-            session: node.session(),
+            session,
         })
     }
 

@@ -3,7 +3,7 @@
 use models::material::Material;
 use models::printer::Printer;
 use models::units::Seconds;
-use runtime::{Diagnostics, Node, Reason, Refused, RuntimeError, topics};
+use runtime::{Diagnostics, Node, ParamFileError, Parameters, Reason, Refused, RuntimeError, topics};
 
 use crate::convert;
 use crate::estimator::{Estimate, Estimator};
@@ -68,7 +68,11 @@ struct Setup {
 
 impl Setup {
     fn read(node: &Node) -> Result<Self, RuntimeError> {
-        let parameters = node.raw_parameters();
+        node.check_parameters(|parameters| Self::of(parameters).map(drop));
+        Ok(Self::of(node.raw_parameters())?)
+    }
+
+    fn of(parameters: &Parameters) -> Result<Self, ParamFileError> {
         Ok(Self {
             params: parameters.without(&["printer", "material"]).parse()?,
             printer: parameters.block("printer")?,

@@ -24,6 +24,7 @@ pub(crate) async fn are_told_and_refused(node: &mut Node) {
     let describe = node.client_of(NODE, &topics::DESCRIBE_PARAMETERS).unwrap();
     let set = node.client_of(NODE, &topics::SET_PARAMETERS).unwrap();
     let set_together = node.client_of(NODE, &topics::SET_PARAMETERS_ATOMICALLY).unwrap();
+    let of_estimator = node.client_of("/printer/state_estimator", &topics::SET_PARAMETERS).unwrap();
 
     let asked = ListParametersRequest { prefixes: vec!["modes".to_owned()], depth: 0 };
     let listed = list.call(asked, PATIENCE).await.unwrap().result;
@@ -54,4 +55,10 @@ pub(crate) async fn are_told_and_refused(node: &mut Node) {
     let asked = SetParametersAtomicallyRequest { parameters };
     let together = set_together.call(asked, PATIENCE).await.unwrap().result;
     assert!(!together.successful && together.reason.contains("read-only"), "{together:?}");
+    let asked = SetParametersRequest { parameters: vec![double("spread.alpha", -1.0)] };
+    let results = of_estimator.call(asked, PATIENCE).await.unwrap().results;
+    assert!(
+        results[0].reason.contains("must be in [0.001, 1]"),
+        "a node with shared files checks too: {results:?}"
+    );
 }

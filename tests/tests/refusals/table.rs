@@ -174,6 +174,15 @@ fn printer() -> Sample<PrinterState> {
     }
 }
 
+fn prediction() -> Sample<AdvancePrediction> {
+    Sample {
+        sound: AdvancePrediction { advance_known: true, advance_s: 0.5, ..AdvancePrediction::default() },
+        header: |message| &mut message.header,
+        set: |message, value| message.advance_s = value,
+        out_of_range: 100.0,
+    }
+}
+
 /// Every topic that a node of the control path subscribes.
 pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
     let report = Sample {
@@ -217,14 +226,8 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         set: |message: &mut StateEstimate, value| message.x[1] = value,
         out_of_range: -1.0,
     };
-    let prediction = Sample {
-        sound: AdvancePrediction { advance_known: true, advance_s: 0.5, ..AdvancePrediction::default() },
-        header: |message: &mut AdvancePrediction| &mut message.header,
-        set: |message: &mut AdvancePrediction, value| message.advance_s = value,
-        out_of_range: 100.0,
-    };
     vec![
-        entry(node, &topics::ADVANCE_PREDICTION, prediction),
+        entry(node, &topics::ADVANCE_PREDICTION, prediction()),
         entry(node, &topics::TEMPERATURE_REPORT, report),
         entry(node, &topics::FILAMENT_REPORT, counts),
         entry(node, &topics::HOTEND_TEMPERATURE, temperature()),
