@@ -5,6 +5,7 @@
 //! ```
 //! [`Job`] is that chain as an iterator. SI units throughout.
 
+mod block;
 mod job;
 mod junction;
 mod params;

@@ -3,10 +3,10 @@
 //! Until the next move is known the queue's last one ends at rest, so a released plan can always be kept: moves
 //! that come later only raise speeds further back. Passes run once a batch, so the work per move is constant.
 
+use super::block::Block;
 use super::junction::{Corner, Direction, along, corner_m_s, standstill_m_s};
 use super::params::{Limits, axis};
-use super::segment::{Action, MoveKind, Role, Segment, Step};
-use super::trapezoid::Trapezoid;
+use super::segment::{Action, MoveKind, Role, Step};
 use std::collections::VecDeque;
 
 /// Queue length over look-ahead at which a batch is planned: the passes cost `1 + 1/(BATCH - 1)` visits a move.
@@ -39,22 +39,6 @@ pub struct Waypoint {
     pub stated_width_m: Option<f64>,
     /// Height of the road `[m]`.
     pub layer_height_m: Option<f64>,
-}
-
-struct Block {
-    waypoint: Waypoint,
-    length_m: f64,
-    path_m: f64,
-    direction: Direction,
-    cruise_m_s: f64,
-    acceleration_m_s2: f64,
-    standstill_m_s: f64,
-    /// Limit of the entry speed from corner and neighbours.
-    entry_max_m_s: f64,
-    entry_m_s: f64,
-    exit_m_s: f64,
-    /// The machine rests after this move.
-    then_rest: bool,
 }
 
 #[allow(
@@ -162,7 +146,7 @@ impl Planner {
         self.released -= 1;
         match self.queue.pop_front()? {
             Item::Action(action, line) => Some(Step::Action(action, line)),
-            Item::Block(block) => Some(Step::Move(segment(&block))),
+            Item::Block(block) => Some(Step::Move(block.segment())),
         }
     }
 
@@ -270,36 +254,5 @@ impl Planner {
             block.exit_m_s = block.exit_m_s.min(block.reachable_m_s(block.entry_m_s));
             promised_m_s = (!block.then_rest).then_some(block.exit_m_s);
         }
-    }
-}
-
-impl Block {
-    /// Speed at one end that a given speed at the other end allows: `v^2 = u^2 + 2 a s`.
-    fn reachable_m_s(&self, other_m_s: f64) -> f64 {
-        (other_m_s * other_m_s + 2.0 * self.acceleration_m_s2 * self.path_m).sqrt()
-    }
-}
-
-fn segment(block: &Block) -> Segment {
-    let waypoint = &block.waypoint;
-    Segment {
-        line: waypoint.line,
-        layer: waypoint.layer,
-        start_m: waypoint.start_m,
-        end_m: waypoint.end_m,
-        length_m: block.length_m,
-        filament_m: waypoint.filament_m,
-        kind: waypoint.kind,
-        role: waypoint.role,
-        arc: waypoint.arc,
-        target_width_m: waypoint.target_width_m,
-        stated_width_m: waypoint.stated_width_m,
-        layer_height_m: waypoint.layer_height_m,
-        profile: Trapezoid::new(
-            block.path_m,
-            (block.entry_m_s, block.exit_m_s),
-            block.cruise_m_s,
-            block.acceleration_m_s2,
-        ),
     }
 }
