@@ -181,4 +181,4 @@ impl Advance {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

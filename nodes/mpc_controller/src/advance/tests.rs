@@ -31,7 +31,8 @@ const SETTINGS: RawAdvance = RawAdvance {
 
 const NOMINAL_S: f64 = 0.63;
 
-pub(super) fn status(stamp_s: f64, feed_m_s: f64) -> PrinterStatus {
+/// A printer at 50 mm/s that lays a road where there is feed.
+pub(crate) fn status(stamp_s: f64, feed_m_s: f64) -> PrinterStatus {
     let laid = feed_m_s > 0.0;
     PrinterStatus {
         stamp: Seconds(stamp_s),

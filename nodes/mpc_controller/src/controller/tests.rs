@@ -72,33 +72,14 @@ const NOZZLE_K: f64 = 482.5;
 
 fn status(stamp_s: f64, wanted_m: f64, trims: Trims) -> PrinterStatus {
     PrinterStatus {
-        stamp: Seconds(stamp_s),
-        phase: JobPhase::Printing,
-        host: HostProfile::Native,
-        progress: 0.5,
-        layer: Some(3),
-        line: 100,
-        position_m: [0.1, 0.1, 1e-3],
-        path_time_s: stamp_s,
-        path_speed_m_s: 0.05,
-        planned_speed_m_s: 0.05,
-        planned_feed_m_s: FEED_M_S,
         motor_position_m: FEED_M_S * stamp_s,
         wanted_position_m: wanted_m,
-        depositing: true,
         target_width_m: Some(4.8e-4),
-        layer_height_m: Some(2e-4),
         hotend_target: Celsius(226.0),
         hotend_sliced_target: Celsius(226.0),
-        bed_target: Celsius(60.0),
-        hotend_duty: 0.5,
-        bed_duty: 0.2,
-        fan: 1.0,
         trims,
         advance_s: 0.0,
-        homed: true,
-        mains_on: true,
-        filament_present: Some(true),
+        ..crate::advance::tests::status(stamp_s, FEED_M_S)
     }
 }
 
