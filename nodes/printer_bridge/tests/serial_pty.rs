@@ -125,5 +125,4 @@ fn a_marlin_is_found_watched_lost_and_found_again() {
         assert!(sent.iter().all(|line| harmless.contains(&line.as_str())), "{sent:?}");
     }
     assert_eq!(bridge.marlin.refusals().malformed, 0);
-    drop(std::fs::remove_file(&path));
 }

@@ -49,7 +49,6 @@ fn lines_arrive_and_a_lost_device_is_opened_again() {
 
     drop(reader);
     assert!(events.recv().is_err(), "the thread has ended");
-    drop(std::fs::remove_file(&path));
 }
 
 /// A command that was meant for the device before must not reach the one after it.
@@ -76,5 +75,4 @@ fn what_is_sent_arrives_and_what_waits_at_a_loss_never_does() {
     let (mut device, mut sent) = (BufReader::new(device), String::new());
     device.read_line(&mut sent).unwrap();
     assert_eq!(sent, "fresh\n");
-    drop(std::fs::remove_file(&path));
 }

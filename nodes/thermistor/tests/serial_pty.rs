@@ -44,5 +44,4 @@ fn lines_of_a_device_are_read_also_after_it_was_lost() {
     assert_eq!(next(&events), both);
 
     drop(reader);
-    drop(std::fs::remove_file(&path));
 }

@@ -1,7 +1,6 @@
 //! A small Marlin on a pseudo-terminal: it answers the bridge's questions, with reports between a question and its `ok`.
 
 use runtime::serial::pty;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -65,7 +64,7 @@ impl StandIn {
     }
 }
 
-fn answer(mut device: File, inputs: &Receiver<Input>) -> Vec<String> {
+fn answer(mut device: pty::Device, inputs: &Receiver<Input>) -> Vec<String> {
     let (mut received, mut reports, mut card) = (Vec::new(), false, None);
     loop {
         let text = match inputs.recv_timeout(PERIOD) {
