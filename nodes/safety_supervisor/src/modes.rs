@@ -1,7 +1,8 @@
 //! The mode machine: what was raised goes in, mode and request come out.
 //!
-//! A cause acts when it is raised or gets worse, not while it lasts: one pause per cause. What lasts keeps the mode
-//! at least degraded, until it has been gone for the hold time. Latched modes end by acknowledge alone.
+//! One pause per cause: while the cause lasts no resume is granted, and one that waits for heat is taken back. What
+//! lasts keeps the mode at least degraded, until it has been gone for the hold time. Latched modes end by acknowledge
+//! alone, and a job that waits after it is bounded in time as any pause.
 
 use models::command::{Mode, Request};
 use models::units::Seconds;
@@ -164,14 +165,11 @@ impl Modes {
     pub fn update(&mut self, now: Seconds, raised: &Raised, job_runs: bool) -> bool {
         let before = (self.mode(), self.cause());
         for cause in Cause::ALL {
-            let index = *cause as usize;
-            if raised[index] > self.raised[index] {
-                self.act(now, *cause, raised[index], job_runs);
-            }
+            self.act(now, *cause, raised[*cause as usize], job_runs);
         }
         self.raised = *raised;
         self.hold_degraded(now);
-        if self.pause.is_some_and(|pause| now.0 - pause.since.0 > self.params.pause_max_s) {
+        if self.pause.or(self.hold).is_some_and(|pause| now.0 - pause.since.0 > self.params.pause_max_s) {
             self.trip(Cause::PauseTooLong, false);
         }
         self.note_mode(now);
@@ -237,12 +235,17 @@ impl Modes {
 
     fn act(&mut self, now: Seconds, cause: Cause, reaction: Option<Reaction>, job_runs: bool) {
         match reaction {
-            Some(Reaction::Pause) if job_runs && self.pause.or(self.hold).is_none() => {
-                self.pause = Some(Pause { cause, since: now, resuming: false });
+            Some(Reaction::Pause) => {
+                if let Some(pause) = self.pause.as_mut().or(self.hold.as_mut()) {
+                    // Whoever has asked for the resume did not know of this.
+                    pause.resuming = false;
+                } else if job_runs {
+                    self.pause = Some(Pause { cause, since: now, resuming: false });
+                }
             }
             Some(Reaction::SafeOff) => self.trip(cause, false),
             Some(Reaction::Estop) => self.trip(cause, true),
-            Some(Reaction::Pause | Reaction::Degrade) | None => {}
+            Some(Reaction::Degrade) | None => {}
         }
     }
 
@@ -271,3 +274,6 @@ impl Modes {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
