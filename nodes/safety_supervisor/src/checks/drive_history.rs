@@ -8,6 +8,9 @@ use super::heater::Drive;
 /// States kept: 2.5 s at 50 Hz.
 const KEPT: usize = 128;
 
+/// Fastest that any extruder pushes filament `[m/s]`; faster is a position that jumped, and no heat follows it.
+const FEED_MAX_M_S: f64 = 0.1;
+
 /// Means over a span.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Means {
@@ -74,7 +77,11 @@ impl DriveHistory {
             held = (stamp, drive);
         }
         let fed_m = self.motor_m(to)? - self.motor_m(from)?;
-        Some(Means { duty: duty_s / span_s, fan: fan_s / span_s, feed_m_s: (fed_m / span_s).max(0.0) })
+        Some(Means {
+            duty: duty_s / span_s,
+            fan: fan_s / span_s,
+            feed_m_s: (fed_m / span_s).clamp(0.0, FEED_MAX_M_S),
+        })
     }
 
     /// Motor position at a moment, between states in proportion.

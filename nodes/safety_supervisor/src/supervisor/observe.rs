@@ -35,7 +35,7 @@ impl Supervisor {
     }
 
     pub(super) fn on_encoder(&mut self, now: Seconds, position_m: f64) {
-        if !position_m.is_finite() {
+        if !is_a_position(position_m) {
             return self.checks.bad_values.note(now);
         }
         self.ages.encoder.note(now);
@@ -70,9 +70,10 @@ impl Supervisor {
     }
 
     pub(super) fn on_printer(&mut self, now: Seconds, report: PrinterReport) {
-        let finite = [report.stamp.0, report.motor_position_m, report.hotend_sliced_target.0];
+        let finite = [report.stamp.0, report.hotend_sliced_target.0];
         let shares = [report.hotend_duty, report.fan];
         if !(finite.iter().all(|value| value.is_finite())
+            && is_a_position(report.motor_position_m)
             && shares.iter().all(|share| (0.0..=1.0).contains(share)))
         {
             return self.checks.bad_values.note(now);
@@ -165,6 +166,13 @@ impl Supervisor {
         set(Cause::PrinterPaused, alone.then_some(Reaction::Pause));
         raised
     }
+}
+
+/// Farthest that filament goes `[m]`: 3 t of it. Sums beyond would no longer tell the millimetres of a slip.
+const POSITION_MAX_M: f64 = 1e6;
+
+fn is_a_position(position_m: f64) -> bool {
+    position_m.abs() <= POSITION_MAX_M
 }
 
 /// Whether a hot end is, or is about to be, heated.
