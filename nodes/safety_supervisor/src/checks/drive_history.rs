@@ -113,13 +113,25 @@ mod tests {
     fn means_follow_the_stamps_whenever_the_states_came() {
         let mut history = DriveHistory::default();
         for (stamp_s, duty) in [(1.0, 1.0), (1.02, 0.0), (1.06, 1.0)] {
-            history.push(Seconds(stamp_s), drive(duty, stamp_s));
+            history.push(Seconds(stamp_s), drive(duty, 0.1 * stamp_s));
         }
         // On for 20 ms, off for 40 ms, on for the last 40 ms: 60 %.
         let means = history.means(Seconds(1.0), Seconds(1.1)).unwrap();
         assert!((means.duty - 0.6).abs() < 1e-12, "{means:?}");
-        // The motor went 60 mm in the 60 ms that the states cover.
-        assert!((means.feed_m_s - 0.06 / 0.1).abs() < 1e-9, "{means:?}");
+        // The motor went 6 mm in the 60 ms that the states cover.
+        assert!((means.feed_m_s - 0.006 / 0.1).abs() < 1e-9, "{means:?}");
+    }
+
+    /// A balance that was told of 1 km in 0.1 s would be lost for ever.
+    #[test]
+    fn a_position_that_jumps_feeds_no_faster_than_an_extruder_can() {
+        for (jump_m, feed_m_s) in [(1e3, FEED_MAX_M_S), (-1e3, 0.0)] {
+            let mut history = DriveHistory::default();
+            history.push(Seconds(1.0), drive(0.0, 0.0));
+            history.push(Seconds(1.1), drive(0.0, jump_m));
+            let means = history.means(Seconds(1.0), Seconds(1.1)).unwrap();
+            assert!((means.feed_m_s - feed_m_s).abs() < 1e-12, "{means:?}");
+        }
     }
 
     #[test]
