@@ -35,6 +35,8 @@ pub struct ControlCommand {
     /// Share of the motor's feed lost in the drive gear. Range `[0, 1)`; invalid where
     /// close_extruder_loop is false.
     pub slip_compensation: f64,
+    /// One of HEALTH_*; HEALTH_SOUND in a permit. Range `[0, 4]`.
+    pub health: u8,
 }
 
 impl ControlCommand {
@@ -64,6 +66,16 @@ impl ControlCommand {
     pub const REQUEST_HEATERS_OFF: u8 = 3;
     /// `REQUEST_EMERGENCY_STOP` of the definition.
     pub const REQUEST_EMERGENCY_STOP: u8 = 4;
+    /// `HEALTH_SOUND` of the definition.
+    pub const HEALTH_SOUND: u8 = 0;
+    /// `HEALTH_SATURATED` of the definition.
+    pub const HEALTH_SATURATED: u8 = 1;
+    /// `HEALTH_LATE` of the definition.
+    pub const HEALTH_LATE: u8 = 2;
+    /// `HEALTH_INFEASIBLE` of the definition.
+    pub const HEALTH_INFEASIBLE: u8 = 3;
+    /// `HEALTH_NOT_FINITE` of the definition.
+    pub const HEALTH_NOT_FINITE: u8 = 4;
 }
 
 impl RosType for ControlCommand {

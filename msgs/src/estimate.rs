@@ -37,6 +37,21 @@ pub struct StateEstimate {
     pub steps: u64,
     /// Resets to the prior since start.
     pub resets: u64,
+    /// Variance of the channel's noise over the configured one, as adapted from its innovations. Range `(0, inf)`.
+    pub noise_scale: Vec<f64>,
+    /// One of HEALTH_*. Range `[0, 3]`.
+    pub health: u8,
+}
+
+impl StateEstimate {
+    /// `HEALTH_SOUND` of the definition.
+    pub const HEALTH_SOUND: u8 = 0;
+    /// `HEALTH_RESET` of the definition.
+    pub const HEALTH_RESET: u8 = 1;
+    /// `HEALTH_MISMATCH` of the definition.
+    pub const HEALTH_MISMATCH: u8 = 2;
+    /// `HEALTH_DIVERGING` of the definition.
+    pub const HEALTH_DIVERGING: u8 = 3;
 }
 
 impl RosType for StateEstimate {

@@ -80,7 +80,15 @@ causes! {
     StaleImu, "S7", "no accelerations", "restart the imu node";
     StaleVision, "S7", "no report of the camera's judge", "restart the camera and defect_classifier nodes";
     VisionBlind, "S8", "no frame could be judged for long", "clean and light the camera";
+    PlanInfeasible, "K1", "the controller's plan has no solution", "see the controller's log; check its limits";
+    PlanLate, "K2", "several plans in a row came too late", "take load off the machine, or make the horizon shorter";
+    PlanNotFinite, "K3", "the controller's plan is not finite", "see the controller's log; restart the mpc_controller node";
+    EstimateReset, "K4", "the estimate diverged and was started anew", "check the sensors' readings against the estimator's noise parameters";
+    EstimateDiverging, "K4", "the estimate diverged twice within a minute", "check sensors and printer file, then set the mode again";
+    Saturated, "K5", "an actuator has stood at its stop for long", "check heater, nozzle and filament; slow the file down";
     Envelope, "K6", "several commands outside of their limits within a second", "see the controller's log";
+    Oscillation, "K7", "the corrections swing to and fro", "lower the controller's gains";
+    ModelMismatch, "K8", "the printer is not the one of the parameter files", "check nozzle, filament and printer file, then set the mode again";
     SecondPublisher, "C8", "a second publisher of commands", "stop one of the controllers";
     Confidence, "1.6", "the fused confidence of a defect is high", "look at the print, then resume or stop";
     PrinterFailed, "C14", "the printer gave the job up", "see the printer's own message, then acknowledge";

@@ -9,6 +9,7 @@ pub mod frozen;
 pub mod heater;
 pub mod heater_start;
 pub mod impulse;
+pub mod oscillation;
 pub mod range;
 pub mod run_out;
 pub mod shift;

@@ -47,14 +47,18 @@ pub(crate) fn printer(message: &PrinterState) -> Result<(Seconds, Event), WireEr
     Ok((status.stamp, Event::Printer(report)))
 }
 
-pub(crate) fn command(message: &ControlCommand) -> Result<(Seconds, Event), WireError> {
-    Ok((wire::stamp_from_wire(&message.header)?, Event::Command(wire::command_from_wire(message)?)))
+/// A wish, and what the controller says of the work behind it.
+pub(crate) fn command(message: &ControlCommand) -> Result<(Seconds, [Event; 2]), WireError> {
+    let health = wire::control_health_from_wire(message)?;
+    let wish = Event::Command(wire::command_from_wire(message)?);
+    Ok((wire::stamp_from_wire(&message.header)?, [Event::ControlHealth(health), wish]))
 }
 
-/// Of an estimate the supervisor takes that there is one; a broken one is none.
-pub(crate) fn estimate(message: &StateEstimate) -> Result<(Seconds, Event), WireError> {
-    let stamp = wire::estimate_from_wire(message)?.stamp;
-    Ok((stamp, Event::EstimateHeartbeat { stamp }))
+/// Of an estimate the supervisor takes that there is one, and its health; a broken one is none.
+pub(crate) fn estimate(message: &StateEstimate) -> Result<(Seconds, [Event; 2]), WireError> {
+    let read = wire::estimate_from_wire(message)?;
+    let heard = Event::EstimateHeartbeat { stamp: read.stamp };
+    Ok((read.stamp, [Event::EstimateHealth(read.health), heard]))
 }
 
 pub(crate) fn imu(message: &ImuBatch) -> Result<(Seconds, Event), WireError> {

@@ -1,5 +1,6 @@
 //! Every number of the supervisor, as in `config/safety_supervisor.param.yaml`, where ranges and sources stand too.
 
+mod oscillation;
 mod required;
 mod rest;
 mod thermal;
@@ -9,6 +10,7 @@ use models::command::{Limits, Mode};
 use models::params::{ParamError, in_range};
 use serde::Deserialize;
 
+pub use oscillation::{OscillationParams, RawOscillationParams};
 pub use required::Streams;
 pub use rest::{
     AttentionParams, BurstParams, FilamentParams, ModeParams, RawAttentionParams, RawBurstParams,
@@ -108,6 +110,8 @@ pub struct RawParams {
     pub limits: Limits,
     /// Commands.
     pub envelope: EnvelopeParams,
+    /// Swinging corrections.
+    pub oscillation: OscillationParams,
     /// Times of the mode machine.
     pub modes: ModeParams,
     /// Ages of streams.

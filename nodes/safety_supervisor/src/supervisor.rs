@@ -1,5 +1,6 @@
 //! The brain: takes events, yields a permit on every tick and at once on a person's request.
 
+mod brains;
 mod observe;
 mod operate;
 mod parts;
@@ -13,6 +14,7 @@ use crate::envelope::{Envelope, Verdict};
 use crate::event::{Decision, Event, Output, PrinterReport, SafetyState, Stream, What};
 use crate::modes::{Latch, Modes};
 use crate::params::Params;
+use brains::Brains;
 use parts::{Ages, Checks};
 
 /// Guards one printer. Knows no clock and no middleware.
@@ -25,6 +27,7 @@ pub struct Supervisor {
     modes: Modes,
     ages: Ages,
     checks: Checks,
+    brains: Brains,
     envelope: Envelope,
     hotend: Option<Celsius>,
     printer: Option<PrinterReport>,
@@ -53,6 +56,7 @@ impl Supervisor {
             modes: Modes::new(params.modes, params.start_mode.into(), restored),
             ages: Ages::new(&params),
             checks: Checks::new(&params),
+            brains: Brains::default(),
             envelope: Envelope::new(params.envelope, params.limits),
             hotend: None,
             printer: None,
@@ -87,6 +91,8 @@ impl Supervisor {
             Event::Encoder { position_m, .. } => self.on_encoder(now, position_m),
             Event::Printer(report) => self.on_printer(now, report),
             Event::EstimateHeartbeat { .. } => self.ages.estimate.note(now),
+            Event::EstimateHealth(health) => self.brains.estimate = health,
+            Event::ControlHealth(health) => self.brains.control = health,
         }
         None
     }
@@ -105,7 +111,11 @@ impl Supervisor {
 
     fn on_command(&mut self, now: Seconds, command: models::command::Command) {
         let before = self.modes.mode();
-        let (what, why) = match self.envelope.on_command(now, command) {
+        let verdict = self.envelope.on_command(now, command);
+        if !matches!(verdict, Verdict::Refused(_)) {
+            self.checks.oscillation.on_trims(now, &command.trims);
+        }
+        let (what, why) = match verdict {
             Verdict::Taken => return self.ages.command.note(now),
             Verdict::Clamped => {
                 self.ages.command.note(now);
@@ -132,6 +142,7 @@ impl Supervisor {
         if !(0.0..self.params.modes.stall_s).contains(&dt_s) {
             self.on_stall(now, Seconds(dt_s));
         }
+        self.fall_to_observe();
         let before = self.modes.mode();
         if self.checks.impulse.take() {
             let why = "a knock or lost steps: the camera tells which";
@@ -204,7 +215,7 @@ impl Supervisor {
         if latched {
             self.allowed = Trims::NEUTRAL;
         }
-        let cause = self.modes.cause();
+        let cause = self.modes.cause().or(self.brains.fallen().filter(|_| mode == Mode::Observe));
         Output {
             permit: Permit {
                 session: self.session,

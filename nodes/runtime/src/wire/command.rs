@@ -2,7 +2,7 @@
 
 use super::{WireError, within};
 use fdm_loop_msgs::{ControlCommand, Header};
-use models::command::{Command, Mode, Permit, Request, Trims};
+use models::command::{Command, ControlHealth, Mode, Permit, Request, Trims};
 use models::units::Seconds;
 
 /// Ranges of the definition; what a printer or a supervisor allows is narrower and its own affair.
@@ -23,6 +23,14 @@ pub fn command_from_wire(wire: &ControlCommand) -> Result<Command, WireError> {
         validity: Seconds(within("validity_s", wire.validity_s, VALIDITY_S)?),
         trims: trims_from_wire(wire)?,
     })
+}
+
+/// What the controller says of the work behind its wish.
+///
+/// # Errors
+/// [`WireError`] for an unknown code.
+pub fn control_health_from_wire(wire: &ControlCommand) -> Result<ControlHealth, WireError> {
+    ControlHealth::from_code(wire.health).ok_or(unknown("health", wire.health, 4.0))
 }
 
 /// A supervisor's permit.
@@ -74,6 +82,7 @@ pub fn permit_to_wire(now: Seconds, permit: &Permit) -> ControlCommand {
         advance_s: trims.advance_s.unwrap_or(0.0),
         close_extruder_loop: trims.slip.is_some(),
         slip_compensation: trims.slip.unwrap_or(0.0),
+        health: ControlHealth::Sound as u8,
     }
 }
 

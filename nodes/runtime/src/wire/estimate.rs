@@ -2,6 +2,7 @@
 
 use super::{WireError, stamp_from_wire, within};
 use fdm_loop_msgs::StateEstimate;
+use models::command::EstimateHealth;
 use models::units::{Kelvin, Seconds};
 
 /// Names of the states in the order of the estimator.
@@ -26,6 +27,8 @@ pub struct StateReading {
     pub reference_feed_m_s: f64,
     /// The encoder speaks.
     pub encoder_alive: bool,
+    /// What the estimator says of its own work.
+    pub health: EstimateHealth,
 }
 
 /// A state estimate.
@@ -54,6 +57,7 @@ pub fn estimate_from_wire(wire: &StateEstimate) -> Result<StateReading, WireErro
     for field in [("nis", &wire.nis), ("nis_mean", &wire.nis_mean), ("chi_square", &wire.chi_square)] {
         all(field.0, field.1, POSITIVE)?;
     }
+    all("noise_scale", &wire.noise_scale, POSITIVE)?;
     for index in 0..states {
         within("covariance", wire.covariance[index * (states + 1)], POSITIVE)?;
     }
@@ -67,6 +71,8 @@ pub fn estimate_from_wire(wire: &StateEstimate) -> Result<StateReading, WireErro
         gain: state(wire, "gain", (1e-3, 10.0))?,
         reference_feed_m_s: within("reference_feed_m_s", wire.reference_feed_m_s, (1e-9, 1.0))?,
         encoder_alive: channel(wire, "encoder")?,
+        health: EstimateHealth::from_code(wire.health)
+            .ok_or(super::command::unknown("health", wire.health, 3.0))?,
     })
 }
 

@@ -11,7 +11,9 @@ mod sensors;
 mod status;
 mod vision;
 
-pub use command::{command_from_wire, command_to_wire, permit_from_wire, permit_to_wire};
+pub use command::{
+    command_from_wire, command_to_wire, control_health_from_wire, permit_from_wire, permit_to_wire,
+};
 pub use estimate::{CHANNELS, STATES, StateReading, estimate_from_wire};
 pub use imu::{ImuReading, imu_from_wire, imu_to_wire};
 pub use motion::{PlannedMove, motion_from_wire, motion_to_wire};

@@ -21,6 +21,8 @@ pub(super) struct Inlets {
     estimate: Inlet<StateEstimate>,
     imu: Inlet<ImuBatch>,
     vision: Inlet<DefectReport>,
+    /// Second event of a message that told two things.
+    also: Option<Event>,
 }
 
 impl Inlets {
@@ -37,18 +39,26 @@ impl Inlets {
             estimate: node.inlet(&topics::ESTIMATE, oldest(&stale.estimate))?,
             imu: node.inlet(&topics::IMU_BATCH, oldest(&stale.imu))?,
             vision: node.inlet(&topics::DEFECTS, oldest(&stale.vision))?,
+            also: None,
         })
     }
 
     /// The next message of any stream. Cancelling loses none.
     pub(super) async fn next(&mut self) -> Event {
+        if let Some(event) = self.also.take() {
+            return event;
+        }
         let (taken, stream) = tokio::select! {
             taken = self.hotend.next(convert::hotend) => (taken, Stream::Hotend),
             taken = self.bed.next(convert::bed) => (taken, Stream::Bed),
             taken = self.encoder.next(convert::encoder) => (taken, Stream::Encoder),
             taken = self.printer.next(convert::printer) => (taken, Stream::Printer),
-            taken = self.command.next(convert::command) => (taken, Stream::Command),
-            taken = self.estimate.next(convert::estimate) => (taken, Stream::Estimate),
+            taken = self.command.next(convert::command) => {
+                (both(taken, &mut self.also), Stream::Command)
+            }
+            taken = self.estimate.next(convert::estimate) => {
+                (both(taken, &mut self.also), Stream::Estimate)
+            }
             taken = self.imu.next(convert::imu) => (taken, Stream::Imu),
             taken = self.vision.next(convert::vision) => (taken, Stream::Vision),
         };
@@ -80,4 +90,12 @@ impl Inlets {
             sequence: sum(Reason::Order) + sum(Reason::Gate),
         }
     }
+}
+
+/// The first of two events; the second waits.
+fn both(taken: Result<[Event; 2], Reason>, also: &mut Option<Event>) -> Result<Event, Reason> {
+    taken.map(|[first, second]| {
+        *also = Some(second);
+        first
+    })
 }

@@ -159,6 +159,10 @@ impl Supervisor {
         set(Cause::VisionBlind, (printing && checks.defect.is_blind(now)).then_some(Reaction::Degrade));
         set(Cause::BadValues, checks.bad_values.tripped(now).then_some(Reaction::Degrade));
         set(Cause::Envelope, self.envelope.is_outside(now).then_some(Reaction::Degrade));
+        set(Cause::Oscillation, checks.oscillation.tripped(now).then_some(Reaction::Degrade));
+        for (cause, reaction) in self.brains.raised(acting && printing) {
+            set(cause, reaction);
+        }
         set(Cause::SecondPublisher, self.envelope.has_rival(now).then_some(Reaction::Degrade));
         set(Cause::Confidence, (hard && !named).then_some(Reaction::Pause));
         set(Cause::PrinterFailed, self.printer_failed.then_some(Reaction::SafeOff));

@@ -8,6 +8,7 @@ use crate::checks::filament::FilamentCheck;
 use crate::checks::frozen::FrozenCheck;
 use crate::checks::heater::HeaterCheck;
 use crate::checks::impulse::ImpulseCheck;
+use crate::checks::oscillation::OscillationCheck;
 use crate::checks::range::RangeCheck;
 use crate::checks::run_out::RunOutCheck;
 use crate::checks::shift::ShiftCheck;
@@ -103,6 +104,7 @@ pub(super) struct Checks {
     pub(super) shift: ShiftCheck,
     pub(super) defect: DefectCheck,
     pub(super) bad_values: Burst,
+    pub(super) oscillation: OscillationCheck,
     pub(super) attention: Attention,
     /// What carried the confidence when attention rose last.
     pub(super) convicted: Option<Defect>,
@@ -122,6 +124,7 @@ impl Checks {
             shift: ShiftCheck::new(params.shift),
             defect: DefectCheck::new(params.defect),
             bad_values: Burst::new(params.bad_values),
+            oscillation: OscillationCheck::new(params.oscillation),
             attention: Attention::new(params.attention),
             convicted: None,
         }
@@ -136,6 +139,7 @@ impl Checks {
         self.shift.reset();
         self.defect.reset();
         self.attention.reset();
+        self.oscillation.reset();
         self.convicted = None;
     }
 }

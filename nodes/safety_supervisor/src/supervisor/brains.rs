@@ -1,0 +1,61 @@
+//! What estimator and controller say of their own work: K1 to K5 and K8.
+
+use models::command::{ControlHealth, EstimateHealth, Mode};
+
+use super::Supervisor;
+use crate::cause::{Cause, Reaction};
+use crate::event::{Decision, What};
+
+/// What was said last, and what came of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Brains {
+    pub(super) estimate: EstimateHealth,
+    pub(super) control: ControlHealth,
+    /// Why the mode that a person had set fell to observe; `None` once one has been set again.
+    fallen: Option<Cause>,
+}
+
+impl Brains {
+    /// Why the set mode fell to observe, while it stands there.
+    pub(super) fn fallen(&self) -> Option<Cause> {
+        self.fallen
+    }
+
+    /// Doubt of the controller or of the first divergence degrades.
+    pub(super) fn raised(&self, correcting: bool) -> [(Cause, Option<Reaction>); 5] {
+        let of = |holds: bool| holds.then_some(Reaction::Degrade);
+        let said = |health: ControlHealth| of(correcting && self.control == health);
+        [
+            (Cause::PlanInfeasible, said(ControlHealth::Infeasible)),
+            (Cause::PlanLate, said(ControlHealth::Late)),
+            (Cause::PlanNotFinite, said(ControlHealth::NotFinite)),
+            (Cause::Saturated, said(ControlHealth::Saturated)),
+            (Cause::EstimateReset, of(self.estimate == EstimateHealth::Reset)),
+        ]
+    }
+
+    /// An estimate that no correction may rest on, until a person has looked.
+    fn distrusted(&self) -> Option<Cause> {
+        match self.estimate {
+            EstimateHealth::Diverging => Some(Cause::EstimateDiverging),
+            EstimateHealth::Mismatch => Some(Cause::ModelMismatch),
+            EstimateHealth::Sound | EstimateHealth::Reset => None,
+        }
+    }
+}
+
+impl Supervisor {
+    /// The set mode falls to observe with the reason, as often as a person sets it while the reason lasts.
+    pub(super) fn fall_to_observe(&mut self) {
+        let before = self.modes.mode();
+        if self.modes.set_mode() == Mode::Observe {
+            return;
+        }
+        self.brains.fallen = self.brains.distrusted();
+        let Some(cause) = self.brains.fallen else { return };
+        if self.modes.set(Mode::Observe).is_ok() {
+            let after = self.modes.mode();
+            self.decisions.push(Decision { what: What::ModeChanged, why: cause.text(), before, after });
+        }
+    }
+}

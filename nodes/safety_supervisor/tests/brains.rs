@@ -1,0 +1,111 @@
+//! What estimator and controller say of themselves, and the swing of commands that nobody needs to tell.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use common::print::Print;
+use models::command::{ControlHealth, EstimateHealth, Mode, Trims};
+use safety_supervisor::{Cause, Event, Operator, What};
+
+/// K1, K2, K3, K5: at once, and the set mode is back 2 s after the controller is sound again.
+#[test]
+fn a_controller_in_doubt_degrades_and_heals() {
+    for (health, cause) in [
+        (ControlHealth::Infeasible, Cause::PlanInfeasible),
+        (ControlHealth::Late, Cause::PlanLate),
+        (ControlHealth::NotFinite, Cause::PlanNotFinite),
+        (ControlHealth::Saturated, Cause::Saturated),
+    ] {
+        let mut print = Print::acting();
+        print.event(Event::ControlHealth(health));
+        // the next tick
+        assert!(print.until(Mode::Degraded) <= 0.021, "{health:?}");
+        assert_eq!(print.output.state.cause, Some(cause));
+        let told = print.output.events.iter().find(|decision| decision.what == What::ModeChanged).unwrap();
+        assert_eq!(told.why, cause.text());
+        print.run(2.0);
+        assert_eq!(print.output.permit.trims, Trims::NEUTRAL);
+        print.event(Event::ControlHealth(ControlHealth::Sound));
+        assert!(print.until(Mode::Act) <= 2.1);
+    }
+}
+
+/// K4, first divergence: degraded, the mode stays set.
+#[test]
+fn an_estimate_started_anew_degrades_and_heals() {
+    let mut print = Print::acting();
+    print.event(Event::EstimateHealth(EstimateHealth::Reset));
+    assert!(print.until(Mode::Degraded) <= 0.021);
+    assert_eq!(print.output.state.cause, Some(Cause::EstimateReset));
+    print.event(Event::EstimateHealth(EstimateHealth::Sound));
+    assert!(print.until(Mode::Act) <= 2.1);
+}
+
+/// K4, second divergence, and K8: the set mode itself falls, and comes back only when a person sets it with the
+/// reason gone.
+#[test]
+fn a_distrusted_estimate_takes_the_mode_to_observe_until_a_person_sets_it() {
+    for (health, cause) in [
+        (EstimateHealth::Diverging, Cause::EstimateDiverging),
+        (EstimateHealth::Mismatch, Cause::ModelMismatch),
+    ] {
+        let mut print = Print::acting();
+        print.event(Event::EstimateHealth(health));
+        assert!(print.until(Mode::Observe) <= 0.021, "{health:?}");
+        let state = &print.output.state;
+        assert_eq!((state.set_mode, state.cause), (Mode::Observe, Some(cause)));
+        assert!(!state.what_to_do.is_empty());
+        let told = print.output.events.iter().find(|decision| decision.what == What::ModeChanged).unwrap();
+        assert_eq!((told.why, told.before, told.after), (cause.text(), Mode::Act, Mode::Observe));
+        print.run(2.0);
+        assert_eq!(print.output.permit.trims, Trims::NEUTRAL);
+        print.ask(Operator::SetMode(Mode::Act));
+        print.run(0.1);
+        assert_eq!(
+            (print.mode(), print.output.state.cause),
+            (Mode::Observe, Some(cause)),
+            "still distrusted"
+        );
+        print.event(Event::EstimateHealth(EstimateHealth::Sound));
+        print.run(30.0);
+        assert_eq!(print.mode(), Mode::Observe, "it does not come back by itself");
+        print.ask(Operator::SetMode(Mode::Act));
+        print.run(0.1);
+        assert_eq!((print.mode(), print.output.state.cause), (Mode::Act, None));
+    }
+}
+
+/// Runs `span_s` of a swing of flow around 0.95 and returns when it degraded.
+fn swing(amplitude: f64, period_s: f64, span_s: f64) -> Option<f64> {
+    let mut print = Print::acting();
+    let start_s = print.now();
+    while print.now() - start_s < span_s {
+        let phase = std::f64::consts::TAU * (print.now() - start_s) / period_s;
+        print.wish = Trims { flow: 0.95 + amplitude * phase.sin(), ..Trims::NEUTRAL };
+        print.step();
+        if print.mode() == Mode::Degraded {
+            assert_eq!(print.output.state.cause, Some(Cause::Oscillation));
+            return Some(print.now() - start_s);
+        }
+    }
+    None
+}
+
+/// K7: five turns within 20 s, wherever the middle; neither a small swing nor a slow one nor a step is one.
+#[test]
+fn k7_a_limit_cycle_degrades_within_twenty_seconds() {
+    // five turns are 2.25 periods from a middle on, and a deadband of 3 % of 2 x 6 % later, and a command of 0.24 s
+    for period_s in [2.0, 4.0, 7.0] {
+        let detected_s = swing(0.06, period_s, 30.0).unwrap();
+        assert!(detected_s <= 2.5 * period_s + 0.3 && detected_s <= 20.0, "{period_s}: {detected_s}");
+    }
+    // peak to peak below the deadband; two turns in ten seconds
+    assert_eq!(swing(0.014, 4.0, 60.0), None);
+    assert_eq!(swing(0.06, 12.0, 60.0), None);
+    let mut print = Print::acting();
+    for step in 0..20 {
+        print.wish.flow = 1.05 - 0.005 * f64::from(step);
+        print.run(1.0);
+        assert_eq!(print.mode(), Mode::Act, "one way is no swing");
+    }
+}
