@@ -261,6 +261,7 @@ proptest! {
         let restored = latched.then_some(Latch { estop: false, cause: Cause::HotendRange });
         let supervisor = Supervisor::new(params_with("start_mode: observe", "start_mode: act"), 1, restored);
         let mut print = Print::with(supervisor);
+        let limits = params().limits;
         let mut sequence = 0;
         for (kind, value) in events {
             let before = print.mode();
@@ -286,7 +287,7 @@ proptest! {
             }
             print.step();
             let permit = print.output.permit;
-            prop_assert!(params().limits.clamp(&permit.trims).is_ok_and(|clamped| !clamped.changed.any()));
+            prop_assert!(limits.clamp(&permit.trims).is_ok_and(|clamped| !clamped.changed.any()));
             prop_assert!(permit.sequence > sequence);
             sequence = permit.sequence;
             prop_assert!(before < Mode::SafeOff || permit.mode >= before);
