@@ -60,6 +60,8 @@ pub(crate) fn estimate(estimate: &Estimate) -> StateEstimate {
         chi_square_window: u32::try_from(WINDOW).unwrap_or(u32::MAX),
         steps: estimate.steps,
         resets: estimate.resets,
+        noise_scale: estimate.noise_scale.to_vec(),
+        health: estimate.health as u8,
     }
 }
 

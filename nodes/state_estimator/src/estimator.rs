@@ -6,6 +6,7 @@ use crate::history::{Ring, Sample};
 use crate::input::{Ages, Event, Reason, Refusals, check_status, finite, within};
 use crate::params::Params;
 use crate::printer_model::{PrinterModel, Setting, State, state};
+use models::command::EstimateHealth;
 use models::extruder::Extruder;
 use models::hotend::Hotend;
 use models::material::Material;
@@ -49,6 +50,10 @@ pub struct Estimate {
     pub steps: u64,
     /// Times the filter went back to its prior.
     pub resets: u64,
+    /// Variance of each channel's noise over the configured one, as adapted from its innovations.
+    pub noise_scale: [f64; CHANNELS],
+    /// What the estimator says of its own work.
+    pub health: EstimateHealth,
     /// Samples not used.
     pub refusals: Refusals,
 }
@@ -241,6 +246,8 @@ impl Estimator {
             reference_feed_m_s: self.filter.reference_feed_m_s(),
             steps: self.filter.steps(),
             resets: self.filter.resets(),
+            noise_scale: [1.0; CHANNELS],
+            health: EstimateHealth::Sound,
             refusals: self.refusals,
         })
     }
