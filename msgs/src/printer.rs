@@ -84,6 +84,16 @@ pub struct PrinterState {
     pub filament_switch_fitted: bool,
     /// The run-out switch sees filament. Invalid where filament_switch_fitted is false.
     pub filament_present: bool,
+    /// False where the part fan has no tachometer.
+    pub part_fan_speed_known: bool,
+    /// Revolutions of the part fan `[1/s]`. Range `[0, inf)`; invalid where part_fan_speed_known is
+    /// false.
+    pub part_fan_speed_1_s: f64,
+    /// False where the printer has no stop contact.
+    pub stop_input_fitted: bool,
+    /// The stop contact is open: emergency-stop button or door. Invalid where stop_input_fitted is
+    /// false.
+    pub stop_input: bool,
 }
 
 impl PrinterState {

@@ -89,4 +89,8 @@ pub struct PrinterStatus {
     pub mains_on: bool,
     /// The run-out switch sees filament; `None` where no switch is fitted.
     pub filament_present: Option<bool>,
+    /// Revolutions of the part fan `[1/s]`; `None` where it has no tachometer.
+    pub part_fan_speed_1_s: Option<f64>,
+    /// The stop contact is open: an emergency-stop button pressed, a door open; `None` where none is fitted.
+    pub stop_input: Option<bool>,
 }

@@ -122,7 +122,8 @@ pub(crate) fn fault(now: Seconds, asked: &InjectFaultRequest) -> Result<Entry, F
     let component = Component::from_name(&asked.component).ok_or_else(|| {
         unknown(
             &asked.kind,
-            "component extruder, filament, hotend_heater, hotend_thermistor, fan, ambient, motion or part",
+            "component extruder, filament, hotend_heater, hotend_thermistor, bed_heater, bed_thermistor, \
+             stop_input, fan, ambient, motion or part",
         )
     })?;
     let kind = Kind::from_name(&asked.kind)

@@ -15,6 +15,12 @@ pub enum Component {
     HotendHeater,
     /// Hot end thermistor.
     HotendThermistor,
+    /// Bed heater.
+    BedHeater,
+    /// Bed thermistor.
+    BedThermistor,
+    /// Emergency-stop button and door contact, in one circuit.
+    StopInput,
     /// Part fan.
     Fan,
     /// Air around the printer.
@@ -55,6 +61,12 @@ pub enum Kind {
     Stuck,
     /// Thermistor: added to the reading `[K]`, -300..300.
     Bias,
+    /// Thermistor: factor on the standard deviation of its noise `[-]`, 1..100.
+    Noise,
+    /// Thermistor: share of the readings that are off by 30 K either way `[-]`, 0..0.5.
+    Spikes,
+    /// Stop input: the contact opens, a person presses the button or opens the door; size unused.
+    Pressed,
     /// Ambient: added to the air temperature `[K]`, -30..30, with 30 % more loss of the block per -10 K.
     Draught,
     /// Motion: steps of the x motor are lost at once; the tool is off by this much from then on `[m]`, -0.05..0.05.
@@ -67,6 +79,13 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// It is there or not, whatever its component.
+    #[must_use]
+    pub fn has_no_size(self) -> bool {
+        use Kind::{Open, Pressed, RunOut, Short, Stuck, StuckOn};
+        matches!(self, RunOut | StuckOn | Open | Short | Stuck | Pressed)
+    }
+
     /// It happens in one moment: no ramp, no duration.
     #[must_use]
     pub fn at_once(self) -> bool {
@@ -119,20 +138,80 @@ pub struct InForce {
     pub diameter: f64,
     /// The filament has ended.
     pub run_out: bool,
-    /// Factor on the heater's power `[-]`.
-    pub heater_gain: f64,
-    /// The heater's switch conducts whatever the duty.
-    pub heater_stuck_on: bool,
-    /// Factor on the part fan's flow `[-]`.
+    /// Hot end heater.
+    pub hotend_heater: HeaterFaults,
+    /// Bed heater.
+    pub bed_heater: HeaterFaults,
+    /// Factor on the part fan's flow and speed `[-]`.
     pub fan_gain: f64,
-    /// Fault of the thermistor circuit.
-    pub thermistor: Thermistor,
-    /// Added to the reading `[K]`.
-    pub reading_bias_k: f64,
+    /// Hot end thermistor.
+    pub hotend_sensor: SensorFaults,
+    /// Bed thermistor.
+    pub bed_sensor: SensorFaults,
+    /// The stop contact is open.
+    pub stop_input: bool,
     /// Added to the air temperature `[K]`.
     pub ambient_offset_k: f64,
     /// The part has come off the bed: what is extruded does not land on it.
     pub detached: bool,
+}
+
+/// What is wrong with a heater.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeaterFaults {
+    /// Factor on its power `[-]`.
+    pub gain: f64,
+    /// Its switch conducts whatever the duty.
+    pub stuck_on: bool,
+}
+
+impl HeaterFaults {
+    const NONE: Self = Self { gain: 1.0, stuck_on: false };
+
+    fn overlay(&mut self, kind: Kind, size: f64, share: f64) {
+        match kind {
+            Kind::Gain => self.gain *= 1.0 + share * (size - 1.0),
+            Kind::StuckOn => self.stuck_on = true,
+            _ => {}
+        }
+    }
+
+    /// Power of the rated one `[-]` at this duty; a shorted switch needs only the mains.
+    #[must_use]
+    pub fn power_share(&self, duty: f64, mains_on: bool) -> f64 {
+        self.gain * if self.stuck_on && mains_on { 1.0 } else { duty }
+    }
+}
+
+/// What is wrong with a thermistor and its converter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensorFaults {
+    /// Its circuit.
+    pub circuit: Thermistor,
+    /// Added to the reading `[K]`.
+    pub bias_k: f64,
+    /// Factor on the standard deviation of the noise `[-]`.
+    pub noise: f64,
+    /// Share of the readings that are spikes `[-]`.
+    pub spikes: f64,
+}
+
+impl SensorFaults {
+    /// A sound sensor.
+    pub const NONE: Self = Self { circuit: Thermistor::Sound, bias_k: 0.0, noise: 1.0, spikes: 0.0 };
+
+    fn overlay(&mut self, kind: Kind, size: f64, share: f64) {
+        match kind {
+            Kind::Open => self.circuit = Thermistor::Open,
+            Kind::Short => self.circuit = Thermistor::Short,
+            Kind::Detached => self.circuit = Thermistor::Detached(size),
+            Kind::Stuck => self.circuit = Thermistor::Stuck,
+            Kind::Bias => self.bias_k += share * size,
+            Kind::Noise => self.noise *= 1.0 + share * (size - 1.0),
+            Kind::Spikes => self.spikes = (self.spikes + share * size).min(1.0),
+            _ => {}
+        }
+    }
 }
 
 /// State of the thermistor circuit.
@@ -158,11 +237,12 @@ impl InForce {
         leak: 0.0,
         diameter: 1.0,
         run_out: false,
-        heater_gain: 1.0,
-        heater_stuck_on: false,
+        hotend_heater: HeaterFaults::NONE,
+        bed_heater: HeaterFaults::NONE,
         fan_gain: 1.0,
-        thermistor: Thermistor::Sound,
-        reading_bias_k: 0.0,
+        hotend_sensor: SensorFaults::NONE,
+        bed_sensor: SensorFaults::NONE,
+        stop_input: false,
         ambient_offset_k: 0.0,
         detached: false,
     };
@@ -191,16 +271,12 @@ impl InForce {
             }
             (Component::Filament, Kind::Diameter) => self.diameter *= 1.0 + share * fault.size,
             (Component::Filament, Kind::RunOut) => self.run_out = true,
-            (Component::HotendHeater, Kind::Gain) => self.heater_gain *= towards(fault.size),
-            (Component::HotendHeater, Kind::StuckOn) => self.heater_stuck_on = true,
+            (Component::HotendHeater, kind) => self.hotend_heater.overlay(kind, fault.size, share),
+            (Component::BedHeater, kind) => self.bed_heater.overlay(kind, fault.size, share),
             (Component::Fan, Kind::Gain) => self.fan_gain *= towards(fault.size),
-            (Component::HotendThermistor, Kind::Open) => self.thermistor = Thermistor::Open,
-            (Component::HotendThermistor, Kind::Short) => self.thermistor = Thermistor::Short,
-            (Component::HotendThermistor, Kind::Detached) => {
-                self.thermistor = Thermistor::Detached(fault.size)
-            }
-            (Component::HotendThermistor, Kind::Stuck) => self.thermistor = Thermistor::Stuck,
-            (Component::HotendThermistor, Kind::Bias) => self.reading_bias_k += share * fault.size,
+            (Component::HotendThermistor, kind) => self.hotend_sensor.overlay(kind, fault.size, share),
+            (Component::BedThermistor, kind) => self.bed_sensor.overlay(kind, fault.size, share),
+            (Component::StopInput, Kind::Pressed) => self.stop_input = true,
             (Component::Ambient, Kind::Draught) => self.ambient_offset_k += share * fault.size,
             (Component::Part, Kind::Detached) => self.detached = true,
             // What happens in one moment is in `toolhead`; scenario and service refuse every other pair.
@@ -210,39 +286,4 @@ impl InForce {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn slip(ramp_s: f64, duration_s: Option<f64>) -> Fault {
-        Fault {
-            component: Component::Extruder,
-            kind: Kind::Slip,
-            size: 0.1,
-            ramp: Seconds(ramp_s),
-            duration: duration_s.map(Seconds),
-            onset: Seconds(10.0),
-        }
-    }
-
-    #[test]
-    fn a_step_is_whole_from_its_onset_and_gone_after_its_duration() {
-        let at = |now_s: f64| InForce::at(Seconds(now_s), &[slip(0.0, Some(5.0))]).slip;
-        assert_eq!(
-            [at(9.999), at(10.0), at(14.999), at(15.0)].map(|slip| slip > 0.0),
-            [false, true, true, false]
-        );
-    }
-
-    #[test]
-    fn a_ramp_grows_linearly_and_stays() {
-        let at = |now_s: f64| InForce::at(Seconds(now_s), &[slip(4.0, None)]).slip;
-        assert!((at(11.0) - 0.025).abs() < 1e-12);
-        assert!((at(99.0) - 0.1).abs() < 1e-12);
-    }
-
-    #[test]
-    fn two_slips_add_up() {
-        let both = InForce::at(Seconds(20.0), &[slip(0.0, None), slip(0.0, None)]);
-        assert!((both.slip - 0.2).abs() < 1e-12);
-    }
-}
+mod tests;

@@ -19,6 +19,7 @@ pub mod camera;
 mod convert;
 pub mod drive;
 pub mod executor;
+pub mod fan;
 pub mod faults;
 mod heaters;
 pub mod imu;

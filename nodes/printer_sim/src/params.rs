@@ -3,7 +3,7 @@
 
 use crate::camera::CameraParams;
 use crate::structure::{ImpactParams, StructureParams};
-use crate::{drive, executor, imu, sensors};
+use crate::{drive, executor, fan, imu, sensors};
 use models::bed::Bed;
 use models::command::{DeadManParams, Limits};
 use models::extruder::{Extruder, Filament, SlipParams};
@@ -60,6 +60,10 @@ pub struct Firmware {
     pub thermal_period_s: f64,
     /// A run-out switch is fitted.
     pub runout_switch: bool,
+    /// A stop contact is fitted.
+    pub stop_input: bool,
+    /// Part fan.
+    pub part_fan: fan::Settings,
     /// Layer below the road `[K]` under its bed: how much colder it is than the bed.
     pub below_bed_k: f64,
     /// Flow at which a slicer's set-point is meant `[m3/s]`.
@@ -101,6 +105,8 @@ pub struct RawSimulator {
     pub status_period_s: f64,
     pub thermal_period_s: f64,
     pub runout_switch: bool,
+    pub stop_input: bool,
+    pub part_fan: fan::Settings,
     pub below_bed_k: f64,
     pub reference_flow_m3_s: f64,
     pub temperature_period_s: f64,
@@ -151,6 +157,8 @@ impl TryFrom<RawSimulator> for SimulatorParams {
                 status_period_s: period("status_period_s", raw.status_period_s)?,
                 thermal_period_s: in_range("thermal_period_s", raw.thermal_period_s, "s", (1e-3, 0.1))?,
                 runout_switch: raw.runout_switch,
+                stop_input: raw.stop_input,
+                part_fan: raw.part_fan,
                 below_bed_k: in_range("below_bed_k", raw.below_bed_k, "K", (0.0, 50.0))?,
                 reference_flow_m3_s: in_range(
                     "reference_flow_m3_s",

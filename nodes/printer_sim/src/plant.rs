@@ -59,6 +59,7 @@ pub struct Plant {
     law: StaticLaw,
     thermal: Thermal,
     bed: Kelvin,
+    bed_sensor: Kelvin,
     fan: f64,
     heater_w: f64,
     pressure: Pressure,
@@ -91,6 +92,7 @@ impl Plant {
             material,
             thermal: Thermal::uniform(ambient.0),
             bed: ambient,
+            bed_sensor: ambient,
             fan: 0.0,
             heater_w: 0.0,
             pressure: Pressure::RELAXED,
@@ -116,6 +118,7 @@ impl Plant {
             self.law = StaticLaw::new(&self.melt, &self.params.extruder, hotend, 1.0);
         }
         self.bed = bed.unwrap_or(self.bed);
+        self.bed_sensor = self.bed;
     }
 
     /// Filament and road over one step of `dt`.
@@ -179,8 +182,7 @@ impl Plant {
     /// Heat over one step of `dt`; the melt's law follows the new nozzle temperature.
     pub fn heat(&mut self, inputs: &Inputs, faults: &InForce, dt: Seconds) {
         let power_w = self.params.hotend.heater_power_w;
-        let duty = if faults.heater_stuck_on && inputs.mains_on { 1.0 } else { inputs.hotend_duty };
-        self.heater_w = duty * power_w * faults.heater_gain;
+        self.heater_w = power_w * faults.hotend_heater.power_share(inputs.hotend_duty, inputs.mains_on);
         self.fan = inputs.fan * faults.fan_gain;
         let air = self.air(faults);
         let heat = HeatInputs {
@@ -193,13 +195,17 @@ impl Plant {
         let before = self.thermal;
         self.thermal = self.params.hotend.step(before, &heat, dt);
         // A bead that fell out of the block follows what is around it with the same lag.
-        let beside = bead_surroundings(Kelvin(self.thermal.block_k), air, faults);
+        let beside = bead_surroundings(Kelvin(self.thermal.block_k), air, faults.hotend_sensor.circuit);
+        let kept = (-dt.0 / self.params.hotend.sensor_lag_s).exp();
         if (beside.0 - self.thermal.block_k).abs() > 0.0 {
-            let kept = (-dt.0 / self.params.hotend.sensor_lag_s).exp();
             self.thermal.sensor_k = beside.0 + (before.sensor_k - beside.0) * kept;
         }
-        let bed_w = inputs.bed_duty * self.params.bed.heater_power_w;
-        self.bed = self.params.bed.step(self.bed, bed_w, air, dt);
+        let bed_share = faults.bed_heater.power_share(inputs.bed_duty, inputs.mains_on);
+        self.bed = self.params.bed.step(self.bed, bed_share * self.params.bed.heater_power_w, air, dt);
+        // A bed follows its heater so slowly that a bead in its place shows no lag; beside it, it is a bead like any.
+        let beside = bead_surroundings(self.bed, air, faults.bed_sensor.circuit);
+        let apart_k = if beside == self.bed { 0.0 } else { self.bed_sensor.0 - beside.0 };
+        self.bed_sensor = Kelvin(beside.0 + apart_k * kept);
         let nozzle = Kelvin(self.thermal.nozzle_k);
         let melt_temp = self.melt.melt_temperature(nozzle, air, self.mean_flow_m3_s);
         self.law = StaticLaw::new(&self.melt, &self.params.extruder, melt_temp, faults.clog);
@@ -227,6 +233,12 @@ impl Plant {
     #[must_use]
     pub fn bed(&self) -> Kelvin {
         self.bed
+    }
+
+    /// Thermistor bead of the bed.
+    #[must_use]
+    pub fn bed_sensor(&self) -> Kelvin {
+        self.bed_sensor
     }
 
     /// Filament that passed the gear since start `[m]`.

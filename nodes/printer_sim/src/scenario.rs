@@ -3,7 +3,7 @@
 //! ```yaml
 //! description: drive gear loses 9 % from the middle of the print on
 //! faults:
-//!   - component: extruder       # extruder | filament | hotend_heater | hotend_thermistor | fan | ambient | motion | part
+//!   - component: extruder       # see `faults::Component`
 //!     kind: slip                # see `faults::Kind` for the kinds, their units and ranges
 //!     size: 0.09                # [-]
 //!     onset: {filament_share: 0.5}   # share of the commanded filament [0, 1]; or {time_s: 120}
@@ -71,8 +71,7 @@ impl RawEntry {
     /// The size, which only kinds without one may leave out.
     fn size_or_none(&self) -> Result<f64, FaultError> {
         let without =
-            matches!(self.kind, Kind::RunOut | Kind::StuckOn | Kind::Open | Kind::Short | Kind::Stuck)
-                || (self.component, self.kind) == (Component::Part, Kind::Detached);
+            self.kind.has_no_size() || (self.component, self.kind) == (Component::Part, Kind::Detached);
         self.size.or(without.then_some(0.0)).ok_or_else(|| FaultError::NoSize { kind: name_of(&self.kind) })
     }
 

@@ -3,6 +3,7 @@
 use crate::camera::Rig;
 use crate::drive::Drive;
 use crate::executor::{Executor, Motion, Sliced, Surroundings};
+use crate::fan::PartFan;
 use crate::faults::{Fault, InForce as FaultsInForce};
 use crate::heaters::Heaters;
 use crate::imu::Imu;
@@ -57,6 +58,7 @@ pub struct Simulator {
     drive: Drive,
     plant: Plant,
     heaters: Heaters,
+    part_fan: PartFan,
     dead_man: DeadMan,
     entries: Vec<Entry>,
     faults: Vec<Fault>,
@@ -97,6 +99,7 @@ impl Simulator {
             drive: Drive::new(host.drive, host.executor.host),
             plant: Plant::new(plant, material, Noise::new(seed, 4)),
             heaters: Heaters::new(plant),
+            part_fan: PartFan::new(host.firmware.part_fan),
             dead_man: DeadMan::new(params.dead_man, params.limits),
             entries: scenario.faults.clone(),
             faults: Vec::new(),
@@ -230,6 +233,7 @@ impl Simulator {
             mains_on: self.mains_on,
             fan: self.executor.sliced().fan,
         };
+        self.part_fan.step(inputs.fan * self.faults_in_force.fan_gain, dt);
         self.plant.heat(&inputs, &self.faults_in_force, dt);
     }
 
@@ -247,6 +251,18 @@ impl Simulator {
     #[must_use]
     pub fn now(&self) -> Seconds {
         self.now
+    }
+
+    /// What the dead-man has the printer do.
+    #[must_use]
+    pub fn in_force(&self) -> &InForce {
+        &self.in_force
+    }
+
+    /// The mains relay feeds the heaters.
+    #[must_use]
+    pub fn mains_on(&self) -> bool {
+        self.mains_on
     }
 
     /// The dead-man, for its counters.

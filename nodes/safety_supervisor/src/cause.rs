@@ -71,6 +71,19 @@ causes! {
         "check heater cartridge and its wires, then acknowledge";
     ThermistorDetached, "P3", "hot end temperature falls faster than it can cool",
         "check that the thermistor sits in the block, then acknowledge";
+    HotendNoisy, "S4", "many readings of the hot end temperature are off",
+        "check the thermistor's plug and wires beside the heater's";
+    HotendDrift, "S3", "the power that the hot end takes no longer fits its temperature",
+        "compare the thermistor with another one; look for a draught, a lost silicone sock or a melt leak";
+    HotendStep, "S10", "hot end temperature steps as no block can", "check the thermistor and its plug, then acknowledge";
+    BedFrozen, "P12", "bed temperature stands still while it cannot",
+        "check the reading path of the bed's thermistor, then acknowledge";
+    BedStuckOn, "P12", "the bed heats without being told to", "take the printer off the mains; replace the bed's switch";
+    BedDeficit, "P12", "the bed heater gives too little power", "check the bed's heater and its wires, then acknowledge";
+    BedThermistorDetached, "P12", "bed temperature falls faster than it can cool",
+        "check that the thermistor sits under the bed, then acknowledge";
+    PartFan, "P4", "the part fan does not turn as told", "clear or replace the part fan; overhangs and bridges may be bad";
+    StopInput, "P13", "the stop contact is open: button or door", "close it and make the printer safe, then acknowledge";
     FilamentSlip, "P6", "the filament does not follow the motor", "load filament if it has run out, else clear nozzle and drive gear; then resume";
     RunOut, "P7", "no filament", "load filament, then resume";
     LayerShift, "P8", "what was laid lies elsewhere than it was laid", "stop and print anew: the lost steps are not made up for";

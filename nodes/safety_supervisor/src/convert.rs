@@ -27,24 +27,7 @@ pub(crate) fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), Wire
 
 pub(crate) fn printer(message: &PrinterState) -> Result<(Seconds, Event), WireError> {
     let status = wire::status_from_wire(message)?;
-    let report = PrinterReport {
-        stamp: status.stamp,
-        phase: status.phase,
-        motor_position_m: status.motor_position_m,
-        wanted_position_m: status.wanted_position_m,
-        hotend_duty: status.hotend_duty,
-        bed_duty: status.bed_duty,
-        hotend_target: status.hotend_target,
-        hotend_sliced_target: status.hotend_sliced_target,
-        bed_target: status.bed_target,
-        fan: status.fan,
-        trims: status.trims,
-        path_speed_m_s: status.path_speed_m_s,
-        filament_present: status.filament_present,
-        homed: status.homed,
-        mains_on: status.mains_on,
-    };
-    Ok((status.stamp, Event::Printer(report)))
+    Ok((status.stamp, Event::Printer(PrinterReport::from(&status))))
 }
 
 /// A wish, and what the controller says of the work behind it.

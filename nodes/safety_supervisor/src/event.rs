@@ -1,7 +1,7 @@
 //! What goes into the supervisor and what comes out of it.
 
 use models::command::{Command, ControlHealth, EstimateHealth, Mode, Permit, Refusal, Trims};
-use models::status::JobPhase;
+use models::status::{JobPhase, PrinterStatus};
 use models::units::{Celsius, Seconds};
 
 use crate::attention::Level;
@@ -99,6 +99,34 @@ pub struct PrinterReport {
     pub homed: bool,
     /// The mains relay feeds the heaters.
     pub mains_on: bool,
+    /// Revolutions of the part fan `[1/s]`; `None` where it has no tachometer.
+    pub part_fan_speed_1_s: Option<f64>,
+    /// The stop contact is open; `None` where none is fitted.
+    pub stop_input: Option<bool>,
+}
+
+impl From<&PrinterStatus> for PrinterReport {
+    fn from(status: &PrinterStatus) -> Self {
+        Self {
+            stamp: status.stamp,
+            phase: status.phase,
+            motor_position_m: status.motor_position_m,
+            wanted_position_m: status.wanted_position_m,
+            hotend_duty: status.hotend_duty,
+            bed_duty: status.bed_duty,
+            hotend_target: status.hotend_target,
+            hotend_sliced_target: status.hotend_sliced_target,
+            bed_target: status.bed_target,
+            fan: status.fan,
+            trims: status.trims,
+            path_speed_m_s: status.path_speed_m_s,
+            filament_present: status.filament_present,
+            homed: status.homed,
+            mains_on: status.mains_on,
+            part_fan_speed_1_s: status.part_fan_speed_1_s,
+            stop_input: status.stop_input,
+        }
+    }
 }
 
 /// What goes in.
@@ -222,6 +250,10 @@ pub struct SafetyState {
     pub impulses: u64,
     /// Power balance of the hot end `[W]`, positive for heat that nobody ordered.
     pub hotend_excess_w: f64,
+    /// Power balance of the bed `[W]`, positive for heat that nobody ordered.
+    pub bed_excess_w: f64,
+    /// How far the hot end's reading seems to have drifted from its block `[K]`.
+    pub drift_k: f64,
     /// Slip over the encoder check's window `[-]`.
     pub slip: Option<f64>,
 }

@@ -1,6 +1,7 @@
 //! Every number of the supervisor, as in `config/safety_supervisor.param.yaml`, where ranges and sources stand too.
 
 mod oscillation;
+mod readings;
 mod required;
 mod rest;
 mod thermal;
@@ -11,6 +12,7 @@ use models::params::{ParamError, in_range};
 use serde::Deserialize;
 
 pub use oscillation::{OscillationParams, RawOscillationParams};
+pub use readings::{DriftParams, JumpParams, NoiseParams, PartFanParams, StopInputParams};
 pub use required::Streams;
 pub use rest::{
     AttentionParams, BurstParams, FilamentParams, ModeParams, RawAttentionParams, RawBurstParams,
@@ -128,6 +130,22 @@ pub struct RawParams {
     pub detached: DetachedParams,
     /// Energy balance of the hot end.
     pub heater: HeaterParams,
+    /// Hot end readings that step.
+    pub hotend_step: JumpParams,
+    /// Hot end readings that jump about.
+    pub noise: NoiseParams,
+    /// Hot end readings that drift.
+    pub drift: DriftParams,
+    /// Frozen bed reading.
+    pub bed_frozen: FrozenParams,
+    /// The bed's thermistor fell out.
+    pub bed_detached: DetachedParams,
+    /// Energy balance of the bed.
+    pub bed_heater: HeaterParams,
+    /// Part fan.
+    pub part_fan: PartFanParams,
+    /// Stop contact.
+    pub stop_input: StopInputParams,
     /// Encoder against motor.
     pub filament: FilamentParams,
     /// Run-out switch.
@@ -150,6 +168,11 @@ impl TryFrom<RawParams> for Params {
         in_range("permit_validity_s", raw.permit_validity_s, "s", (0.05, 0.25))?;
         in_range("envelope.period_s", raw.envelope.period_s, "s", (0.01, 2.0))?;
         in_range("envelope.rival_hold_s", raw.envelope.rival_hold_s, "s", (0.1, 60.0))?;
+        raw.hotend_step.check()?;
+        raw.noise.check()?;
+        raw.drift.check()?;
+        raw.part_fan.check()?;
+        raw.stop_input.check()?;
         Ok(Self(raw))
     }
 }

@@ -4,6 +4,7 @@ mod brains;
 mod observe;
 mod operate;
 mod parts;
+mod thermal;
 
 use models::command::{Limits, Mode, Permit, Trims};
 use models::status::JobPhase;
@@ -87,7 +88,7 @@ impl Supervisor {
             Event::Imu { first, period, samples } => self.on_imu(now, (first, period), &samples),
             Event::Vision(report) => self.on_vision(now, &report),
             Event::Hotend { stamp, temp } => self.on_hotend(now, stamp, temp),
-            Event::Bed { temp, .. } => self.on_bed(now, temp),
+            Event::Bed { stamp, temp } => self.on_bed(now, stamp, temp),
             Event::Encoder { position_m, .. } => self.on_encoder(now, position_m),
             Event::Printer(report) => self.on_printer(now, report),
             Event::EstimateHeartbeat { .. } => self.ages.estimate.note(now),
@@ -180,7 +181,9 @@ impl Supervisor {
                 age.forgive(gap);
             }
             self.checks.frozen.reset();
+            self.checks.bed_frozen.reset();
             self.checks.detached.reset();
+            self.checks.bed_detached.reset();
         }
         self.allowed = Trims::NEUTRAL;
         self.ramp = None;
@@ -237,6 +240,8 @@ impl Supervisor {
                 clamped_commands: self.envelope.clamped(),
                 impulses: self.checks.impulse.total(),
                 hotend_excess_w: self.checks.heater.excess_w(),
+                bed_excess_w: self.checks.bed_heater.excess_w(),
+                drift_k: self.checks.drift.residual_k(),
                 slip: self.checks.filament.slip(),
             },
             events: std::mem::take(&mut self.decisions),

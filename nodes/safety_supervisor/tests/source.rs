@@ -25,7 +25,7 @@ fn no_model_of_plant_or_estimator_is_used() {
         let text = fs::read_to_string(&file).unwrap();
         for (at, _) in text.match_indices("models::") {
             let rest = &text[at + "models::".len()..];
-            let allowed = ["command", "units", "params", "status::JobPhase"];
+            let allowed = ["command", "units", "params", "status"];
             assert!(
                 allowed.iter().any(|module| rest.starts_with(module)),
                 "{}: models::{:.20}",

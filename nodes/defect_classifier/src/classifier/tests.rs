@@ -76,6 +76,8 @@ fn status(stamp_s: f64, phase: JobPhase, layer: u32) -> Event {
         homed: true,
         mains_on: true,
         filament_present: None,
+        part_fan_speed_1_s: None,
+        stop_input: None,
     }))
 }
 

@@ -62,6 +62,8 @@ pub(crate) fn status(stamp_s: f64, feed_m_s: f64) -> PrinterStatus {
         homed: true,
         mains_on: true,
         filament_present: Some(true),
+        part_fan_speed_1_s: None,
+        stop_input: None,
     }
 }
 

@@ -88,6 +88,8 @@ impl Seen {
             homed: false,
             mains_on: true,
             filament_present: job.is_out_of_filament().then_some(false),
+            part_fan_speed_1_s: None,
+            stop_input: None,
         })
     }
 }

@@ -58,14 +58,19 @@ pub(super) fn range(component: Component, kind: Kind) -> Result<(&'static str, f
         (Component::Motion, Kind::LayerShiftX | Kind::LayerShiftY) => ("m", -0.05, 0.05),
         (Component::Motion, Kind::Knock) => ("m/s2", 0.0, 200.0),
         (Component::Filament, Kind::Diameter) => ("-", -0.1, 0.1),
-        (Component::HotendHeater | Component::Fan, Kind::Gain)
-        | (Component::HotendThermistor, Kind::Detached) => ("-", 0.0, 1.0),
-        (Component::HotendThermistor, Kind::Bias) => ("K", -300.0, 300.0),
+        (Component::HotendHeater | Component::BedHeater | Component::Fan, Kind::Gain)
+        | (Component::HotendThermistor | Component::BedThermistor, Kind::Detached) => ("-", 0.0, 1.0),
+        (Component::HotendThermistor | Component::BedThermistor, Kind::Bias) => ("K", -300.0, 300.0),
+        (Component::HotendThermistor | Component::BedThermistor, Kind::Noise) => ("-", 1.0, 100.0),
+        (Component::HotendThermistor | Component::BedThermistor, Kind::Spikes) => ("-", 0.0, 0.5),
         (Component::Ambient, Kind::Draught) => ("K", -30.0, 30.0),
         (Component::Filament, Kind::RunOut)
         | (Component::Part, Kind::Detached)
-        | (Component::HotendHeater, Kind::StuckOn)
-        | (Component::HotendThermistor, Kind::Open | Kind::Short | Kind::Stuck) => ("-", 0.0, 1.0),
+        | (Component::HotendHeater | Component::BedHeater, Kind::StuckOn)
+        | (Component::StopInput, Kind::Pressed)
+        | (Component::HotendThermistor | Component::BedThermistor, Kind::Open | Kind::Short | Kind::Stuck) => {
+            ("-", 0.0, 1.0)
+        }
         _ => {
             return Err(FaultError::Unknown {
                 component: name_of(&component),
@@ -81,8 +86,11 @@ pub(crate) fn allowed_kinds(component: Component) -> &'static str {
     match component {
         Component::Extruder => "slip, clog, leak",
         Component::Filament => "diameter, run_out",
-        Component::HotendHeater => "gain, stuck_on",
-        Component::HotendThermistor => "open, short, detached, stuck, bias",
+        Component::HotendHeater | Component::BedHeater => "gain, stuck_on",
+        Component::HotendThermistor | Component::BedThermistor => {
+            "open, short, detached, stuck, bias, noise, spikes"
+        }
+        Component::StopInput => "pressed",
         Component::Fan => "gain",
         Component::Ambient => "draught",
         Component::Motion => "layer_shift_x, layer_shift_y, knock",

@@ -1,10 +1,8 @@
 //! What the printer's firmware and sensors read.
 
 use super::Simulator;
-use crate::faults::Thermistor;
 use crate::output::Output;
 use crate::plant::Road;
-use crate::sensors::bead_surroundings;
 use models::command::Request;
 use models::status::JobPhase;
 use models::units::Celsius;
@@ -13,9 +11,8 @@ impl Simulator {
     /// Firmware: reads its thermistors and sets the duties.
     fn regulate(&mut self) {
         let faults = &self.faults_in_force;
-        let beside = bead_surroundings(self.plant.sensor(), self.plant.air(faults), faults);
-        let hotend = self.hotend_sensor.read(beside, faults.thermistor, faults.reading_bias_k);
-        let bed = self.bed_sensor.read(self.plant.bed(), Thermistor::Sound, 0.0);
+        let hotend = self.hotend_sensor.read(self.plant.sensor(), &faults.hotend_sensor);
+        let bed = self.bed_sensor.read(self.plant.bed_sensor(), &faults.bed_sensor);
         let sliced = *self.executor.sliced();
         let offset_k = self.motion.trims.unwrap_or(self.in_force.trims).setpoint_offset_k;
         self.heaters.hotend_target = match self.in_force.request {

@@ -48,6 +48,8 @@ impl Simulator {
                 .firmware
                 .runout_switch
                 .then_some(!self.faults_in_force.run_out),
+            part_fan_speed_1_s: self.part_fan.speed_1_s(),
+            stop_input: self.params.simulator.firmware.stop_input.then_some(self.faults_in_force.stop_input),
         }
     }
 }

@@ -266,6 +266,8 @@ impl Machine {
             homed: true,
             mains_on: self.mains_on,
             filament_present: None,
+            part_fan_speed_1_s: None,
+            stop_input: None,
         }
     }
 

@@ -13,6 +13,8 @@ const SHARE: (f64, f64) = (0.0, 1.0);
 const SPEED_M_S: (f64, f64) = (0.0, 10.0);
 const FACTOR: (f64, f64) = (0.0, 10.0);
 const ROAD_M: (f64, f64) = (0.0, 0.1);
+/// The fastest small fans turn 1000 times a second.
+const FAN_SPEED_1_S: (f64, f64) = (0.0, 2000.0);
 const TARGET_C: (f64, f64) = (-50.0, 600.0);
 
 /// The state as sent.
@@ -57,6 +59,10 @@ pub fn status_to_wire(status: &PrinterStatus) -> PrinterState {
         mains_on: status.mains_on,
         filament_switch_fitted: status.filament_present.is_some(),
         filament_present: status.filament_present.unwrap_or(false),
+        part_fan_speed_known: status.part_fan_speed_1_s.is_some(),
+        part_fan_speed_1_s: status.part_fan_speed_1_s.unwrap_or(0.0),
+        stop_input_fitted: status.stop_input.is_some(),
+        stop_input: status.stop_input.unwrap_or(false),
     }
 }
 
@@ -97,6 +103,13 @@ pub fn status_from_wire(wire: &PrinterState) -> Result<PrinterStatus, WireError>
         homed: wire.homed,
         mains_on: wire.mains_on,
         filament_present: wire.filament_switch_fitted.then_some(wire.filament_present),
+        part_fan_speed_1_s: optional(
+            wire.part_fan_speed_known,
+            "part_fan_speed_1_s",
+            wire.part_fan_speed_1_s,
+            FAN_SPEED_1_S,
+        )?,
+        stop_input: wire.stop_input_fitted.then_some(wire.stop_input),
     })
 }
 
@@ -158,6 +171,8 @@ pub(crate) fn sound() -> PrinterStatus {
         homed: true,
         mains_on: true,
         filament_present: None,
+        part_fan_speed_1_s: Some(78.5),
+        stop_input: Some(false),
     }
 }
 
@@ -169,6 +184,7 @@ mod tests {
     fn a_state_survives_the_wire() {
         assert_eq!(status_from_wire(&status_to_wire(&sound())), Ok(sound()));
         let bare = PrinterStatus { target_width_m: None, layer_height_m: None, layer: None, ..sound() };
+        let bare = PrinterStatus { part_fan_speed_1_s: None, stop_input: None, ..bare };
         assert_eq!(status_from_wire(&status_to_wire(&bare)), Ok(bare));
     }
 

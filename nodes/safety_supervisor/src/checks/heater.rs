@@ -11,6 +11,7 @@
 
 use models::units::{Celsius, Seconds};
 
+use super::drift::Balance;
 use super::drive_history::{DriveHistory, Means};
 use super::heater_start::{Begun, Start};
 use crate::params::{HeaterParams, ObserverParams};
@@ -136,10 +137,28 @@ impl HeaterCheck {
         self.moved_k = if changed { 0.0 } else { self.moved_k + rate_k_s * dt_s };
     }
 
-    /// The fault in force.
+    /// The fault in force. Of a `noisy` reading the fast observer means nothing, and the slow one as much as its own
+    /// limit for heat without order: what is missing has to be as large.
     #[must_use]
-    pub fn fault(&self) -> Option<HeaterFault> {
+    pub fn fault(&self, noisy: bool) -> Option<HeaterFault> {
+        if noisy {
+            let large = self.slow.excess_w().abs() > self.params.slow.stuck_on_w;
+            return self.slow.fault().filter(|_| large);
+        }
         self.fast.fault().or_else(|| self.slow.fault())
+    }
+
+    /// What the slow observer says, once an error of its beginning has died away.
+    #[must_use]
+    pub fn balance(&self) -> Option<Balance> {
+        let settled = self.start.is_none() && self.slow.settling_s <= 0.0;
+        settled.then_some(Balance { disturbance_w: self.slow.disturbance_w, warming_w: self.slow.warming_w })
+    }
+
+    /// Temperature of the block as the slow observer sees it.
+    #[must_use]
+    pub fn block(&self) -> Celsius {
+        Celsius(self.slow.block_c)
     }
 
     /// How far the balance says the temperature has moved since the reading last changed `[K]`.
@@ -151,7 +170,7 @@ impl HeaterCheck {
     /// Excess power over the order `[W]` as the fast observer sees it: for diagnostics.
     #[must_use]
     pub fn excess_w(&self) -> f64 {
-        self.fast.disturbance_w - self.fast.usual_w
+        self.fast.excess_w()
     }
 
     /// Forgets everything: after an acknowledge, a resume or a stop of the clock.
@@ -176,6 +195,8 @@ struct Observer {
     sensor_c: f64,
     disturbance_w: f64,
     usual_w: f64,
+    /// Power that warms the block `[W]`.
+    warming_w: f64,
     /// Time until what it says counts: an error of the beginning has died away `[s]`.
     settling_s: f64,
     over: u32,
@@ -194,6 +215,7 @@ impl Observer {
             sensor_c: 0.0,
             disturbance_w: 0.0,
             usual_w: 0.0,
+            warming_w: 0.0,
             settling_s,
             over: 0,
             under: 0,
@@ -220,19 +242,23 @@ impl Observer {
         self.usual_w = (self.usual_w + (self.disturbance_w - self.usual_w) * adapt)
             .clamp(-heater.usual_max_w, heater.usual_max_w);
 
+        self.warming_w = balance_w + self.disturbance_w;
         self.settling_s -= dt_s;
         if self.settling_s > 0.0 {
             return;
         }
-        let excess_w = self.disturbance_w - self.usual_w;
-        let warming_w = agreement(balance_w, balance_w + self.disturbance_w);
-        let slack_w = heater.capacity_error * warming_w;
+        let excess_w = self.excess_w();
+        let slack_w = heater.capacity_error * agreement(balance_w, self.warming_w);
         self.over = if excess_w > self.params.stuck_on_w + slack_w { self.over.saturating_add(1) } else { 0 };
         // No more can be missing than was ordered: an observer that starts while the block cools, its reading ahead of
         // it by the lag, sees a deficit of a heater that is off.
         let missing_w = (-excess_w).min(heater.power_w * inputs.duty);
         self.under =
             if missing_w > self.params.deficit_w + slack_w { self.under.saturating_add(1) } else { 0 };
+    }
+
+    fn excess_w(&self) -> f64 {
+        self.disturbance_w - self.usual_w
     }
 
     fn fault(&self) -> Option<HeaterFault> {

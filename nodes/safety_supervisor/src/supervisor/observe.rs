@@ -2,38 +2,15 @@
 
 use models::command::{Mode, Request};
 use models::status::JobPhase;
-use models::units::{Celsius, Seconds};
+use models::units::Seconds;
 
 use super::Supervisor;
 use crate::attention::Level;
 use crate::cause::{Cause, Reaction};
-use crate::checks::heater::{Drive, HeaterFault};
 use crate::event::{Defect, PrinterReport, VisionReport};
 use crate::modes::Raised;
 
 impl Supervisor {
-    pub(super) fn on_hotend(&mut self, now: Seconds, stamp: Seconds, temp: Celsius) {
-        if !(temp.0.is_finite() && stamp.0.is_finite()) {
-            return self.checks.bad_values.note(now);
-        }
-        self.ages.hotend.note(now);
-        self.checks.hotend_range.on_sample(temp);
-        self.checks.frozen.on_sample(now, temp);
-        self.hotend = Some(temp);
-        if self.checks.hotend_range.is_inside() {
-            self.checks.heater.on_sample(stamp, temp);
-            self.checks.detached.on_sample(stamp, temp);
-        }
-    }
-
-    pub(super) fn on_bed(&mut self, now: Seconds, temp: Celsius) {
-        if !temp.0.is_finite() {
-            return self.checks.bad_values.note(now);
-        }
-        self.ages.bed.note(now);
-        self.checks.bed_range.on_sample(temp);
-    }
-
     pub(super) fn on_encoder(&mut self, now: Seconds, position_m: f64) {
         if !is_a_position(position_m) {
             return self.checks.bad_values.note(now);
@@ -71,19 +48,18 @@ impl Supervisor {
 
     pub(super) fn on_printer(&mut self, now: Seconds, report: PrinterReport) {
         let finite = [report.stamp.0, report.hotend_sliced_target.0];
-        let shares = [report.hotend_duty, report.fan];
+        let shares = [report.hotend_duty, report.bed_duty, report.fan];
+        let fan_sound = report.part_fan_speed_1_s.is_none_or(|speed| speed.is_finite() && speed >= 0.0);
         if !(finite.iter().all(|value| value.is_finite())
             && is_a_position(report.motor_position_m)
+            && fan_sound
             && shares.iter().all(|share| (0.0..=1.0).contains(share)))
         {
             return self.checks.bad_values.note(now);
         }
         let phase_before = self.printer.map(|printer| printer.phase);
         self.ages.printer.note(now);
-        let duty = if report.mains_on { report.hotend_duty } else { 0.0 };
-        let drive = Drive { duty, fan: report.fan, motor_position_m: report.motor_position_m };
-        self.checks.heater.on_drive(report.stamp, drive);
-        self.checks.frozen.on_duty(duty);
+        self.on_drive(now, &report);
         if self.ages.encoder.reaction(now).is_some() {
             self.checks.filament.reset();
         } else {
@@ -131,16 +107,9 @@ impl Supervisor {
         set(Cause::StaleCommand, self.ages.command.reaction(now).filter(|_| acting && printing));
 
         let checks = &self.checks;
-        set(Cause::HotendRange, checks.hotend_range.tripped().then_some(Reaction::SafeOff));
-        set(Cause::BedRange, checks.bed_range.tripped().then_some(Reaction::SafeOff));
-        set(Cause::HotendFrozen, checks.frozen.tripped(checks.heater.moved_k()).then_some(Reaction::SafeOff));
-        set(Cause::ThermistorDetached, checks.detached.tripped().then_some(Reaction::SafeOff));
-        // The balance of a reading that stands still is the balance of nothing.
-        let suspect = checks.frozen.still().0 >= self.params.frozen.suspect_s;
-        let fault = checks.heater.fault().filter(|_| !suspect);
-        set(Cause::HeaterStuckOn, (fault == Some(HeaterFault::StuckOn)).then_some(Reaction::Estop));
-        set(Cause::HeaterDeficit, (fault == Some(HeaterFault::Deficit)).then_some(Reaction::SafeOff));
-
+        for (cause, reaction) in checks.thermal_causes(now, &self.params) {
+            set(cause, reaction);
+        }
         set(Cause::FilamentSlip, (printing && checks.filament.tripped()).then_some(Reaction::Pause));
         set(Cause::RunOut, checks.run_out.tripped(now).then_some(Reaction::Pause));
         set(Cause::LayerShift, (printing && checks.shift.tripped()).then_some(Reaction::Pause));

@@ -4,15 +4,20 @@ use crate::attention::Attention;
 use crate::checks::bad_values::Burst;
 use crate::checks::defect::DefectCheck;
 use crate::checks::detached::DetachedCheck;
+use crate::checks::drift::DriftCheck;
 use crate::checks::filament::FilamentCheck;
 use crate::checks::frozen::FrozenCheck;
 use crate::checks::heater::HeaterCheck;
 use crate::checks::impulse::ImpulseCheck;
+use crate::checks::jump::JumpCheck;
+use crate::checks::noise::NoiseCheck;
 use crate::checks::oscillation::OscillationCheck;
+use crate::checks::part_fan::PartFanCheck;
 use crate::checks::range::RangeCheck;
 use crate::checks::run_out::RunOutCheck;
 use crate::checks::shift::ShiftCheck;
 use crate::checks::stale::StaleCheck;
+use crate::checks::stop_input::StopInputCheck;
 use crate::event::{Defect, Stream};
 use crate::params::{Params, Streams};
 use models::units::Seconds;
@@ -98,6 +103,14 @@ pub(super) struct Checks {
     pub(super) frozen: FrozenCheck,
     pub(super) detached: DetachedCheck,
     pub(super) heater: HeaterCheck,
+    pub(super) step: JumpCheck,
+    pub(super) noise: NoiseCheck,
+    pub(super) drift: DriftCheck,
+    pub(super) bed_frozen: FrozenCheck,
+    pub(super) bed_detached: DetachedCheck,
+    pub(super) bed_heater: HeaterCheck,
+    pub(super) part_fan: PartFanCheck,
+    pub(super) stop_input: StopInputCheck,
     pub(super) filament: FilamentCheck,
     pub(super) run_out: RunOutCheck,
     pub(super) impulse: ImpulseCheck,
@@ -118,6 +131,14 @@ impl Checks {
             frozen: FrozenCheck::new(params.frozen),
             detached: DetachedCheck::new(params.detached),
             heater: HeaterCheck::new(params.heater),
+            step: JumpCheck::new(params.hotend_step),
+            noise: NoiseCheck::new(params.noise),
+            drift: DriftCheck::new(params.drift),
+            bed_frozen: FrozenCheck::new(params.bed_frozen),
+            bed_detached: DetachedCheck::new(params.bed_detached),
+            bed_heater: HeaterCheck::new(params.bed_heater),
+            part_fan: PartFanCheck::new(params.part_fan),
+            stop_input: StopInputCheck::new(params.stop_input),
             filament: FilamentCheck::new(params.filament),
             run_out: RunOutCheck::new(params.run_out),
             impulse: ImpulseCheck::new(params.impulse),
@@ -135,6 +156,12 @@ impl Checks {
         self.heater.reset();
         self.frozen.reset();
         self.detached.reset();
+        self.step.reset();
+        self.noise.reset();
+        self.drift.reset();
+        self.bed_frozen.reset();
+        self.bed_detached.reset();
+        self.bed_heater.reset();
         self.filament.reset();
         self.shift.reset();
         self.defect.reset();

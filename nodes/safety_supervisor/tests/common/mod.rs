@@ -75,6 +75,8 @@ pub(crate) fn report(now_s: f64) -> PrinterReport {
         filament_present: None,
         homed: true,
         mains_on: true,
+        part_fan_speed_1_s: None,
+        stop_input: None,
     }
 }
 

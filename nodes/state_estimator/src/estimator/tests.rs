@@ -72,6 +72,8 @@ fn status(stamp_s: f64, motor_m: f64) -> PrinterStatus {
         homed: true,
         mains_on: true,
         filament_present: Some(true),
+        part_fan_speed_1_s: None,
+        stop_input: None,
     }
 }
 

@@ -45,6 +45,8 @@ fn laying(stamp_s: f64, layer: u32, along_m: f64) -> PrinterStatus {
         homed: true,
         mains_on: true,
         filament_present: None,
+        part_fan_speed_1_s: None,
+        stop_input: None,
     }
 }
 

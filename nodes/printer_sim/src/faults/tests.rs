@@ -1,0 +1,59 @@
+//! What faults together do.
+
+use super::*;
+
+fn slip(ramp_s: f64, duration_s: Option<f64>) -> Fault {
+    Fault {
+        component: Component::Extruder,
+        kind: Kind::Slip,
+        size: 0.1,
+        ramp: Seconds(ramp_s),
+        duration: duration_s.map(Seconds),
+        onset: Seconds(10.0),
+    }
+}
+
+#[test]
+fn a_step_is_whole_from_its_onset_and_gone_after_its_duration() {
+    let at = |now_s: f64| InForce::at(Seconds(now_s), &[slip(0.0, Some(5.0))]).slip;
+    assert_eq!(
+        [at(9.999), at(10.0), at(14.999), at(15.0)].map(|slip| slip > 0.0),
+        [false, true, true, false]
+    );
+}
+
+#[test]
+fn a_ramp_grows_linearly_and_stays() {
+    let at = |now_s: f64| InForce::at(Seconds(now_s), &[slip(4.0, None)]).slip;
+    assert!((at(11.0) - 0.025).abs() < 1e-12);
+    assert!((at(99.0) - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn two_slips_add_up() {
+    let both = InForce::at(Seconds(20.0), &[slip(0.0, None), slip(0.0, None)]);
+    assert!((both.slip - 0.2).abs() < 1e-12);
+}
+
+#[test]
+fn a_shorted_switch_heats_until_the_mains_relay_opens() {
+    let shorted = HeaterFaults { gain: 1.0, stuck_on: true };
+    assert_eq!([shorted.power_share(0.0, true), shorted.power_share(0.0, false)], [1.0, 0.0]);
+    let weak = HeaterFaults { gain: 0.2, stuck_on: false };
+    assert!((weak.power_share(0.5, true) - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn each_thermistor_has_faults_of_its_own() {
+    let fault = |component, kind, size| Fault { component, kind, size, ..slip(0.0, None) };
+    let bed = InForce::at(Seconds(20.0), &[fault(Component::BedThermistor, Kind::Noise, 10.0)]);
+    assert_eq!((bed.bed_sensor.noise, bed.hotend_sensor), (10.0, SensorFaults::NONE));
+    let both = InForce::at(
+        Seconds(20.0),
+        &[
+            fault(Component::HotendThermistor, Kind::Spikes, 0.3),
+            fault(Component::HotendThermistor, Kind::Bias, 30.0),
+        ],
+    );
+    assert_eq!((both.hotend_sensor.spikes, both.hotend_sensor.bias_k), (0.3, 30.0));
+}

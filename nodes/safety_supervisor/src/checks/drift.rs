@@ -1,0 +1,207 @@
+//! S3: a reading that drifts away from its block.
+//!
+//! The firmware holds the reading, so the reading shows nothing: what shows is the power. While the block moves at
+//! `r` under a reading that stands, the balance lacks `C r`, 3.3 W at 0.2 K/s. Against the usual power that the last
+//! minutes have taught, a cumulative sum with an allowance tells a lasting change from noise, and the energy since
+//! the change began, over the capacity, is how far block and reading have come apart:
+//! `residual = 1/C integral (d - d_usual) dt`.
+//!
+//! A draught takes as much power as a drift gives. The bed beside it feels the same air: what the bed's balance lacks
+//! at the same time explains its share of what the hot end's lacks. Without a bed that is warm enough to tell, a
+//! residual is a reason to be careful, not to switch off.
+
+use models::units::Seconds;
+
+use crate::params::DriftParams;
+
+/// Longest step of the sums `[s]`: after a longer gap only the time is taken.
+const GAP_MAX_S: f64 = 1.0;
+
+/// What the balances say at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Balance {
+    /// Heat that nobody ordered `[W]`, negative where ordered heat is missing.
+    pub disturbance_w: f64,
+    /// Power that warms the block `[W]`.
+    pub warming_w: f64,
+}
+
+/// One direction of the cumulative sum.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Sum {
+    beyond_j: f64,
+    energy_j: f64,
+}
+
+impl Sum {
+    fn add(&mut self, excess_w: f64, allowance_w: f64, dt_s: f64) {
+        self.beyond_j = (self.beyond_j + (excess_w - allowance_w) * dt_s).max(0.0);
+        self.energy_j = if self.beyond_j > 0.0 { self.energy_j + excess_w * dt_s } else { 0.0 };
+    }
+}
+
+/// Watches one heater through its balance.
+#[derive(Debug, Clone)]
+pub struct DriftCheck {
+    params: DriftParams,
+    newest: Option<Seconds>,
+    learnt_s: f64,
+    usual_w: f64,
+    usual_bed_w: f64,
+    bed_known: bool,
+    over: Sum,
+    under: Sum,
+}
+
+impl DriftCheck {
+    /// A check that has seen nothing.
+    #[must_use]
+    pub fn new(params: DriftParams) -> Self {
+        Self {
+            params,
+            newest: None,
+            learnt_s: 0.0,
+            usual_w: 0.0,
+            usual_bed_w: 0.0,
+            bed_known: false,
+            over: Sum::default(),
+            under: Sum::default(),
+        }
+    }
+
+    /// Takes the balance of the hot end at `stamp`, and the disturbance of a bed that is warm enough to tell of the
+    /// air `[W]`.
+    pub fn on_balance(&mut self, stamp: Seconds, balance: Balance, bed_w: Option<f64>) {
+        let dt_s = self.newest.replace(stamp).map_or(0.0, |newest| (stamp - newest).0);
+        // While the set-point moves, what is missing may be the error of the capacity.
+        if !(dt_s > 0.0 && dt_s <= GAP_MAX_S) || balance.warming_w.abs() > self.params.steady_w {
+            return;
+        }
+        if bed_w.is_some() != self.bed_known {
+            self.bed_known = bed_w.is_some();
+            self.usual_bed_w = bed_w.unwrap_or(0.0);
+        }
+        let apart_w = balance.disturbance_w - self.usual_w;
+        let apart_bed_w = bed_w.map_or(0.0, |bed_w| bed_w - self.usual_bed_w);
+        if self.learnt_s >= self.params.learn_s {
+            let excess_w = unexplained(apart_w, self.params.air_share * apart_bed_w);
+            self.over.add(excess_w, self.params.allowance_w, dt_s);
+            self.under.add(-excess_w, self.params.allowance_w, dt_s);
+        }
+        if self.over.beyond_j.max(self.under.beyond_j) <= self.params.doubt_j {
+            self.learnt_s += dt_s;
+            let share = dt_s / self.learnt_s.min(self.params.usual_time_s);
+            self.usual_w += apart_w * share;
+            self.usual_bed_w += apart_bed_w * share;
+        }
+    }
+
+    /// How far block and reading have come apart `[K]`, positive for a reading above its block.
+    #[must_use]
+    pub fn residual_k(&self) -> f64 {
+        (self.over.energy_j - self.under.energy_j) / self.params.capacity_j_k
+    }
+
+    /// Whether they are so far apart that corrections rest on a wrong reading.
+    #[must_use]
+    pub fn is_doubtful(&self) -> bool {
+        self.residual_k().abs() >= self.params.degraded_k
+    }
+
+    /// Whether they are so far apart that heating on is a risk, and no draught explains it.
+    #[must_use]
+    pub fn tripped(&self) -> bool {
+        self.bed_known && self.residual_k().abs() >= self.params.safe_off_k
+    }
+
+    /// Forgets everything.
+    pub fn reset(&mut self) {
+        *self = Self::new(self.params);
+    }
+}
+
+/// What is left of a change once the air has had its share; never less than nothing.
+fn unexplained(apart_w: f64, air_w: f64) -> f64 {
+    if apart_w * air_w <= 0.0 { apart_w } else { apart_w.signum() * (apart_w.abs() - air_w.abs()).max(0.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check() -> DriftCheck {
+        DriftCheck::new(DriftParams {
+            capacity_j_k: 16.7,
+            learn_s: 20.0,
+            usual_time_s: 180.0,
+            steady_w: 2.5,
+            allowance_w: 1.6,
+            doubt_j: 15.0,
+            air_share: 0.36,
+            bed_above_air_k: 15.0,
+            degraded_k: 5.0,
+            safe_off_k: 15.0,
+        })
+    }
+
+    /// Feeds a constant balance at 10 Hz until a span is over or the check trips; returns the time it took.
+    fn feed(check: &mut DriftCheck, from_s: f64, span_s: f64, (hotend_w, bed_w): (f64, Option<f64>)) -> f64 {
+        let mut now_s = from_s;
+        while now_s < from_s + span_s && !check.tripped() {
+            now_s += 0.1;
+            let balance = Balance { disturbance_w: hotend_w, warming_w: 0.0 };
+            check.on_balance(Seconds(now_s), balance, bed_w);
+        }
+        now_s - from_s
+    }
+
+    /// 0.2 K/s take 16.7 * 0.2 = 3.34 W; 5 K are there after 25 s, 15 K after 75 s.
+    #[test]
+    fn a_drift_is_as_far_as_its_energy_says() {
+        for sign in [-1.0, 1.0] {
+            let mut check = check();
+            feed(&mut check, 0.0, 100.0, (2.0, Some(4.0)));
+            feed(&mut check, 100.0, 30.0, (2.0 + sign * 3.34, Some(4.0)));
+            assert!(check.is_doubtful() && !check.tripped(), "{}", check.residual_k());
+            let time_s = 30.0 + feed(&mut check, 130.0, 60.0, (2.0 + sign * 3.34, Some(4.0)));
+            // The doubt takes 15 J / 1.7 W = 9 s, in which the usual power learns 9/180 of the change.
+            assert!((75.0..83.0).contains(&time_s), "{time_s} s");
+        }
+    }
+
+    #[test]
+    fn what_the_bed_feels_too_is_air() {
+        let mut check = check();
+        feed(&mut check, 0.0, 100.0, (2.0, Some(4.0)));
+        feed(&mut check, 100.0, 200.0, (2.0 - 4.5, Some(4.0 - 12.5)));
+        assert!(!check.is_doubtful(), "{}", check.residual_k());
+    }
+
+    #[test]
+    fn without_a_bed_to_tell_it_never_switches_off() {
+        let mut check = check();
+        feed(&mut check, 0.0, 100.0, (2.0, None));
+        feed(&mut check, 100.0, 200.0, (2.0 - 4.5, None));
+        assert!(check.is_doubtful() && !check.tripped());
+    }
+
+    #[test]
+    fn a_change_below_the_allowance_becomes_usual() {
+        let mut check = check();
+        feed(&mut check, 0.0, 100.0, (2.0, Some(4.0)));
+        feed(&mut check, 100.0, 600.0, (3.5, Some(4.0)));
+        assert!(check.residual_k().abs() < 1e-9);
+        assert!((check.usual_w - 3.5).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_moving_set_point_is_not_judged() {
+        let mut check = check();
+        feed(&mut check, 0.0, 100.0, (2.0, Some(4.0)));
+        for tick in 0..600 {
+            let balance = Balance { disturbance_w: -6.0, warming_w: 20.0 };
+            check.on_balance(Seconds(100.0 + 0.1 * f64::from(tick)), balance, Some(4.0));
+        }
+        assert!(check.residual_k().abs() < 1e-9);
+    }
+}

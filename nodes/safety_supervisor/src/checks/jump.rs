@@ -1,0 +1,101 @@
+//! S10: a reading that steps as no block can, and stays there: a loose contact, another divider, a swapped sensor.
+//!
+//! A block of known capacity and heater moves at most so fast. A reading that is further off than that, for several
+//! samples that agree with each other, has stepped; one that comes back was a spike.
+
+use models::units::{Celsius, Seconds};
+
+use crate::params::JumpParams;
+
+/// Watches one temperature.
+#[derive(Debug, Clone)]
+pub struct JumpCheck {
+    params: JumpParams,
+    /// Last reading that a block can have.
+    held: Option<(Seconds, f64)>,
+    /// Newest reading away from it, and how many in a row agree.
+    apart: Option<(f64, u32)>,
+}
+
+impl JumpCheck {
+    /// A check that has seen nothing.
+    #[must_use]
+    pub fn new(params: JumpParams) -> Self {
+        Self { params, held: None, apart: None }
+    }
+
+    /// Takes a temperature of `stamp`.
+    pub fn on_sample(&mut self, stamp: Seconds, temp: Celsius) {
+        let Some((then, held_c)) = self.held else {
+            self.held = Some((stamp, temp.0));
+            return;
+        };
+        let gap_s = (stamp - then).0;
+        if gap_s <= 0.0 && gap_s > -self.params.gap_max_s {
+            return;
+        }
+        let reach_k = self.params.step_k + self.params.rate_max_k_s * gap_s;
+        if !(0.0..self.params.gap_max_s).contains(&gap_s) || (temp.0 - held_c).abs() <= reach_k {
+            (self.held, self.apart) = (Some((stamp, temp.0)), None);
+            return;
+        }
+        let in_a_row = match self.apart {
+            Some((last_c, count)) if (temp.0 - last_c).abs() <= self.params.step_k => count.saturating_add(1),
+            _ => 1,
+        };
+        self.apart = Some((temp.0, in_a_row));
+    }
+
+    /// Whether it stepped. It stays so until the gap is too long to be judged: the new level is then taken for what
+    /// it is, and only a person's acknowledge ends what was latched meanwhile.
+    #[must_use]
+    pub fn tripped(&self) -> bool {
+        self.apart.is_some_and(|(_, count)| count >= self.params.samples)
+    }
+
+    /// Forgets the readings.
+    pub fn reset(&mut self) {
+        *self = Self::new(self.params);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(readings_c: &[f64]) -> JumpCheck {
+        let mut check =
+            JumpCheck::new(JumpParams { step_k: 12.0, rate_max_k_s: 4.0, samples: 8, gap_max_s: 3.0 });
+        for (number, temp_c) in readings_c.iter().enumerate() {
+            check.on_sample(Seconds(0.1 * number as f64), Celsius(*temp_c));
+        }
+        check
+    }
+
+    #[test]
+    fn a_step_that_stays_trips_in_less_than_a_second_either_way() {
+        for step_k in [-20.0, 20.0] {
+            let mut readings_c = vec![210.0; 5];
+            readings_c.extend([210.0 + step_k; 7]);
+            assert!(!after(&readings_c).tripped());
+            readings_c.push(210.0 + step_k);
+            assert!(after(&readings_c).tripped());
+        }
+    }
+
+    /// A 40 W heater with 16.7 J/K rises by 2.4 K/s: 120 K in 50 s, and 0.24 K from sample to sample.
+    #[test]
+    fn heat_up_and_spikes_are_none() {
+        let ramp_c: Vec<f64> = (0..500).map(|number| 25.0 + 0.24 * f64::from(number)).collect();
+        assert!(!after(&ramp_c).tripped());
+        let spiky_c: Vec<f64> = (0..500).map(|number| if number % 3 == 0 { 240.0 } else { 210.0 }).collect();
+        assert!(!after(&spiky_c).tripped());
+    }
+
+    #[test]
+    fn a_level_that_lasts_is_taken_for_what_it_is() {
+        let mut readings_c = vec![210.0; 5];
+        readings_c.extend([240.0; 40]);
+        assert!(!after(&readings_c).tripped());
+    }
+}

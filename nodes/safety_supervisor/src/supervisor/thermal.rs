@@ -1,0 +1,103 @@
+//! Heaters, thermistors, part fan and stop contact: what goes into their checks and what they call for.
+
+use models::units::{Celsius, Seconds};
+
+use super::Supervisor;
+use super::parts::Checks;
+use crate::cause::{Cause, Reaction};
+use crate::checks::heater::{Drive, HeaterFault};
+use crate::event::PrinterReport;
+use crate::params::Params;
+
+impl Supervisor {
+    pub(super) fn on_hotend(&mut self, now: Seconds, stamp: Seconds, temp: Celsius) {
+        if !(temp.0.is_finite() && stamp.0.is_finite()) {
+            return self.checks.bad_values.note(now);
+        }
+        self.ages.hotend.note(now);
+        let checks = &mut self.checks;
+        checks.hotend_range.on_sample(temp);
+        checks.frozen.on_sample(now, temp);
+        self.hotend = Some(temp);
+        if checks.hotend_range.is_inside() {
+            checks.noise.on_sample(temp);
+            checks.heater.on_sample(stamp, temp);
+            checks.detached.on_sample(stamp, temp);
+            checks.step.on_sample(stamp, temp);
+            if let Some(balance) = checks.heater.balance().filter(|_| !checks.noise.is_suspect()) {
+                let bed_w = checks.bed_tells_w(self.params.drift.bed_above_air_k, &self.params);
+                checks.drift.on_balance(stamp, balance, bed_w);
+            }
+        }
+    }
+
+    pub(super) fn on_bed(&mut self, now: Seconds, stamp: Seconds, temp: Celsius) {
+        if !(temp.0.is_finite() && stamp.0.is_finite()) {
+            return self.checks.bad_values.note(now);
+        }
+        self.ages.bed.note(now);
+        let checks = &mut self.checks;
+        checks.bed_range.on_sample(temp);
+        checks.bed_frozen.on_sample(now, temp);
+        if checks.bed_range.is_inside() {
+            checks.bed_heater.on_sample(stamp, temp);
+            checks.bed_detached.on_sample(stamp, temp);
+        }
+    }
+
+    /// What the printer does with its heaters and fan.
+    pub(super) fn on_drive(&mut self, now: Seconds, report: &PrinterReport) {
+        let powered = |duty: f64| if report.mains_on { duty } else { 0.0 };
+        let (hotend, bed) = (powered(report.hotend_duty), powered(report.bed_duty));
+        let checks = &mut self.checks;
+        checks.part_fan.on_speed(now, report.fan, report.part_fan_speed_1_s);
+        checks.stop_input.on_input(report.stop_input);
+        // A fan that does not turn does not cool, whatever it is told.
+        let fan = checks.part_fan.flow_share(report.fan, report.part_fan_speed_1_s);
+        let motor_position_m = report.motor_position_m;
+        checks.heater.on_drive(report.stamp, Drive { duty: hotend, fan, motor_position_m });
+        checks.frozen.on_duty(hotend);
+        checks.bed_heater.on_drive(report.stamp, Drive { duty: bed, fan: 0.0, motor_position_m: 0.0 });
+        checks.bed_frozen.on_duty(bed);
+    }
+}
+
+impl Checks {
+    /// What the bed's balance lacks or has too much of, where the bed is warm enough to tell of the air.
+    fn bed_tells_w(&self, above_air_k: f64, params: &Params) -> Option<f64> {
+        let warm = self.bed_heater.block().0 >= params.bed_heater.ambient_c + above_air_k;
+        self.bed_heater.balance().filter(|_| warm).map(|balance| balance.disturbance_w)
+    }
+
+    /// What each thermal cause calls for now.
+    pub(super) fn thermal_causes(&self, now: Seconds, params: &Params) -> [(Cause, Option<Reaction>); 15] {
+        let safe_off = |tripped: bool| tripped.then_some(Reaction::SafeOff);
+        let estop = |tripped: bool| tripped.then_some(Reaction::Estop);
+        let degrade = |tripped: bool| tripped.then_some(Reaction::Degrade);
+        let noisy = self.noise.is_suspect();
+        // The balance of a reading that stands still is the balance of nothing.
+        let suspect = self.frozen.still().0 >= params.frozen.suspect_s;
+        let fault = self.heater.fault(noisy).filter(|_| !suspect);
+        let bed_suspect = self.bed_frozen.still().0 >= params.bed_frozen.suspect_s;
+        let bed_fault = self.bed_heater.fault(false).filter(|_| !bed_suspect);
+        let drift = safe_off(self.drift.tripped()).or(degrade(self.drift.is_doubtful()));
+        [
+            (Cause::HotendRange, safe_off(self.hotend_range.tripped())),
+            (Cause::BedRange, safe_off(self.bed_range.tripped())),
+            (Cause::HotendFrozen, safe_off(self.frozen.tripped(self.heater.moved_k()))),
+            (Cause::ThermistorDetached, safe_off(self.detached.tripped() && !noisy)),
+            (Cause::HeaterStuckOn, estop(fault == Some(HeaterFault::StuckOn))),
+            (Cause::HeaterDeficit, safe_off(fault == Some(HeaterFault::Deficit))),
+            (Cause::HotendStep, safe_off(self.step.tripped())),
+            (Cause::HotendNoisy, degrade(self.noise.tripped())),
+            (Cause::HotendDrift, drift),
+            (Cause::BedFrozen, safe_off(self.bed_frozen.tripped(self.bed_heater.moved_k()))),
+            (Cause::BedThermistorDetached, safe_off(self.bed_detached.tripped())),
+            // A switch that conducts by itself stops at the mains relay alone.
+            (Cause::BedStuckOn, estop(bed_fault == Some(HeaterFault::StuckOn))),
+            (Cause::BedDeficit, safe_off(bed_fault == Some(HeaterFault::Deficit))),
+            (Cause::PartFan, degrade(self.part_fan.tripped(now))),
+            (Cause::StopInput, estop(self.stop_input.tripped())),
+        ]
+    }
+}
