@@ -21,6 +21,7 @@ mod modal;
 mod moves;
 mod number;
 mod oddity;
+pub mod order;
 mod read;
 mod settings;
 pub mod survey;
