@@ -1,12 +1,14 @@
 //! The controller: events in, a command per estimate out, a plan per tick.
 
-use crate::advance::{Advance, AdvanceReport, Prediction};
+use crate::advance::{Advance, Prediction};
 use crate::catch_up::CatchUp;
-use crate::input::{Estimate, Event, Refusals, is_valid};
+use crate::fallback::Ladder;
+use crate::input::{Estimate, Event, is_valid};
 use crate::nominal::Nominal;
 use crate::params::{Level, Params};
-use crate::qp::{BuildError, Lags, Move, Outcome, Qp, input};
-use models::command::{Command, Trims};
+use crate::qp::{BuildError, Lags, Move, Qp, input};
+use crate::saturation::Saturation;
+use models::command::{Command, ControlHealth, Trims};
 use models::extruder::Extruder;
 use models::hotend::Hotend;
 use models::material::Material;
@@ -22,33 +24,6 @@ struct Printer {
     melt: Melt,
 }
 
-/// What the controller has done and seen, for diagnostics.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Report {
-    /// How the last solve ended; `None` before the first.
-    pub outcome: Option<Outcome>,
-    /// Solves that ended optimal.
-    pub solved: u64,
-    /// Solves that fell back on the last plan.
-    pub fallbacks: u64,
-    /// Estimates or ticks without a command, since an input was too old.
-    pub starved: u64,
-    /// Times the trims in force were taken over.
-    pub adopted: u64,
-    /// Flow error of the last solve `[-]`.
-    pub flow_error: f64,
-    /// Gain error of the last solve `[-]`.
-    pub gain_error: f64,
-    /// Temperature error of the last solve `[K]`.
-    pub temperature_error_k: f64,
-    /// Filament still owed by a host without a loop `[m]`.
-    pub shortfall_m: f64,
-    /// Pressure advance.
-    pub advance: AdvanceReport,
-    /// Inputs not used.
-    pub refusals: Refusals,
-}
-
 /// Receding-horizon controller over slicer values. Knows no clock and no middleware.
 #[derive(Debug)]
 pub struct Controller {
@@ -60,6 +35,8 @@ pub struct Controller {
     catch_up: CatchUp,
     advance: Advance,
     nominal: Nominal,
+    ladder: Ladder,
+    saturation: Saturation,
     /// Slow mean of the flow error `[-]`.
     flow_error: f64,
     status: Option<PrinterStatus>,
@@ -100,10 +77,13 @@ impl Controller {
             },
             session,
             sequence: 0,
-            qp: Qp::new(params.cost, params.limits, lags, params.solver)?,
+            qp: Qp::new(params.cost, params.limits, lags, params.solver)?
+                .with_softening(params.health.soften),
             catch_up: CatchUp::new(params.slip),
             advance: Advance::new(params.advance),
             nominal: Nominal::new(material.lag_s),
+            ladder: Ladder::new(&params.health),
+            saturation: Saturation::new(params.health, params.limits.low(), params.limits.high()),
             flow_error: 0.0,
             status: None,
             estimate: None,
@@ -117,7 +97,20 @@ impl Controller {
     /// What was done and seen so far.
     #[must_use]
     pub fn report(&self) -> Report {
-        Report { shortfall_m: self.catch_up.shortfall_m(), advance: self.advance.report(), ..self.report }
+        Report {
+            shortfall_m: self.catch_up.shortfall_m(),
+            advance: self.advance.report(),
+            softened: self.qp.softened(),
+            saturated_s: self.saturation.longest_s(),
+            ..self.report
+        }
+    }
+
+    /// What is to be told beside the newest command.
+    #[must_use]
+    pub fn health(&self) -> ControlHealth {
+        let stuck = if self.saturation.is_long() { ControlHealth::Saturated } else { ControlHealth::Sound };
+        self.ladder.health().max(stuck)
     }
 
     /// Takes one event in; an estimate yields a command unless an input is too old.
@@ -219,6 +212,8 @@ impl Controller {
         self.flow_error = 0.0;
         self.catch_up.open();
         self.advance.rest();
+        self.ladder.clear();
+        self.saturation.clear();
     }
 
     /// Where the printer keeps other trims than the sent ones (observed, limited, lapsed), goes on from those.
@@ -283,6 +278,9 @@ fn moves_of(trims: &Trims) -> Move {
 }
 
 mod planning;
+mod report;
+
+pub use report::Report;
 
 #[cfg(test)]
 mod tests;

@@ -20,6 +20,7 @@ mod controller;
 #[cfg(feature = "ros")]
 mod convert;
 mod deadband;
+mod fallback;
 mod input;
 #[cfg(feature = "ros")]
 pub mod node;
@@ -27,6 +28,7 @@ mod nominal;
 pub mod params;
 pub mod qp;
 pub mod reference;
+mod saturation;
 pub mod trims;
 pub mod wire;
 

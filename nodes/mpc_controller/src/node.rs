@@ -1,5 +1,6 @@
 //! The shell: estimates and measurements in, commands out.
 
+use fdm_loop_msgs::ControlCommand;
 use models::command::{Command, Trims};
 use models::material::Material;
 use models::printer::Printer;
@@ -64,7 +65,8 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
                     // A controller made anew counts from one; the session's sequence goes on.
                     command.sequence = newest.sequence + 1;
                     newest = command;
-                    commands.send(command_to_wire(clock.now(), &command));
+                    let wire = command_to_wire(clock.now(), &command);
+                    commands.send(ControlCommand { health: controller.health() as u8, ..wire });
                 }
                 follow(&mut estimate.refused, &controller, |all| &all.estimate);
             }
@@ -147,6 +149,8 @@ fn follow(refused: &mut Refused, controller: &Controller, of: fn(&Refusals) -> &
 fn show(diagnostics: &Diagnostics, report: &Report) {
     diagnostics.set("solved", report.solved);
     diagnostics.set("fallbacks", report.fallbacks);
+    diagnostics.set("softened", report.softened);
+    diagnostics.set("saturated_s", format_args!("{:.1}", report.saturated_s));
     diagnostics.set("starved", report.starved);
     diagnostics.set("adopted", report.adopted);
     diagnostics.set("refused_ticks", report.refusals.tick.invalid + report.refusals.tick.late);

@@ -73,6 +73,8 @@ pub struct RawParams {
     pub limits: RawLimits,
     /// Solver.
     pub solver: RawSolver,
+    /// When a command is not to be trusted.
+    pub health: RawHealth,
     /// Errors that are left alone.
     pub deadband: RawDeadband,
     /// Reference of the nozzle temperature.
@@ -206,58 +208,6 @@ pub struct RawReference {
     pub flow_m3_s: f64,
 }
 
-/// Fast trims between solves.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RawTrims {
-    /// Feed per relative width error and frame `[-]`.
-    pub feed_gain: f64,
-    /// Speed per relative width error and frame `[-]`.
-    pub speed_gain: f64,
-    /// Time between frames `[s]`.
-    pub frame_period_s: f64,
-    /// Exposure to effect `[s]`.
-    pub delay_s: f64,
-    /// Wait after a change of path speed `[s]`.
-    pub steady_s: f64,
-    /// What counts as a change of path speed `[-]`.
-    pub speed_spread: f64,
-}
-
-/// Extruder loop.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RawSlip {
-    /// Lowest slip made up for `[-]`.
-    pub low: f64,
-    /// Highest slip made up for `[-]`.
-    pub high: f64,
-    /// Catch-up for hosts without a loop `[1/s]`.
-    pub serial_gain_1_s: f64,
-    /// Largest catch-up relative to the reference feed `[-]`.
-    pub serial_limit: f64,
-    /// Encoder samples further apart are not interpolated `[s]`.
-    pub pairing_s: f64,
-    /// A larger jump of the wanted position is a new count `[m]`.
-    pub wanted_jump_m: f64,
-}
-
-/// Switching without a bump.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RawBumpless {
-    /// Trims in force that differ this long from the sent ones are taken over `[s]`.
-    pub adopt_s: f64,
-    /// Difference that counts `[-]`.
-    pub tolerance: f64,
-    /// Below this share of the reference feed the flow's error is not judged `[-]`.
-    pub flow_min_rel: f64,
-    /// Lags after which the start of the slicer's flow is forgotten `[-]`.
-    pub settle_lags: f64,
-    /// Time constant of the flow error `[s]`.
-    pub flow_averaging_s: f64,
-}
-
 impl TryFrom<RawParams> for Params {
     type Error = ParamError;
 
@@ -271,8 +221,9 @@ impl TryFrom<RawParams> for Params {
         positive("model.thermal_lag_s", raw.model.thermal_lag_s, "s")?;
         check::cost(&raw.cost)?;
         check::limits(&raw.limits)?;
-        in_range("solver.iterations", f64::from(raw.solver.iterations), "steps", (5.0, 1000.0))?;
+        in_range("solver.iterations", f64::from(raw.solver.iterations), "steps", (1.0, 1000.0))?;
         positive("solver.time_limit_s", raw.solver.time_limit_s, "s")?;
+        check::health(&raw.health)?;
         in_range("deadband.start", raw.deadband.start, "-", (0.0, 0.2))?;
         in_range("deadband.full", raw.deadband.full, "-", (0.0, 0.2))?;
         ordered(("deadband.start", raw.deadband.start), ("deadband.full", raw.deadband.full))?;
@@ -294,5 +245,10 @@ impl TryFrom<RawParams> for Params {
 
 mod advance;
 mod check;
+mod health;
+mod loops;
+
+pub use health::RawHealth;
+pub use loops::{RawBumpless, RawSlip, RawTrims};
 
 pub use advance::{AdvanceSource, RawAdvance, RawLearning};

@@ -73,10 +73,10 @@ pub enum Outcome {
     },
     /// Ended early: the last plan, shifted by a step, goes on.
     Fallback(Cause),
-    /// The last plan goes on, since the bounds contradict each other.
+    /// The bounds contradict each other: the last move stays.
     Infeasible,
-    /// Something that came in is not finite: the last plan goes on.
-    Refused,
+    /// Something that came in or came out is not finite: the plan is discarded.
+    NotFinite,
 }
 
 /// Why a solve ended early.
@@ -105,6 +105,8 @@ pub struct Qp {
     linear: Vec<f64>,
     bounds: Vec<f64>,
     plan: Vec<Move>,
+    soften: bool,
+    softened: u64,
 }
 
 impl std::fmt::Debug for Qp {
@@ -137,7 +139,21 @@ impl Qp {
             linear,
             bounds,
             plan: vec![[0.0; input::COUNT]; n],
+            soften: true,
+            softened: 0,
         })
+    }
+
+    /// The same problem, whose ceiling of the feed gives way where the rates cannot reach it, or does not.
+    #[must_use]
+    pub fn with_softening(self, soften: bool) -> Self {
+        Self { soften, ..self }
+    }
+
+    /// Solves whose ceiling had to give way so far.
+    #[must_use]
+    pub fn softened(&self) -> u64 {
+        self.softened
     }
 
     /// The planned moves, the next one first.
@@ -156,23 +172,37 @@ impl Qp {
         let numbers =
             [start.flow, start.temperature_k, start.gain, start.width_ratio, start.feed_cap.unwrap_or(0.0)];
         let finite = numbers.iter().chain(&start.last).all(|number| number.is_finite());
-        let outcome = if finite { self.optimise(start) } else { Outcome::Refused };
-        if !matches!(outcome, Outcome::Solved { .. }) {
-            self.shift();
-        }
-        (self.clamped(self.plan[0], start), outcome)
+        let outcome = if finite { self.optimise(start) } else { Outcome::NotFinite };
+        let wish = match outcome {
+            Outcome::Solved { .. } => self.plan[0],
+            Outcome::Fallback(_) => self.shifted(),
+            Outcome::Infeasible => start.last,
+            Outcome::NotFinite => {
+                self.clear();
+                self.plan[0]
+            }
+        };
+        (self.clamped(wish, start), outcome)
+    }
+
+    /// One step back towards the slicer's values.
+    #[must_use]
+    pub fn back(&self, start: &Start) -> Move {
+        self.clamped([0.0; input::COUNT], start)
     }
 
     fn optimise(&mut self, start: &Start) -> Outcome {
-        if self.fill(start).is_err() {
-            return Outcome::Fallback(Cause::Numerical);
+        match self.fill(start) {
+            Err(_) => return Outcome::Fallback(Cause::Numerical),
+            Ok(false) => return Outcome::NotFinite,
+            Ok(true) => {}
         }
         self.solver.solve();
         match self.solver.solution.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
                 let values = &self.solver.solution.x;
                 if values.iter().any(|value| !value.is_finite()) {
-                    return Outcome::Fallback(Cause::Numerical);
+                    return Outcome::NotFinite;
                 }
                 for (planned, stage) in self.plan.iter_mut().zip(values.chunks_exact(STAGE)) {
                     planned.copy_from_slice(&stage[..input::COUNT]);
@@ -190,74 +220,13 @@ impl Qp {
     }
 
     /// The plan made a period ago, from its second move on; the last is held.
-    fn shift(&mut self) {
+    fn shifted(&mut self) -> Move {
         let last = self.plan.len() - 1;
         self.plan.copy_within(1.., 0);
         if last > 0 {
             self.plan[last] = self.plan[last - 1];
         }
-    }
-
-    /// Inside bounds and rates, with the ceiling where the rates allow it.
-    fn clamped(&self, wish: Move, start: &Start) -> Move {
-        let (low, high, rate) = (self.limits.low(), self.limits.high(), self.limits.rate());
-        std::array::from_fn(|index| {
-            let last = if start.last[index].is_finite() { start.last[index] } else { 0.0 };
-            let last = last.clamp(low[index], high[index]);
-            let high =
-                if index == input::FEED { self.feed_high(start.feed_cap, last, 0) } else { high[index] };
-            let (least, most) = ((last - rate[index]).max(low[index]), (last + rate[index]).min(high));
-            if wish[index].is_finite() { wish[index].max(least).min(most) } else { last.min(most) }
-        })
-    }
-
-    /// Ceiling of the feed at a step: what the force allows, as soon as the rate lets it be reached.
-    fn feed_high(&self, cap: Option<f64>, last: f64, step: u32) -> f64 {
-        let reachable = last - self.limits.feed_rate * (f64::from(step) + 1.0);
-        let cap = cap.filter(|cap| cap.is_finite()).unwrap_or(self.limits.feed);
-        cap.max(reachable).clamp(-self.limits.feed, self.limits.feed)
-    }
-
-    fn fill(&mut self, start: &Start) -> Result<(), clarabel::solver::DataUpdateError> {
-        #[expect(clippy::float_cmp, reason = "the same ratio as last time, bit for bit")]
-        if start.width_ratio != self.width_ratio {
-            self.width_ratio = start.width_ratio;
-            self.solver.update_P(&quadratic(&self.cost, self.lags.horizon, start.width_ratio).nzval)?;
-        }
-        let width = 2.0 * (start.width_ratio / self.cost.width_scale).powi(2) * start.gain;
-        for stage in self.linear.chunks_exact_mut(STAGE) {
-            stage.copy_from_slice(&[0.0, -width, 0.0, width, 0.0]);
-        }
-        let low = self.limits.low();
-        let high = self.limits.high();
-        let last: Move = std::array::from_fn(|index| start.last[index].clamp(low[index], high[index]));
-        for (index, weight) in self.cost.change_weights().into_iter().enumerate() {
-            self.linear[index] -= 2.0 * weight * last[index];
-        }
-        let n = self.lags.horizon;
-        self.bounds[..2 * n].fill(0.0);
-        self.bounds[0] = self.lags.keep_flow() * start.flow;
-        self.bounds[1] = self.lags.keep_temperature() * start.temperature_k;
-        let rate = self.limits.rate();
-        for (step, rows_at) in (0_u32..).zip((2 * n..self.bounds.len()).step_by(ROWS)) {
-            for index in 0..input::COUNT {
-                let most = if index == input::FEED {
-                    self.feed_high(start.feed_cap, last[index], step)
-                } else {
-                    high[index]
-                };
-                let from = if step == 0 { last[index] } else { 0.0 };
-                let at = rows_at + 4 * index;
-                self.bounds[at..at + 4].copy_from_slice(&[
-                    most,
-                    -low[index],
-                    rate[index] + from,
-                    rate[index] - from,
-                ]);
-            }
-        }
-        self.solver.update_q(&self.linear)?;
-        self.solver.update_b(&self.bounds)
+        self.plan[0]
     }
 }
 
@@ -283,6 +252,7 @@ fn settings(solver: RawSolver) -> Result<DefaultSettings<f64>, BuildError> {
         .map_err(|error| BuildError(error.to_string()))
 }
 
+mod bounds;
 mod matrices;
 use matrices::{constraints, quadratic};
 

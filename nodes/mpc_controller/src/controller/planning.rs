@@ -1,6 +1,7 @@
 //! The plan: errors now, the solve at every tick, and the fast trims between.
 
 use super::{Controller, Printer};
+use crate::fallback::Course;
 use crate::input::Estimate;
 use crate::params::Level;
 use crate::qp::{Outcome, Start, input};
@@ -57,12 +58,21 @@ impl Controller {
             return;
         };
         let Some(start) = self.start(&status, &estimate) else { return };
-        let (held, outcome) = self.qp.solve(&start);
+        let (planned, outcome) = self.qp.solve(&start);
+        let mut held = match self.ladder.on_outcome(outcome) {
+            Course::Plan | Course::Hold => planned,
+            Course::Baseline => self.qp.back(&start),
+        };
+        if self.saturation.is_heater_at_stop(status.hotend_duty) {
+            // A set-point above what the heater reaches would only wind up.
+            held[input::SETPOINT] = held[input::SETPOINT].min(self.held[input::SETPOINT].max(0.0));
+        }
         self.held = held;
+        self.saturation.on_period(self.params.period_s, &held, status.hotend_duty);
         self.report.outcome = Some(outcome);
         match outcome {
             Outcome::Solved { .. } => self.report.solved += 1,
-            Outcome::Fallback(_) | Outcome::Infeasible | Outcome::Refused => self.report.fallbacks += 1,
+            Outcome::Fallback(_) | Outcome::Infeasible | Outcome::NotFinite => self.report.fallbacks += 1,
         }
     }
 

@@ -18,10 +18,16 @@ struct Node {
     parameters: Params,
 }
 
+mod health;
+
 const SHIPPED: &str = include_str!("../../../../config/mpc_controller.param.yaml");
 
 fn controller(level: Level) -> Controller {
-    let params = serde_saphyr::from_str::<File>(SHIPPED).unwrap().node.parameters.with_level(level);
+    made_of(SHIPPED, level)
+}
+
+fn made_of(text: &str, level: Level) -> Controller {
+    let params = serde_saphyr::from_str::<File>(text).unwrap().node.parameters.with_level(level);
     let hotend = Hotend::try_from(RawHotend {
         block_capacity_j_k: 14.5,
         nozzle_capacity_j_k: 2.2,
@@ -101,11 +107,16 @@ struct Rig {
     step: u32,
     wanted_m: f64,
     in_force: Trims,
+    duty: f64,
 }
 
 impl Rig {
     fn new(level: Level) -> Self {
-        Self { controller: controller(level), step: 0, wanted_m: 0.0, in_force: Trims::NEUTRAL }
+        Self::of(controller(level))
+    }
+
+    fn of(controller: Controller) -> Self {
+        Self { controller, step: 0, wanted_m: 0.0, in_force: Trims::NEUTRAL, duty: 0.5 }
     }
 
     fn now_s(&self) -> f64 {
@@ -119,7 +130,8 @@ impl Rig {
             self.step += 1;
             self.wanted_m += FEED_M_S * 0.05 * self.in_force.flow * self.in_force.speed;
             let now_s = self.now_s();
-            self.controller.on_event(Event::Printer(status(now_s, self.wanted_m, self.in_force)));
+            let status = status(now_s, self.wanted_m, self.in_force);
+            self.controller.on_event(Event::Printer(PrinterStatus { hotend_duty: self.duty, ..status }));
             if let Some(command) = self.controller.on_event(Event::Estimate(shape(estimate(now_s)))) {
                 self.in_force = command.trims;
                 sent.push(command.trims);

@@ -1,6 +1,6 @@
 //! Checks of the blocks.
 
-use super::{RawCost, RawLimits, RawSlip, RawTrims};
+use super::{RawCost, RawHealth, RawLimits, RawSlip, RawTrims};
 use crate::trims::loop_gain_limit;
 use models::params::{ParamError, in_range, ordered, positive};
 
@@ -52,5 +52,13 @@ pub(super) fn slip(raw: &RawSlip) -> Result<(), ParamError> {
     in_range("slip.serial_limit", raw.serial_limit, "-", (0.0, 0.5))?;
     positive("slip.pairing_s", raw.pairing_s, "s")?;
     positive("slip.wanted_jump_m", raw.wanted_jump_m, "m")?;
+    Ok(())
+}
+
+pub(super) fn health(raw: &RawHealth) -> Result<(), ParamError> {
+    in_range("health.late_max", f64::from(raw.late_max), "plans", (1.0, 20.0))?;
+    in_range("health.saturated_s", raw.saturated_s, "s", (1.0, 600.0))?;
+    in_range("health.duty_stop", raw.duty_stop, "-", (0.5, 1.0))?;
+    in_range("health.margin", raw.margin, "-", (0.0, 0.1))?;
     Ok(())
 }

@@ -63,17 +63,46 @@ fn a_wide_road_gives_less_feed_and_more_speed() {
     assert!(feed < 0.0 && speed > 0.0);
 }
 
+/// K3: NaN that comes in, and infinity that only arises inside.
 #[test]
-fn what_is_not_finite_is_refused_and_the_plan_goes_on() {
-    let mut qp = problem();
-    qp.solve(&Start { gain: 0.1, ..REST });
-    let planned = qp.plan()[1];
-    let last = qp.plan()[0];
-    let (got, outcome) = qp.solve(&Start { flow: f64::NAN, last, ..REST });
-    assert_eq!(outcome, Outcome::Refused);
-    for index in 0..input::COUNT {
-        assert!((got[index] - planned[index]).abs() < 1e-6);
+fn with_what_is_not_finite_the_plan_is_discarded() {
+    for poison in [Start { flow: f64::NAN, ..REST }, Start { gain: f64::MAX, ..REST }] {
+        let mut qp = problem();
+        qp.solve(&Start { gain: 0.1, ..REST });
+        let last = qp.plan()[0];
+        assert!(last[input::FEED].abs() > 0.01);
+        let (got, outcome) = qp.solve(&Start { last, ..poison });
+        assert_eq!(outcome, Outcome::NotFinite);
+        assert!(qp.plan().iter().flatten().all(|part| *part == 0.0));
+        for index in 0..input::COUNT {
+            let expected = (last[index].abs() - LIMITS.rate()[index]).max(0.0);
+            assert!((got[index].abs() - expected).abs() < 1e-12, "back at the rates");
+        }
+        let (_, outcome) = qp.solve(&Start { gain: 0.1, last: got, ..REST });
+        assert!(
+            matches!(outcome, Outcome::Solved { .. }),
+            "one poisoned start leaves nothing behind: {outcome:?}"
+        );
     }
+}
+
+/// K1: a ceiling out of the rates' reach gives way, is counted, and only without softening has no solution.
+#[test]
+fn a_ceiling_out_of_reach_gives_way_or_has_no_solution() {
+    let low = Start { feed_cap: Some(-0.2), last: [0.1, 0.0, 0.0], ..REST };
+    let mut qp = problem();
+    let (got, outcome) = qp.solve(&low);
+    assert!(matches!(outcome, Outcome::Solved { .. }) && qp.softened() == 1, "{outcome:?}");
+    assert!((got[input::FEED] - 0.04).abs() < 1e-9, "as far down as a period allows: {got:?}");
+    let mut hard = problem().with_softening(false);
+    let (got, outcome) = hard.solve(&low);
+    assert_eq!((outcome, hard.softened()), (Outcome::Infeasible, 0));
+    assert!(
+        (got[input::FEED] - 0.04).abs() < 1e-9,
+        "held, but under the ceiling as far as the rates go: {got:?}"
+    );
+    let (_, outcome) = hard.solve(&Start { feed_cap: Some(0.2), ..low });
+    assert!(matches!(outcome, Outcome::Solved { .. }), "{outcome:?}");
 }
 
 #[test]

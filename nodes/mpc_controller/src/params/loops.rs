@@ -1,0 +1,55 @@
+//! The loops around the plan: fast trims, extruder loop, switching.
+
+use serde::Deserialize;
+
+/// Fast trims between solves.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawTrims {
+    /// Feed per relative width error and frame `[-]`.
+    pub feed_gain: f64,
+    /// Speed per relative width error and frame `[-]`.
+    pub speed_gain: f64,
+    /// Time between frames `[s]`.
+    pub frame_period_s: f64,
+    /// Exposure to effect `[s]`.
+    pub delay_s: f64,
+    /// Wait after a change of path speed `[s]`.
+    pub steady_s: f64,
+    /// What counts as a change of path speed `[-]`.
+    pub speed_spread: f64,
+}
+
+/// Extruder loop.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawSlip {
+    /// Lowest slip made up for `[-]`.
+    pub low: f64,
+    /// Highest slip made up for `[-]`.
+    pub high: f64,
+    /// Catch-up for hosts without a loop `[1/s]`.
+    pub serial_gain_1_s: f64,
+    /// Largest catch-up relative to the reference feed `[-]`.
+    pub serial_limit: f64,
+    /// Encoder samples further apart are not interpolated `[s]`.
+    pub pairing_s: f64,
+    /// A larger jump of the wanted position is a new count `[m]`.
+    pub wanted_jump_m: f64,
+}
+
+/// Switching without a bump.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawBumpless {
+    /// Trims in force that differ this long from the sent ones are taken over `[s]`.
+    pub adopt_s: f64,
+    /// Difference that counts `[-]`.
+    pub tolerance: f64,
+    /// Below this share of the reference feed the flow's error is not judged `[-]`.
+    pub flow_min_rel: f64,
+    /// Lags after which the start of the slicer's flow is forgotten `[-]`.
+    pub settle_lags: f64,
+    /// Time constant of the flow error `[s]`.
+    pub flow_averaging_s: f64,
+}
