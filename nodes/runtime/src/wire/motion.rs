@@ -22,6 +22,8 @@ pub struct PlannedMove {
 const FAR_M: f64 = 100.0;
 /// Longest part of one move `[s]`.
 const LONG_S: f64 = 1e5;
+/// Longest plan `[s]`: 30 years.
+const PLAN_S: f64 = 1e9;
 
 /// A move.
 ///
@@ -40,10 +42,13 @@ pub fn motion_from_wire(wire: &MotionSegment) -> Result<PlannedMove, WireError> 
     let exit_m_s = speed("exit_speed_m_s", wire.exit_speed_m_s)?;
     let ramp = |change_m_s: f64, time_s: f64| if time_s > 0.0 { change_m_s / time_s } else { 0.0 };
     let up_m_s2 = ramp(cruise_m_s - entry_m_s, accel_s);
+    let down_m_s2 = ramp(cruise_m_s - exit_m_s, decel_s);
+    // Of a speed changed in next to no time nothing finite is left.
+    let acceleration_m_s2 = finite("accelerate_s", if accel_s > 0.0 { up_m_s2 } else { down_m_s2 })?;
     let road = |known, field, value| optional(known, field, value, (0.0, 0.1));
     Ok(PlannedMove {
         start: stamp_from_wire(&wire.header)?,
-        path_time_s: within("start_time_s", wire.start_time_s, (0.0, f64::MAX))?,
+        path_time_s: within("start_time_s", wire.start_time_s, (0.0, PLAN_S))?,
         sequence: wire.sequence,
         segment: Segment {
             line: wire.line,
@@ -51,7 +56,7 @@ pub fn motion_from_wire(wire: &MotionSegment) -> Result<PlannedMove, WireError> 
             start_m: place("start_m", &wire.start_m)?,
             end_m: place("end_m", &wire.end_m)?,
             length_m: within("length_m", wire.length_m, (0.0, FAR_M))?,
-            filament_m: finite("filament_m", wire.filament_m)?,
+            filament_m: within("filament_m", wire.filament_m, (-FAR_M, FAR_M))?,
             kind: kind_from_wire(wire.kind)?,
             role: role_from_wire(wire.role)?,
             arc: false,
@@ -62,7 +67,7 @@ pub fn motion_from_wire(wire: &MotionSegment) -> Result<PlannedMove, WireError> 
                 entry_m_s,
                 cruise_m_s,
                 exit_m_s,
-                acceleration_m_s2: if accel_s > 0.0 { up_m_s2 } else { ramp(cruise_m_s - exit_m_s, decel_s) },
+                acceleration_m_s2,
                 accel_s,
                 cruise_s: lasts("cruise_s", wire.cruise_s)?,
                 decel_s,

@@ -1,6 +1,6 @@
 //! Sensor topics.
 
-use super::{WireError, finite, stamp_from_wire, within};
+use super::{WireError, stamp_from_wire, within};
 use fdm_loop_msgs::{BeadWidth, FilamentMotion, LayerHeight, Temperature};
 use models::units::{Celsius, Seconds};
 
@@ -53,7 +53,7 @@ pub fn temperature_from_wire(wire: &Temperature) -> Result<(Seconds, Celsius), W
 /// # Errors
 /// [`WireError`] for a value that is not finite.
 pub fn filament_from_wire(wire: &FilamentMotion) -> Result<FilamentPosition, WireError> {
-    finite("speed_m_s", wire.speed_m_s)?;
+    within("speed_m_s", wire.speed_m_s, (-10.0, 10.0))?;
     Ok(FilamentPosition {
         stamp: stamp_from_wire(&wire.header)?,
         position_m: within("position_m", wire.position_m, (-1e4, 1e6))?,

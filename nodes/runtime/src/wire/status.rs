@@ -1,7 +1,7 @@
 //! `PrinterState`.
 
 use super::command::unknown;
-use super::{WireError, finite, optional, stamp_from_wire, within};
+use super::{WireError, optional, stamp_from_wire, within};
 use fdm_loop_msgs::{Header, PrinterState};
 use models::command::Trims;
 use models::status::{HostProfile, JobPhase, PrinterStatus};
@@ -11,6 +11,15 @@ use models::units::Seconds;
 
 const SHARE: (f64, f64) = (0.0, 1.0);
 const SPEED_M_S: (f64, f64) = (0.0, 10.0);
+/// Filament moves back too.
+const FEED_M_S: (f64, f64) = (-10.0, 10.0);
+/// Farthest place that any printer has.
+const PLACE_M: (f64, f64) = (-100.0, 100.0);
+/// 3 t of filament.
+const FILAMENT_M: (f64, f64) = (-1e6, 1e6);
+/// 30 years of printing.
+const PATH_TIME_S: (f64, f64) = (0.0, 1e9);
+const OFFSET_K: (f64, f64) = (-300.0, 300.0);
 const FACTOR: (f64, f64) = (0.0, 10.0);
 const ROAD_M: (f64, f64) = (0.0, 0.1);
 /// The fastest small fans turn 1000 times a second.
@@ -72,7 +81,7 @@ pub fn status_to_wire(status: &PrinterStatus) -> PrinterState {
 /// [`WireError`] for a value that is not finite, out of the range of the definition, or an unknown phase or host.
 pub fn status_from_wire(wire: &PrinterState) -> Result<PrinterStatus, WireError> {
     for (name, value) in [("position_m.x", 0), ("position_m.y", 1), ("position_m.z", 2)] {
-        finite(name, wire.position_m[value])?;
+        within(name, wire.position_m[value], PLACE_M)?;
     }
     let celsius = |field, value| within(field, value, TARGET_C).map(Celsius);
     Ok(PrinterStatus {
@@ -85,10 +94,10 @@ pub fn status_from_wire(wire: &PrinterState) -> Result<PrinterStatus, WireError>
         position_m: wire.position_m,
         path_speed_m_s: within("path_speed_m_s", wire.path_speed_m_s, SPEED_M_S)?,
         planned_speed_m_s: within("planned_speed_m_s", wire.planned_speed_m_s, SPEED_M_S)?,
-        planned_feed_m_s: finite("planned_feed_m_s", wire.planned_feed_m_s)?,
-        motor_position_m: finite("motor_position_m", wire.motor_position_m)?,
-        wanted_position_m: finite("wanted_position_m", wire.wanted_position_m)?,
-        path_time_s: within("path_time_s", wire.path_time_s, (0.0, f64::MAX))?,
+        planned_feed_m_s: within("planned_feed_m_s", wire.planned_feed_m_s, FEED_M_S)?,
+        motor_position_m: within("motor_position_m", wire.motor_position_m, FILAMENT_M)?,
+        wanted_position_m: within("wanted_position_m", wire.wanted_position_m, FILAMENT_M)?,
+        path_time_s: within("path_time_s", wire.path_time_s, PATH_TIME_S)?,
         depositing: wire.depositing,
         target_width_m: optional(wire.target_width_known, "target_width_m", wire.target_width_m, ROAD_M)?,
         layer_height_m: optional(wire.layer_height_known, "layer_height_m", wire.layer_height_m, ROAD_M)?,
@@ -117,7 +126,7 @@ fn trims_in_force(wire: &PrinterState) -> Result<Trims, WireError> {
     Ok(Trims {
         flow: within("flow_factor", wire.flow_factor, FACTOR)?,
         speed: within("speed_factor", wire.speed_factor, FACTOR)?,
-        setpoint_offset_k: finite("nozzle_setpoint_offset_k", wire.nozzle_setpoint_offset_k)?,
+        setpoint_offset_k: within("nozzle_setpoint_offset_k", wire.nozzle_setpoint_offset_k, OFFSET_K)?,
         advance_s: optional(wire.set_advance, "trim_advance_s", wire.trim_advance_s, FACTOR)?,
         slip: optional(wire.close_extruder_loop, "slip_compensation", wire.slip_compensation, (-0.2, 0.99))?,
     })
