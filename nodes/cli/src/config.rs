@@ -6,6 +6,7 @@ use models::motion::MotionParams;
 use models::printer::Printer;
 use mpc_controller::params::{AdvanceSource, Level};
 use runtime::params::{NodePath, Parameters};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 mod foresight;
@@ -61,6 +62,23 @@ pub struct Choice {
     pub advance: AdvanceSource,
     /// Frames are rendered and judged, accelerations sampled; else the simulator's stand-in gives the width.
     pub camera: bool,
+    /// Parameters beside the files', by node: name and YAML value.
+    pub overrides: BTreeMap<String, Vec<(String, String)>>,
+}
+
+impl Choice {
+    /// A material and a control level, all else as usual.
+    #[must_use]
+    pub fn of(material: String, control: Level) -> Self {
+        Self {
+            material,
+            control,
+            host: "native".to_owned(),
+            advance: AdvanceSource::Material,
+            camera: false,
+            overrides: BTreeMap::new(),
+        }
+    }
 }
 
 /// What of the simulated printer's sensors a choice switches.
@@ -232,9 +250,11 @@ impl ConfigDir {
     /// File, line, field, value and range of what is refused.
     pub fn load(&self, choice: &Choice) -> anyhow::Result<Setup> {
         self.check_material(&choice.material)?;
-        let read = |node: &str, overrides: &[(String, String)]| {
+        let read = |node: &str, usual: &[(String, String)]| {
             let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
-            Parameters::read(&self.files_of(node, &choice.material), overrides, &path)
+            let wished = choice.overrides.get(node).into_iter().flatten();
+            let overrides: Vec<_> = usual.iter().chain(wished).cloned().collect();
+            Parameters::read(&self.files_of(node, &choice.material), &overrides, &path)
         };
         let nominal = ["printer", "material"];
         let estimator = read("state_estimator", &[])?;

@@ -28,17 +28,34 @@ impl GcodeFile {
     /// # Errors
     /// A file that cannot be read or is empty.
     pub fn read(path: &Path, motion: &MotionParams, layers: Option<u32>) -> anyhow::Result<Self> {
-        let bytes: Arc<[u8]> = std::fs::read(path).with_context(|| path.display().to_string())?.into();
+        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
         if bytes.is_empty() {
             bail!("{}: the file is empty", path.display());
         }
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        Self::of(name, bytes.into(), motion, layers).with_context(|| path.display().to_string())
+    }
+
+    /// A file that exists as a text only.
+    ///
+    /// # Errors
+    /// No move in it.
+    pub fn of_text(text: &str, motion: &MotionParams, layers: Option<u32>) -> anyhow::Result<Self> {
+        Self::of("text".to_owned(), text.as_bytes().into(), motion, layers)
+    }
+
+    fn of(
+        name: String,
+        bytes: Arc<[u8]>,
+        motion: &MotionParams,
+        layers: Option<u32>,
+    ) -> anyhow::Result<Self> {
         let header_bytes = motion.read.header_bytes.min(bytes.len());
         let header = Header::scan(&bytes[..header_bytes], &bytes[bytes.len() - header_bytes..]);
         let job = Job::new(Cursor::new(Arc::clone(&bytes)), &header, motion);
         if !job.into_iter().any(|step| matches!(step, Step::Move(_))) {
-            bail!("{}: no move in the file", path.display());
+            bail!("no move in the file");
         }
-        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         Ok(Self { name, bytes, header, wishes: Wishes { layers, set_points: None } })
     }
 

@@ -4,6 +4,7 @@ pub mod advance;
 pub mod classify;
 pub mod config;
 pub mod doctor;
+pub mod faults;
 pub mod gcode;
 pub mod job;
 pub mod kinematics;
@@ -50,6 +51,8 @@ enum Command {
     Acknowledge(operate::AskArgs),
     /// Simulate the whole loop in one process and virtual time.
     Sim(sim::SimArgs),
+    /// Run the catalogue of faults in virtual time: reaction times beside their limits.
+    Faults(faults::FaultsArgs),
     /// Check this machine and say what to do: packages, DDS, clock, disk, cameras, serial ports.
     Doctor(doctor::DoctorArgs),
     /// Make an HTML page out of a bag: plots, events, pictures, layers.
@@ -78,6 +81,7 @@ pub fn main() -> ExitCode {
         Command::Estop(args) => operate::ask(Ask::Estop, &args),
         Command::Acknowledge(args) => operate::ask(Ask::Acknowledge, &args),
         Command::Sim(args) => sim::run(&args),
+        Command::Faults(args) => faults::run(&args),
         Command::Doctor(args) => doctor::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Classify(args) => classify::run(&args),
@@ -90,7 +94,9 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             output::complain(&error);
-            let failed = error.is::<up::PrintFailed>() || error.is::<doctor::Unfit>();
+            let failed = error.is::<up::PrintFailed>()
+                || error.is::<doctor::Unfit>()
+                || error.is::<faults::LimitsMissed>();
             ExitCode::from(if failed { FAILED } else { USAGE })
         }
     }

@@ -137,14 +137,21 @@ impl<T: RosType> Inlet<T> {
 
     /// Age of a stamp when its message arrived: what waited in a queue of this process is not older for it.
     fn check_age(&self, received: &Received<T>, stamp: Seconds) -> Result<(), Reason> {
-        let age_s = age_s(stamp, received.received, self.clock.now());
-        if age_s > self.limit.0 {
-            Err(Reason::Stale)
-        } else if age_s < -self.limit.0 {
-            Err(Reason::OutOfRange)
-        } else {
-            Ok(())
-        }
+        check_age(age_s(stamp, received.received, self.clock.now()), self.limit)
+    }
+}
+
+/// Refuses a message by the age of its stamp `[s]`: as old as `limit` at most, and no further ahead of the clock.
+///
+/// # Errors
+/// [`Reason::Stale`] or [`Reason::OutOfRange`].
+pub fn check_age(age_s: f64, limit: Seconds) -> Result<(), Reason> {
+    if age_s > limit.0 {
+        Err(Reason::Stale)
+    } else if age_s < -limit.0 {
+        Err(Reason::OutOfRange)
+    } else {
+        Ok(())
     }
 }
 

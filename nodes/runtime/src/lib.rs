@@ -84,7 +84,7 @@ pub use diagnostics::{Diagnostics, Level};
 pub use environment::{Environment, Range};
 pub use error::RuntimeError;
 pub use heartbeat::Work;
-pub use inlet::{Inlet, Reason, Refused};
+pub use inlet::{Inlet, Reason, Refused, check_age};
 pub use node::Node;
 pub use params::{NodePath, ParamFileError, Parameters};
 pub use presence::Presence;

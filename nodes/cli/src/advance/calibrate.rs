@@ -133,13 +133,7 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
 
 /// The simulated printer with nobody beside it.
 fn choice(polymer: &str) -> Choice {
-    Choice {
-        material: polymer.to_owned(),
-        control: Level::Off,
-        host: "native".to_owned(),
-        advance: AdvanceSource::File,
-        camera: false,
-    }
+    Choice { advance: AdvanceSource::File, ..Choice::of(polymer.to_owned(), Level::Off) }
 }
 
 /// The pressure of the simulated printer's plant at the condition's temperature.

@@ -133,13 +133,7 @@ mod tests {
     fn plant() -> PlantLine {
         let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config"));
         let config = ConfigDir::find(Some(folder)).unwrap();
-        let choice = Choice {
-            material: "PLA".into(),
-            control: Level::Off,
-            host: "native".into(),
-            advance: AdvanceSource::File,
-            camera: false,
-        };
+        let choice = Choice { advance: AdvanceSource::File, ..Choice::of("PLA".into(), Level::Off) };
         let loaded = config.load(&choice).unwrap();
         let at = Condition { temperature: Celsius(215.0), height_m: 2e-4, width_m: 4e-4 };
         let line = Setup::load(&config).unwrap().physics.test_line;

@@ -3,7 +3,9 @@
 pub mod consistency;
 pub mod corners;
 pub mod foresight;
+pub mod message;
 pub mod printing;
+pub mod relay;
 pub mod report;
 pub mod sight;
 pub mod text;
@@ -101,11 +103,10 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     let mut fault_free: BTreeMap<u64, WidthTrace> = BTreeMap::new();
     let progress = output::bar((levels.len() * seeds.len()) as u64, "runs");
     let choice = Choice {
-        material,
-        control: levels[0],
         host: args.host.clone(),
         advance: advance(&args.advance)?,
         camera: args.camera,
+        ..Choice::of(material, levels[0])
     };
     let mut setup = config.load(&choice)?;
     if let Some(moves) = args.buffer {
@@ -225,7 +226,14 @@ impl Task {
 }
 
 fn seeds(args: &SimArgs) -> anyhow::Result<Vec<u64>> {
-    let Some(range) = &args.seeds else { return Ok(vec![args.seed]) };
+    args.seeds.as_deref().map_or_else(|| Ok(vec![args.seed]), seed_range)
+}
+
+/// Seeds from `A..B`, both included.
+///
+/// # Errors
+/// Anything else.
+pub fn seed_range(range: &str) -> anyhow::Result<Vec<u64>> {
     let bounds = range.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
     match bounds {
         Some((first, last)) if first <= last && last - first < 10_000 => Ok((first..=last).collect()),

@@ -1,19 +1,24 @@
 //! The whole loop in one process and virtual time: the simulated printer and every brain, wired as over DDS.
 
+mod traffic;
+
 use super::consistency::Consistency;
 use super::foresight::Foresight;
+use super::message::{Content, Message};
+use super::relay::Relay;
 use super::report::{Detection, Extremes};
-use super::sight::{Seen, Sight, SightFigures};
+use super::sight::{Sight, SightFigures};
 use super::width_trace::WidthTrace;
 use crate::config::Setup;
-use models::command::{Mode, Trims};
+use models::command::Trims;
 use models::status::JobPhase;
-use models::units::{Kelvin, Seconds};
+use models::units::Seconds;
 use mpc_controller::Controller;
 use printer_sim::sensors::Pace;
-use printer_sim::{JobSource, Output, Scenario, Simulator};
-use safety_supervisor::{PrinterReport, Supervisor, What};
-use state_estimator::{Channel, Estimator, state};
+use printer_sim::{JobSource, Scenario, Simulator};
+use safety_supervisor::params::Stales;
+use safety_supervisor::{Operator, SafetyState, Supervisor};
+use state_estimator::Estimator;
 
 /// Step of the simulation `[s]`.
 const STEP_S: f64 = 1e-3;
@@ -29,6 +34,11 @@ pub struct Printing {
     estimator: Estimator,
     controller: Controller,
     supervisor: Supervisor,
+    /// Ages at which the supervisor takes no stamp any more.
+    stale: Stales,
+    relay: Option<Relay>,
+    /// The supervisor's state as it was last said.
+    pub safety: Option<SafetyState>,
     estimate_pace: Pace,
     control_pace: Pace,
     permit_pace: Pace,
@@ -71,6 +81,9 @@ impl Printing {
             estimator: Estimator::new(setup.estimator, nominal, &setup.material),
             controller: Controller::new(setup.controller, nominal, &setup.material, CONTROLLER_SESSION)?,
             supervisor: Supervisor::new(setup.supervisor, SUPERVISOR_SESSION, None),
+            stale: setup.supervisor.stale,
+            relay: None,
+            safety: None,
             estimate_pace: Pace::new(setup.estimator.period_s),
             control_pace: Pace::new(setup.controller.period_s),
             permit_pace: Pace::new(PERMIT_PERIOD_S),
@@ -95,19 +108,45 @@ impl Printing {
         while let Some(output) = self.simulator.poll() {
             self.pass_on(now, output);
         }
+        self.deliver_late(now);
         if self.estimate_pace.due(now) {
             self.estimate(now);
         }
         if self.control_pace.due(now)
             && let Some(command) = self.controller.on_event(mpc_controller::Event::Tick { now })
         {
-            self.supervisor.on_event(now, safety_supervisor::Event::Command(command));
+            self.send(now, Message::new(now, Content::Command(command)));
         }
         if self.permit_pace.due(now) {
             self.permit(now);
         }
         self.observe();
         !matches!(self.simulator.phase(), JobPhase::Done | JobPhase::Failed)
+    }
+
+    /// The same loop with a relay on the ways of its messages.
+    #[must_use]
+    pub fn with_relay(mut self, relay: Relay) -> Self {
+        self.relay = Some(relay);
+        self
+    }
+
+    /// The relay, to begin and to end what it does.
+    pub fn relay(&mut self) -> Option<&mut Relay> {
+        self.relay.as_mut()
+    }
+
+    /// A person asks the supervisor, which answers at once.
+    pub fn ask(&mut self, request: Operator) {
+        let now = self.simulator.now();
+        if let Some(output) = self.supervisor.on_event(now, safety_supervisor::Event::Operator(request)) {
+            self.say(now, output);
+        }
+    }
+
+    /// The simulated printer, to do something to it.
+    pub fn simulator_mut(&mut self) -> &mut Simulator {
+        &mut self.simulator
     }
 
     /// The controller, for its report.
@@ -128,120 +167,10 @@ impl Printing {
         self.paused_since.is_some_and(|since| (self.simulator.now() - since).0 > PAUSED_FOR_GOOD_S)
     }
 
-    fn pass_on(&mut self, now: Seconds, output: Output) {
-        use safety_supervisor::Event as Safety;
-        match output {
-            Output::Temperatures { stamp, hotend, bed } => {
-                self.estimator.on_event(state_estimator::Event::Hotend { stamp, temp: hotend });
-                self.supervisor.on_event(now, Safety::Hotend { stamp, temp: hotend });
-                self.supervisor.on_event(now, Safety::Bed { stamp, temp: bed });
-            }
-            Output::Encoder { stamp, counts } => {
-                #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
-                let position_m = counts as f64 * self.encoder_quantum_m;
-                self.estimator.on_event(state_estimator::Event::Encoder { stamp, position_m });
-                self.controller.on_event(mpc_controller::Event::Encoder { stamp, position_m });
-                self.supervisor.on_event(now, Safety::Encoder { stamp, position_m });
-            }
-            Output::Width { exposed, width_m, sigma_m } => {
-                self.estimator.on_event(state_estimator::Event::Width { exposed, width_m, sigma_m });
-                self.controller.on_event(mpc_controller::Event::Width { exposed, width_m });
-            }
-            Output::Status(status) => {
-                self.note_extremes(&status.trims);
-                if let Some(sight) = &mut self.sight {
-                    sight.on_status(&status);
-                }
-                self.estimator.on_event(state_estimator::Event::Printer(*status));
-                let told = self.foresight.on_status(&status);
-                self.controller.on_event(mpc_controller::Event::Printer(*status));
-                self.tell(told);
-                self.supervisor.on_event(now, Safety::Printer(report_of(&status)));
-            }
-            Output::Imu(batch) => {
-                let (first, period, samples) = (batch.first, batch.period, batch.samples);
-                self.supervisor.on_event(now, Safety::Imu { first, period, samples });
-            }
-            Output::Frame { exposed, jpeg, .. } => self.see(now, exposed, jpeg),
-            Output::Motion { start, segment } => {
-                if let Some(sight) = &mut self.sight {
-                    sight.on_motion(start, &segment);
-                }
-                let told = self.foresight.on_motion(start, &segment);
-                self.tell(told);
-            }
-            Output::Note { .. } => {}
-        }
-    }
-
-    fn tell(&mut self, told: Option<mpc_controller::advance::Prediction>) {
-        if let Some(prediction) = told {
-            self.controller.on_event(mpc_controller::Event::Prediction(prediction));
-        }
-    }
-
-    fn see(&mut self, now: Seconds, exposed: Seconds, jpeg: Vec<u8>) {
-        let Some(sight) = &mut self.sight else { return };
-        for seen in sight.on_frame(exposed, jpeg) {
-            match seen {
-                Seen::Width { laid, width_m, sigma_m } => {
-                    let exposed = laid;
-                    self.estimator.on_event(state_estimator::Event::Width { exposed, width_m, sigma_m });
-                    self.controller.on_event(mpc_controller::Event::Width { exposed, width_m });
-                }
-                Seen::Report(report) => {
-                    self.supervisor.on_event(now, safety_supervisor::Event::Vision(report));
-                }
-            }
-        }
-    }
-
     /// What the camera's widths were worth, where there is one.
     #[must_use]
     pub fn sight(&self) -> Option<SightFigures> {
         self.sight.as_ref().map(Sight::figures)
-    }
-
-    fn estimate(&mut self, now: Seconds) {
-        let Some(estimate) = self.estimator.on_event(state_estimator::Event::Tick { now }) else { return };
-        self.consistency.add(&estimate, self.simulator.truth());
-        self.nis_mean = estimate.nis_mean;
-        if let Some(sight) = &mut self.sight {
-            sight.on_estimate(&estimate);
-        }
-        self.supervisor.on_event(now, safety_supervisor::Event::EstimateHeartbeat { stamp: now });
-        let for_control = mpc_controller::Estimate {
-            stamp: estimate.stamp,
-            nozzle: Kelvin(estimate.x[state::NOZZLE]),
-            flow_m_s: estimate.x[state::FLOW].max(0.0),
-            slip: estimate.x[state::SLIP],
-            gain: estimate.x[state::GAIN],
-            reference_feed_m_s: estimate.reference_feed_m_s,
-            encoder_alive: estimate.alive[Channel::Encoder as usize],
-        };
-        if let Some(command) = self.controller.on_event(mpc_controller::Event::Estimate(for_control)) {
-            self.supervisor.on_event(now, safety_supervisor::Event::Command(command));
-        }
-    }
-
-    fn permit(&mut self, now: Seconds) {
-        let Some(output) = self.supervisor.on_event(now, safety_supervisor::Event::Tick { now }) else {
-            return;
-        };
-        // A refused permit is counted by the dead-man itself.
-        let _taken = self.simulator.on_permit(output.permit);
-        let onset_s = self.simulator.first_onset().map(|onset| onset.0);
-        let cause = output.state.cause.map_or_else(String::new, |cause| cause.id().to_owned());
-        for event in &output.events {
-            let (fault, action) = match event.what {
-                What::Impulse => ("P8".to_owned(), "flagged".to_owned()),
-                _ if event.before != event.after && event.after >= Mode::Degraded => {
-                    (cause.clone(), format!("{:?}", event.after).to_lowercase())
-                }
-                _ => continue,
-            };
-            self.noticed.push(Detection { fault, onset_s, detected_s: now.0, action });
-        }
     }
 
     fn note_extremes(&mut self, trims: &Trims) {
@@ -274,25 +203,5 @@ impl Printing {
         if truth.stamp_s >= onset.0 + SETTLE_S {
             self.settled.get_or_insert(truth.integrals);
         }
-    }
-}
-
-fn report_of(status: &models::status::PrinterStatus) -> PrinterReport {
-    PrinterReport {
-        stamp: status.stamp,
-        phase: status.phase,
-        motor_position_m: status.motor_position_m,
-        wanted_position_m: status.wanted_position_m,
-        hotend_duty: status.hotend_duty,
-        bed_duty: status.bed_duty,
-        hotend_target: status.hotend_target,
-        hotend_sliced_target: status.hotend_sliced_target,
-        bed_target: status.bed_target,
-        fan: status.fan,
-        trims: status.trims,
-        path_speed_m_s: status.path_speed_m_s,
-        filament_present: status.filament_present,
-        homed: status.homed,
-        mains_on: status.mains_on,
     }
 }

@@ -1,0 +1,191 @@
+//! Figures of `fdm faults` with the names of the JSON contract.
+
+use super::catalogue::{FaultSpec, Peers, Reaction, TrialSpec};
+use super::trial::Outcome;
+use serde::Serialize;
+
+/// One way to bring a fault about, over all seeds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TrialFigures {
+    /// What is special about it.
+    pub name: String,
+    /// What has to follow.
+    pub action: &'static str,
+    /// Runs in which the fault set in.
+    pub runs: usize,
+    /// Runs in which the reaction followed.
+    pub detected: usize,
+    /// Median time from injection to actuation `[s]`.
+    pub reaction_p50_s: Option<f64>,
+    /// Longest.
+    pub reaction_max_s: Option<f64>,
+    /// Longest that is allowed `[s]`.
+    pub limit_s: Option<f64>,
+    /// Every run did what is asked for.
+    pub within_limit: bool,
+    /// How the supervisor called it, every name once.
+    pub found_as: Vec<String>,
+    /// What was wrong, one line a run.
+    pub misses: Vec<String>,
+    /// Largest temperature of the block above its set-point `[K]`, where it is limited.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub overshoot_max_k: Option<f64>,
+    /// Longest time until corrections were back `[s]`, where it is limited.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recovered_max_s: Option<f64>,
+    /// Runs in which something was found before the fault.
+    pub false_trips: usize,
+}
+
+/// One ID of the catalogue.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FaultFigures {
+    /// Its ID.
+    pub id: String,
+    /// What goes wrong.
+    pub fault: String,
+    /// `virtual` or `process`.
+    pub level: &'static str,
+    /// What has to follow.
+    pub action: &'static str,
+    /// Runs of all trials.
+    pub runs: usize,
+    /// Runs in which the reaction followed.
+    pub detected: usize,
+    /// Median reaction of the slowest trial `[s]`.
+    pub reaction_p50_s: Option<f64>,
+    /// Longest reaction `[s]`.
+    pub reaction_max_s: Option<f64>,
+    /// Limit of the trial that comes nearest to its own `[s]`.
+    pub limit_s: Option<f64>,
+    /// The limit where it is not one of seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<String>,
+    /// Every run of every trial did what is asked for; `null` where nothing ran.
+    pub within_limit: Option<bool>,
+    /// What other firmware needs.
+    pub peers: Peers,
+    /// Test of the workspace that shows it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub test: Option<String>,
+    /// Why it cannot be shown yet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub waiting: Option<String>,
+    /// Its trials.
+    pub trials: Vec<TrialFigures>,
+}
+
+/// Everything that ran.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figures {
+    /// By ID.
+    pub faults: Vec<FaultFigures>,
+    /// How often something was found with nothing wrong: before a fault, or in sound prints.
+    pub false_trips: usize,
+    /// What that was.
+    pub false_trip_list: Vec<String>,
+    /// Simulated time of sound prints `[h]`.
+    pub hours: f64,
+}
+
+impl TrialFigures {
+    /// Sums up the runs of a trial.
+    #[must_use]
+    pub fn of(spec: &TrialSpec, reaction: Reaction, outcomes: &[Outcome]) -> Self {
+        let mut times: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.reaction_s).collect();
+        times.sort_by(f64::total_cmp);
+        let mut found_as: Vec<String> =
+            outcomes.iter().filter_map(|outcome| outcome.found_as.clone()).collect();
+        found_as.sort();
+        found_as.dedup();
+        let misses: Vec<String> =
+            outcomes.iter().filter_map(|outcome| miss(spec, reaction, outcome)).collect();
+        let most =
+            |figure: fn(&Outcome) -> Option<f64>| outcomes.iter().filter_map(figure).max_by(f64::total_cmp);
+        Self {
+            name: spec.name.clone(),
+            action: reaction.name(),
+            runs: outcomes.iter().filter(|outcome| outcome.onset_s.is_some()).count(),
+            detected: times.len(),
+            reaction_p50_s: times.get(times.len() / 2).copied(),
+            reaction_max_s: times.last().copied(),
+            limit_s: spec.limit_s,
+            within_limit: misses.is_empty(),
+            found_as,
+            misses,
+            overshoot_max_k: spec.overshoot_max_k.and_then(|_| most(|outcome| Some(outcome.overshoot_k))),
+            recovered_max_s: spec.recover_s.and_then(|_| most(|outcome| outcome.recovered_s)),
+            false_trips: outcomes.iter().filter(|outcome| outcome.early.is_some()).count(),
+        }
+    }
+
+    /// Share of its limit that the slowest run took; without a reaction, more than any.
+    fn strain(&self) -> f64 {
+        match (self.reaction_max_s, self.limit_s) {
+            (Some(most_s), Some(limit_s)) => most_s / limit_s,
+            (None, Some(_)) => f64::INFINITY,
+            _ => 0.0,
+        }
+    }
+}
+
+/// What was wrong with a run.
+fn miss(spec: &TrialSpec, reaction: Reaction, outcome: &Outcome) -> Option<String> {
+    let what = if let Some(early) = &outcome.early {
+        format!("{early} before the fault")
+    } else if outcome.onset_s.is_none() {
+        "the job ended before the fault".to_owned()
+    } else if let Some(worse) = &outcome.too_much {
+        format!("too much: {worse}")
+    } else if outcome.reaction_s.is_none() && reaction != Reaction::None {
+        "no reaction".to_owned()
+    } else if let (Some(took_s), Some(limit_s)) = (outcome.reaction_s, spec.limit_s)
+        && took_s > limit_s
+    {
+        format!("{took_s:.2} s")
+    } else if let Some(most_k) = spec.overshoot_max_k.filter(|most_k| outcome.overshoot_k > *most_k) {
+        format!("{:.1} K above the set-point, allowed {most_k}", outcome.overshoot_k)
+    } else if let Some(recover_s) = spec.recover_s
+        && outcome.recovered_s.is_none_or(|took_s| took_s > recover_s)
+    {
+        outcome
+            .recovered_s
+            .map_or("never whole again".to_owned(), |took_s| format!("whole after {took_s:.2} s"))
+    } else {
+        return None;
+    };
+    Some(format!("seed {}: {what}", outcome.seed))
+}
+
+impl FaultFigures {
+    /// Sums up the trials of an ID; with none, what is said of it.
+    #[must_use]
+    pub fn of(spec: &FaultSpec, trials: Vec<TrialFigures>) -> Self {
+        let slowest = trials.iter().max_by(|a, b| a.strain().total_cmp(&b.strain()));
+        Self {
+            id: spec.id.clone(),
+            fault: spec.fault.clone(),
+            level: if spec.trials.is_empty() { "process" } else { "virtual" },
+            action: spec.reaction.name(),
+            runs: trials.iter().map(|trial| trial.runs).sum(),
+            detected: trials.iter().map(|trial| trial.detected).sum(),
+            reaction_p50_s: slowest.and_then(|trial| trial.reaction_p50_s),
+            reaction_max_s: slowest.and_then(|trial| trial.reaction_max_s),
+            limit_s: slowest.and_then(|trial| trial.limit_s),
+            limit: spec.limit.clone(),
+            peers: spec.peers,
+            within_limit: (!trials.is_empty()).then(|| trials.iter().all(|trial| trial.within_limit)),
+            test: spec.test.clone(),
+            waiting: spec.waiting.clone(),
+            trials,
+        }
+    }
+}
+
+impl Figures {
+    /// Whether nothing was missed and nothing tripped without a cause.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        self.false_trips == 0 && self.faults.iter().all(|fault| fault.within_limit != Some(false))
+    }
+}

@@ -1,0 +1,189 @@
+//! `fdm faults`: the catalogue of faults on the simulated printer in virtual time, reaction times beside their limits.
+
+pub mod catalogue;
+pub mod figures;
+pub mod page;
+pub mod sound;
+pub mod text;
+pub mod trial;
+
+use crate::config::{Choice, ConfigDir, Setup};
+use crate::job::GcodeFile;
+use crate::output::{self, Json};
+use crate::sim;
+use anyhow::{Context, bail};
+use catalogue::{Catalogue, FaultSpec, TrialSpec};
+use clap::Args;
+use figures::{FaultFigures, Figures, TrialFigures};
+use indicatif::ProgressBar;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use trial::{Outcome, Trial};
+
+/// Runs the catalogue of faults in virtual time; every figure is a simulated one.
+#[derive(Debug, Args)]
+pub struct FaultsArgs {
+    /// Only these IDs, separated by commas.
+    #[arg(long, value_delimiter = ',')]
+    only: Vec<String>,
+    /// Seeds of all noise: A..B, both included.
+    #[arg(long, default_value = "1..20")]
+    seeds: String,
+    /// Simulated hours of sound prints with nuisances, in which nothing may trip.
+    #[arg(long, default_value_t = 0.0)]
+    hours: f64,
+    /// Folder with the parameter files.
+    #[arg(long)]
+    config: Option<PathBuf>,
+    /// Write a page with the figure.
+    #[arg(long)]
+    html: Option<PathBuf>,
+    /// Write the figures to a file, or to standard output with `-`.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// A limit was missed or something tripped without a cause.
+#[derive(Debug, thiserror::Error)]
+#[error("limits missed: {missed}; false trips: {false_trips}")]
+pub struct LimitsMissed {
+    missed: String,
+    false_trips: usize,
+}
+
+/// A trial of an ID, ready to run.
+struct Prepared<'a> {
+    fault: &'a FaultSpec,
+    spec: &'a TrialSpec,
+    setup: Setup,
+    file: GcodeFile,
+    warm: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line that says what is wrong and where; [`LimitsMissed`].
+pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
+    let seeds = sim::seed_range(&args.seeds)?;
+    if !(0.0..=1e4).contains(&args.hours) {
+        bail!("--hours {}: must be in [0, 10000] h", args.hours);
+    }
+    let json = Json::new(args.json.as_deref());
+    json.check()?;
+    let config = ConfigDir::find(args.config.as_deref())?;
+    let catalogue = Catalogue::read(&config.file("faults.yaml"))?;
+    let chosen = chosen(&catalogue, &args.only)?;
+    let prepared = prepare(&config, &catalogue, &chosen)?;
+    let progress = output::bar((prepared.len() * seeds.len()) as u64, "runs");
+    let outcomes = run_all(&prepared, &seeds, &progress)?;
+    progress.finish_and_clear();
+    let mut by_id: BTreeMap<&str, Vec<TrialFigures>> = BTreeMap::new();
+    for (trial, outcomes) in prepared.iter().zip(&outcomes) {
+        let figures = TrialFigures::of(trial.spec, reaction(trial), outcomes);
+        by_id.entry(&trial.fault.id).or_default().push(figures);
+    }
+    let faults: Vec<FaultFigures> = chosen
+        .iter()
+        .map(|fault| FaultFigures::of(fault, by_id.remove(fault.id.as_str()).unwrap_or_default()))
+        .collect();
+    let sound = sound::run(&config, &catalogue.sound, args.hours)?;
+    let early: usize = faults.iter().flat_map(|fault| &fault.trials).map(|trial| trial.false_trips).sum();
+    let figures = Figures {
+        faults,
+        false_trips: early + sound.trips.len(),
+        false_trip_list: sound.trips,
+        hours: sound.hours,
+    };
+    if !json.is_stdout() {
+        output::line(&text::table(&figures))?;
+    }
+    json.write(&figures)?;
+    if let Some(path) = &args.html {
+        std::fs::write(path, page::page(&figures)).with_context(|| path.display().to_string())?;
+    }
+    judge(&figures)
+}
+
+fn judge(figures: &Figures) -> anyhow::Result<()> {
+    if figures.is_sound() {
+        return Ok(());
+    }
+    let missed: Vec<&str> = figures
+        .faults
+        .iter()
+        .filter(|fault| fault.within_limit == Some(false))
+        .map(|fault| fault.id.as_str())
+        .collect();
+    let missed = if missed.is_empty() { "none".to_owned() } else { missed.join(", ") };
+    Err(LimitsMissed { missed, false_trips: figures.false_trips }.into())
+}
+
+fn chosen<'a>(catalogue: &'a Catalogue, only: &[String]) -> anyhow::Result<Vec<&'a FaultSpec>> {
+    for id in only {
+        if !catalogue.faults.iter().any(|fault| fault.id == *id) {
+            let known: Vec<&str> = catalogue.faults.iter().map(|fault| fault.id.as_str()).collect();
+            bail!("--only {id}: no such ID; there are {}", known.join(" "));
+        }
+    }
+    let wanted = |fault: &&FaultSpec| only.is_empty() || only.contains(&fault.id);
+    Ok(catalogue.faults.iter().filter(wanted).collect())
+}
+
+fn prepare<'a>(
+    config: &ConfigDir,
+    catalogue: &'a Catalogue,
+    chosen: &[&'a FaultSpec],
+) -> anyhow::Result<Vec<Prepared<'a>>> {
+    let mut prepared = Vec::new();
+    for &fault in chosen {
+        for spec in &fault.trials {
+            let at = || format!("{}, trial '{}'", fault.id, spec.name);
+            let job = &catalogue.jobs[&spec.job];
+            let file = job.load(config).with_context(at)?;
+            let choice = Choice {
+                camera: spec.camera,
+                overrides: spec.overrides(),
+                ..Choice::of(file.material(), sim::level(&spec.control).with_context(at)?)
+            };
+            let setup = config.load(&choice).with_context(at)?;
+            prepared.push(Prepared { fault, spec, setup, file, warm: job.warm });
+        }
+    }
+    Ok(prepared)
+}
+
+fn reaction(trial: &Prepared<'_>) -> catalogue::Reaction {
+    trial.spec.reaction.unwrap_or(trial.fault.reaction)
+}
+
+/// Every trial with every seed, on all cores; by trial, in the order of the seeds.
+fn run_all(
+    prepared: &[Prepared<'_>],
+    seeds: &[u64],
+    progress: &ProgressBar,
+) -> anyhow::Result<Vec<Vec<Outcome>>> {
+    let next = AtomicUsize::new(0);
+    let done: Mutex<Vec<(usize, anyhow::Result<Outcome>)>> = Mutex::new(Vec::new());
+    let work = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(trial) = prepared.get(index / seeds.len()) else { return };
+            let Prepared { spec, setup, file, warm, .. } = trial;
+            let run = Trial { spec, reaction: reaction(trial), setup, file, warm: *warm };
+            let outcome = run.run(seeds[index % seeds.len()]);
+            progress.inc(1);
+            if let Ok(mut done) = done.lock() {
+                done.push((index, outcome));
+            }
+        }
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| (0..cores).for_each(|_| _ = scope.spawn(work)));
+    let mut done = done.into_inner().unwrap_or_default();
+    done.sort_by_key(|(index, _)| *index);
+    let outcomes = done.into_iter().map(|(_, outcome)| outcome).collect::<anyhow::Result<Vec<_>>>()?;
+    Ok(outcomes.chunks(seeds.len()).map(<[Outcome]>::to_vec).collect())
+}

@@ -1,0 +1,65 @@
+//! The figures of `fdm faults` for people.
+
+use super::figures::{FaultFigures, Figures, TrialFigures};
+use std::fmt::Write;
+
+/// One row a trial, then what was missed.
+#[must_use]
+pub fn table(figures: &Figures) -> String {
+    let mut text = String::from("Simulated, in virtual time; seconds from injection to actuation\n");
+    // Writing to a string cannot fail.
+    _ = writeln!(
+        text,
+        "{:<4} {:<34} {:>9} {:>7} {:>9} {:>8} {:>8} {:>8}  {:<5} found as",
+        "ID", "fault", "action", "runs", "detected", "p50 s", "worst s", "limit s", "kept"
+    );
+    for fault in &figures.faults {
+        for trial in &fault.trials {
+            row(&mut text, fault, trial);
+        }
+        if let Some(why) = &fault.waiting {
+            _ = writeln!(text, "{:<4} {:<34} waiting: {why}", fault.id, fault.fault);
+        } else if let (true, Some(test)) = (fault.trials.is_empty(), &fault.test) {
+            _ = writeln!(text, "{:<4} {:<34} test: {test}", fault.id, fault.fault);
+        }
+    }
+    for fault in &figures.faults {
+        for trial in &fault.trials {
+            for miss in &trial.misses {
+                _ = writeln!(text, "missed: {} {}, {miss}", fault.id, trial.name);
+            }
+        }
+    }
+    _ = write!(
+        text,
+        "false trips: {} before a fault or in {:.2} h of sound prints",
+        figures.false_trips, figures.hours
+    );
+    for trip in &figures.false_trip_list {
+        _ = write!(text, "\nfalse trip: {trip}");
+    }
+    text
+}
+
+fn row(text: &mut String, fault: &FaultFigures, trial: &TrialFigures) {
+    let time = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
+    let limit = match (trial.limit_s, &fault.limit) {
+        (Some(limit_s), _) => format!("{limit_s}"),
+        (None, Some(_)) => "text".to_owned(),
+        (None, None) => "-".to_owned(),
+    };
+    _ = writeln!(
+        text,
+        "{:<4} {:<34} {:>9} {:>7} {:>9} {:>8} {:>8} {:>8}  {:<5} {}",
+        fault.id,
+        trial.name,
+        trial.action,
+        trial.runs,
+        trial.detected,
+        time(trial.reaction_p50_s),
+        time(trial.reaction_max_s),
+        limit,
+        if trial.within_limit { "yes" } else { "NO" },
+        trial.found_as.join(" "),
+    );
+}

@@ -1,0 +1,220 @@
+//! Who gets what: messages between printer and brains, through the relay where there is one.
+
+use super::Printing;
+use crate::sim::message::{Content, Lane, Message};
+use crate::sim::report::Detection;
+use crate::sim::sight::Seen;
+use models::command::Mode;
+use models::units::{Kelvin, Seconds};
+use mpc_controller::advance::Prediction;
+use printer_sim::Output;
+use safety_supervisor::{Event as Safety, PrinterReport, Stream, What};
+use state_estimator::{Channel, state};
+
+impl Printing {
+    pub(super) fn pass_on(&mut self, now: Seconds, output: Output) {
+        match output {
+            Output::Temperatures { stamp, hotend, bed } => {
+                self.send(now, Message::new(stamp, Content::Hotend(hotend)));
+                self.send(now, Message::new(stamp, Content::Bed(bed)));
+            }
+            Output::Encoder { stamp, counts } => {
+                #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
+                let position_m = counts as f64 * self.encoder_quantum_m;
+                self.send(now, Message::new(stamp, Content::Encoder(position_m)));
+            }
+            Output::Width { exposed, width_m, sigma_m } => self.deliver_width(exposed, width_m, sigma_m),
+            Output::Status(status) => {
+                self.note_extremes(&status.trims);
+                self.send(now, Message::new(status.stamp, Content::Printer(status)));
+            }
+            Output::Imu(batch) => self.send(now, Message::new(batch.first, Content::Imu(batch))),
+            Output::Frame { exposed, jpeg, .. } => {
+                if self.sight.is_some() {
+                    self.send(now, Message::new(exposed, Content::Frame(jpeg)));
+                }
+            }
+            Output::Motion { start, segment } => {
+                if let Some(sight) = &mut self.sight {
+                    sight.on_motion(start, &segment);
+                }
+                let told = self.foresight.on_motion(start, &segment);
+                self.tell(told);
+            }
+            Output::Note { .. } => {}
+        }
+    }
+
+    /// What the relay has held back until now.
+    pub(super) fn deliver_late(&mut self, now: Seconds) {
+        let due = self.relay.as_mut().map(|relay| relay.due(now)).unwrap_or_default();
+        due.into_iter().for_each(|message| self.deliver(now, message));
+    }
+
+    pub(super) fn send(&mut self, now: Seconds, message: Message) {
+        let Some(relay) = self.relay.as_mut().filter(|relay| relay.is_active()) else {
+            return self.deliver(now, message);
+        };
+        let stream = stream_of(message.lane());
+        for arrived in relay.pass(now, message) {
+            match arrived.over_the_wire() {
+                Ok(sound) => self.deliver(now, sound),
+                Err(_refused) => self.refuse(now, stream),
+            }
+        }
+    }
+
+    /// What a node's conversion, or the check of a stamp's age, has refused.
+    fn refuse(&mut self, now: Seconds, stream: Option<Stream>) {
+        if let Some(stream) = stream {
+            self.supervisor.on_event(now, Safety::Refused { stream });
+        }
+    }
+
+    /// To the supervisor, unless the stamp is too old for it or ahead of the clock.
+    fn to_supervisor(&mut self, now: Seconds, stamp: Seconds, (stream, event): (Stream, Safety)) {
+        let stale = &self.stale;
+        let limit_s = match stream {
+            Stream::Hotend => stale.hotend.degraded_s,
+            Stream::Bed => stale.bed.degraded_s,
+            Stream::Encoder => stale.encoder.degraded_s,
+            Stream::Printer => stale.printer.degraded_s,
+            Stream::Command => stale.command.degraded_s,
+            Stream::Estimate => stale.estimate.degraded_s,
+            Stream::Imu => stale.imu.degraded_s,
+            Stream::Vision => stale.vision.degraded_s,
+        };
+        match runtime::check_age((now - stamp).0, Seconds(limit_s)) {
+            Ok(()) => _ = self.supervisor.on_event(now, event),
+            Err(_refused) => self.refuse(now, Some(stream)),
+        }
+    }
+
+    fn deliver(&mut self, now: Seconds, Message { stamp, content }: Message) {
+        match content {
+            Content::Hotend(temp) => {
+                self.estimator.on_event(state_estimator::Event::Hotend { stamp, temp });
+                self.to_supervisor(now, stamp, (Stream::Hotend, Safety::Hotend { stamp, temp }));
+            }
+            Content::Bed(temp) => self.to_supervisor(now, stamp, (Stream::Bed, Safety::Bed { stamp, temp })),
+            Content::Encoder(position_m) => {
+                self.estimator.on_event(state_estimator::Event::Encoder { stamp, position_m });
+                self.controller.on_event(mpc_controller::Event::Encoder { stamp, position_m });
+                self.to_supervisor(now, stamp, (Stream::Encoder, Safety::Encoder { stamp, position_m }));
+            }
+            Content::Printer(status) => {
+                if let Some(sight) = &mut self.sight {
+                    sight.on_status(&status);
+                }
+                self.estimator.on_event(state_estimator::Event::Printer(*status));
+                let told = self.foresight.on_status(&status);
+                self.controller.on_event(mpc_controller::Event::Printer(*status));
+                self.tell(told);
+                self.to_supervisor(
+                    now,
+                    stamp,
+                    (Stream::Printer, Safety::Printer(PrinterReport::from(&*status))),
+                );
+            }
+            Content::Imu(batch) => {
+                let (first, period, samples) = (batch.first, batch.period, batch.samples);
+                self.to_supervisor(now, stamp, (Stream::Imu, Safety::Imu { first, period, samples }));
+            }
+            Content::Frame(jpeg) => self.see(now, stamp, jpeg),
+            Content::Vision(report) => {
+                self.to_supervisor(now, stamp, (Stream::Vision, Safety::Vision(report)));
+            }
+            Content::Estimate(health) => {
+                self.supervisor.on_event(now, Safety::EstimateHealth(health));
+                self.to_supervisor(now, stamp, (Stream::Estimate, Safety::EstimateHeartbeat { stamp }));
+            }
+            Content::Command(command) => {
+                self.to_supervisor(now, stamp, (Stream::Command, Safety::Command(command)));
+            }
+            // A refused permit is counted by the dead-man itself.
+            Content::Permit(permit) => _ = self.simulator.on_permit(permit),
+        }
+    }
+
+    fn deliver_width(&mut self, exposed: Seconds, width_m: f64, sigma_m: f64) {
+        self.estimator.on_event(state_estimator::Event::Width { exposed, width_m, sigma_m });
+        self.controller.on_event(mpc_controller::Event::Width { exposed, width_m });
+    }
+
+    fn tell(&mut self, told: Option<Prediction>) {
+        if let Some(prediction) = told {
+            self.controller.on_event(mpc_controller::Event::Prediction(prediction));
+        }
+    }
+
+    fn see(&mut self, now: Seconds, exposed: Seconds, jpeg: Vec<u8>) {
+        let Some(sight) = &mut self.sight else { return };
+        for seen in sight.on_frame(exposed, jpeg) {
+            match seen {
+                Seen::Width { laid, width_m, sigma_m } => self.deliver_width(laid, width_m, sigma_m),
+                Seen::Report(report) => self.send(now, Message::new(exposed, Content::Vision(report))),
+            }
+        }
+    }
+
+    pub(super) fn estimate(&mut self, now: Seconds) {
+        let Some(estimate) = self.estimator.on_event(state_estimator::Event::Tick { now }) else { return };
+        self.consistency.add(&estimate, self.simulator.truth());
+        self.nis_mean = estimate.nis_mean;
+        if let Some(sight) = &mut self.sight {
+            sight.on_estimate(&estimate);
+        }
+        self.send(now, Message::new(now, Content::Estimate(estimate.health)));
+        let for_control = mpc_controller::Estimate {
+            stamp: estimate.stamp,
+            nozzle: Kelvin(estimate.x[state::NOZZLE]),
+            flow_m_s: estimate.x[state::FLOW].max(0.0),
+            slip: estimate.x[state::SLIP],
+            gain: estimate.x[state::GAIN],
+            reference_feed_m_s: estimate.reference_feed_m_s,
+            encoder_alive: estimate.alive[Channel::Encoder as usize],
+        };
+        if let Some(command) = self.controller.on_event(mpc_controller::Event::Estimate(for_control)) {
+            self.send(now, Message::new(now, Content::Command(command)));
+        }
+    }
+
+    pub(super) fn permit(&mut self, now: Seconds) {
+        if let Some(output) = self.supervisor.on_event(now, Safety::Tick { now }) {
+            self.say(now, output);
+        }
+    }
+
+    /// What the supervisor says: a permit for the printer, its state and its decisions.
+    pub(super) fn say(&mut self, now: Seconds, output: safety_supervisor::Output) {
+        self.send(now, Message::new(now, Content::Permit(output.permit)));
+        let onset_s = self.simulator.first_onset().map(|onset| onset.0);
+        let cause = output.state.cause.map_or_else(String::new, |cause| cause.id().to_owned());
+        self.safety = Some(output.state);
+        for event in &output.events {
+            let (fault, action) = match event.what {
+                What::Impulse => ("P8".to_owned(), "flagged".to_owned()),
+                _ if event.before != event.after && event.after >= Mode::Degraded => {
+                    (cause.clone(), format!("{:?}", event.after).to_lowercase())
+                }
+                _ => continue,
+            };
+            self.noticed.push(Detection { fault, onset_s, detected_s: now.0, action });
+        }
+    }
+}
+
+/// The supervisor's stream that a way leads to.
+fn stream_of(lane: Lane) -> Option<Stream> {
+    Some(match lane {
+        Lane::Hotend => Stream::Hotend,
+        Lane::Bed => Stream::Bed,
+        Lane::Encoder => Stream::Encoder,
+        Lane::Printer => Stream::Printer,
+        Lane::Imu => Stream::Imu,
+        Lane::Vision => Stream::Vision,
+        Lane::Estimate => Stream::Estimate,
+        Lane::Command => Stream::Command,
+        Lane::Frames | Lane::Permit => return None,
+    })
+}

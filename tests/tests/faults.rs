@@ -1,0 +1,127 @@
+//! The catalogue of faults: each ID is shown by something that exists, and what runs in virtual time keeps its limit.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
+
+use cli::faults::catalogue::Catalogue;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Every requirement, by its letter and last number.
+const REQUIRED: [(&str, u32); 7] = [("S", 11), ("C", 14), ("K", 8), ("P", 13), ("T", 5), ("L", 5), ("X", 2)];
+/// How many may wait for a part that is not built.
+const UNBUILT_MAX: usize = 5;
+/// How many have no test yet: a debt that may only shrink.
+const UNTESTED_MAX: usize = 9;
+
+fn root() -> PathBuf {
+    std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()
+}
+
+fn catalogue() -> Catalogue {
+    Catalogue::read(&root().join("config/faults.yaml")).unwrap()
+}
+
+/// Text of every file of tests in the workspace.
+fn sources_of_tests() -> String {
+    let mut text = String::new();
+    let mut folders = vec![root().join("tests"), root().join("nodes")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() && !path.ends_with("data") {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs" || extension == "sh") {
+                text += &std::fs::read_to_string(path).unwrap();
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn every_requirement_has_a_trial_or_a_test_that_exists_and_few_wait() {
+    let (catalogue, sources) = (catalogue(), sources_of_tests());
+    let mut missing = Vec::new();
+    for (letter, last) in REQUIRED {
+        for number in 1..=last {
+            let id = format!("{letter}{number}");
+            match catalogue.faults.iter().find(|fault| fault.id == id) {
+                None => missing.push(format!("{id}: not in config/faults.yaml")),
+                Some(fault) => {
+                    if let Some(test) = &fault.test
+                        && !sources.contains(&format!("fn {test}("))
+                    {
+                        missing.push(format!("{id}: there is no test {test}"));
+                    }
+                }
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+    let reasons: Vec<&String> = catalogue.faults.iter().filter_map(|fault| fault.waiting.as_ref()).collect();
+    let unbuilt = reasons.iter().filter(|reason| reason.starts_with("not built: ")).count();
+    assert!(unbuilt <= UNBUILT_MAX, "{unbuilt} wait for a part");
+    assert!(reasons.len() - unbuilt <= UNTESTED_MAX, "without a test: {reasons:?}");
+}
+
+/// One seed that nothing was chosen on; twenty of each ID run in `test.sh --long`.
+#[test]
+fn quick_ids_keep_their_limits_in_virtual_time() {
+    let path = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    let only = "S1,S5,C1,C2,C7,C8,P13";
+    let output = Command::new(path)
+        .current_dir(root())
+        .args(["faults", "--only", only, "--seeds", "71..71", "--json", "-"])
+        .output()
+        .unwrap();
+    let figures: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(output.status.success(), "{}\n{figures:#}", String::from_utf8_lossy(&output.stderr));
+    let faults = figures["faults"].as_array().unwrap();
+    assert_eq!(faults.len(), only.split(',').count());
+    for fault in faults {
+        for field in
+            ["id", "level", "runs", "detected", "reaction_p50_s", "reaction_max_s", "limit_s", "action"]
+        {
+            assert!(fault.get(field).is_some(), "{field} is missing in {fault}");
+        }
+        assert_eq!(fault["within_limit"], true, "{fault:#}");
+    }
+}
+
+/// A limit that cannot be kept is told as missed, with exit code 1.
+#[test]
+fn a_missed_limit_is_told() {
+    let folder = std::env::temp_dir().join(format!("fdm_faults_{}", std::process::id()));
+    let text = std::fs::read_to_string(root().join("config/faults.yaml")).unwrap();
+    copy(&root().join("config"), &folder);
+    let gcode = root().join("tests/data/gcode");
+    // A permit goes out every 20 ms: nothing follows within one.
+    let impossible = text
+        .replace("../tests/data/gcode", gcode.to_str().unwrap())
+        .replace("{name: emergency stop, job: print, onset: {after: printing, time_s: 5, spread_s: 30}, limit_s: 0.25, person: estop}",
+            "{name: emergency stop, job: print, onset: {after: printing, time_s: 5}, limit_s: 0.01, plant: [{component: hotend_thermistor, kind: short}]}");
+    std::fs::write(folder.join("faults.yaml"), impossible).unwrap();
+    let path = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    let output = Command::new(path)
+        .args(["faults", "--only", "P13", "--seeds", "72..72", "--config"])
+        .arg(&folder)
+        .output()
+        .unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("limits missed: P13"), "{told}");
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy(&path, &target);
+        } else {
+            std::fs::copy(&path, &target).unwrap();
+        }
+    }
+}
