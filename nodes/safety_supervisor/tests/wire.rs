@@ -7,18 +7,31 @@ use common::print::Print;
 use common::{params, params_with, report};
 use models::command::{Mode, Request, Trims};
 use models::units::{Celsius, Seconds};
-use runtime::params::{NodePath, Parameters};
 use safety_supervisor::params::Streams;
 use safety_supervisor::{Cause, Operator, Params, PrinterReport, Stream, Supervisor, What};
-use std::path::Path;
+use serde_json::Value;
+
+/// Puts a file over another as the nodes read them: the later one wins, value by value.
+fn put_over(under: &mut Value, over: Value) {
+    match (under, over) {
+        (Value::Object(under), Value::Object(over)) => {
+            for (name, value) in over {
+                put_over(under.entry(name).or_insert(Value::Null), value);
+            }
+        }
+        (under, over) => *under = over,
+    }
+}
 
 /// The files of a wire machine, as `fdm wire up` gives them.
 fn wire(start_mode: &str) -> Params {
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
-    let files = ["safety_supervisor.param.yaml", "wire/safety_supervisor.param.yaml"];
-    let path = NodePath { qualified: "/printer/safety_supervisor".into(), base: "safety_supervisor".into() };
-    let mode = ("start_mode".to_owned(), start_mode.to_owned());
-    Parameters::read(&files.map(|file| config.join(file)), &[mode], &path).unwrap().parse().unwrap()
+    let base = include_str!("../../../config/safety_supervisor.param.yaml");
+    let over = include_str!("../../../config/wire/safety_supervisor.param.yaml");
+    let mut file: Value = serde_saphyr::from_str(base).unwrap();
+    put_over(&mut file, serde_saphyr::from_str(over).unwrap());
+    let mut parameters = file["/**"]["ros__parameters"].take();
+    parameters["start_mode"] = start_mode.into();
+    serde_json::from_value(parameters).unwrap()
 }
 
 /// A machine at work that has a controller and nothing else.

@@ -1,0 +1,94 @@
+//! Filament and impulses: encoder against motor, accelerations against what moves command.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use models::units::Seconds;
+use safety_supervisor::checks::filament::FilamentCheck;
+use safety_supervisor::checks::impulse::ImpulseCheck;
+use safety_supervisor::params::{FilamentParams, ImpulseParams};
+
+fn slip_of(motor: impl Fn(f64) -> f64, encoder: impl Fn(f64) -> f64) -> FilamentCheck {
+    let mut check = FilamentCheck::new(FilamentParams { window_m: 6e-3, play_m: 1e-4, slip_max: 0.45 });
+    for step in 0..=2000 {
+        let way_m = f64::from(step) * 1e-5;
+        check.on_encoder(encoder(way_m));
+        check.on_motor(motor(way_m));
+    }
+    check
+}
+
+#[test]
+fn p6_slip_is_the_share_of_the_motors_way_that_the_encoder_has_not_seen() {
+    for slip in [0.0, 0.2, 0.4, 0.5, 1.0] {
+        let check = slip_of(|way_m| 3.0 + way_m, |way_m| -7.0 + way_m * (1.0 - slip));
+        let seen = check.slip().unwrap();
+        assert!((seen - slip).abs() < 1e-9, "{slip}: {seen}");
+        assert_eq!(check.tripped(), slip > 0.45);
+    }
+}
+
+/// Retractions and their way back are strokes forward of both; what is within the play is none.
+#[test]
+fn p6_retractions_and_play_are_no_slip() {
+    let strokes = |way_m: f64| way_m + if (way_m * 1e3).fract() < 0.5 { 0.0 } else { -8e-4 };
+    let check = slip_of(strokes, strokes);
+    assert!(check.slip().unwrap().abs() < 1e-9);
+    // A motor that trembles by less than the play has gone nowhere.
+    let still = slip_of(|way_m| if (way_m * 1e5) as u32 % 2 == 0 { 0.0 } else { 9e-5 }, |_| 0.0);
+    assert_eq!(still.slip(), None);
+}
+
+#[test]
+fn p6_slip_is_known_once_the_window_is_gone_through_and_forgotten_on_demand() {
+    let mut check = FilamentCheck::new(FilamentParams { window_m: 6e-3, play_m: 0.0, slip_max: 0.45 });
+    check.on_motor(0.0);
+    check.on_encoder(0.0);
+    let known = (0..1000).find(|step| {
+        check.on_motor(f64::from(*step) * 1e-5);
+        check.slip().is_some()
+    });
+    // 15 marks of 0.4 mm make 6 mm; each mark may come a step of 10 um late.
+    assert!(known.is_some_and(|step| (600..=615).contains(&step)), "{known:?}");
+    check.reset();
+    assert!(check.slip().is_none() && !check.tripped());
+}
+
+fn impulses(bursts: &[(f64, usize, f64)]) -> ImpulseCheck {
+    let mut check = ImpulseCheck::new(ImpulseParams {
+        commanded_max_m_s2: 10.0,
+        residual_m_s2: 12.0,
+        samples: 4,
+        span_s: 0.02,
+        apart_s: 0.2,
+        still_s: 1.0,
+    });
+    check.on_samples(Seconds(0.0), Seconds(1e-3), &vec![[0.0, 0.0, 9.81]; 1000]);
+    for (start_s, count, size_m_s2) in bursts {
+        check.on_samples(Seconds(*start_s), Seconds(1e-3), &vec![[0.0, *size_m_s2, 9.81]; *count]);
+    }
+    check
+}
+
+#[test]
+fn p8_impulses_are_counted_by_size_number_and_distance() {
+    assert_eq!(impulses(&[(1.1, 4, 22.1)]).total(), 1);
+    assert_eq!(impulses(&[(1.1, 4, 21.9)]).total(), 0, "what moves command");
+    assert_eq!(impulses(&[(1.1, 3, 40.0)]).total(), 0, "too few");
+    assert_eq!(impulses(&[(1.1, 2, 40.0), (1.115, 2, 40.0)]).total(), 1, "within 20 ms");
+    assert_eq!(impulses(&[(1.1, 2, 40.0), (1.13, 2, 40.0)]).total(), 0, "farther apart");
+    assert_eq!(impulses(&[(1.1, 4, 40.0), (1.25, 4, 40.0)]).total(), 1, "one and the same");
+    assert_eq!(impulses(&[(1.1, 4, 40.0), (1.35, 4, 40.0)]).total(), 2);
+    assert!(impulses(&[(1.1, 4, 40.0)]).recent(Seconds(31.1), Seconds(30.0)));
+    assert!(!impulses(&[(1.1, 4, 40.0)]).recent(Seconds(31.2), Seconds(30.0)));
+}
+
+/// A mounting that tilts by 5 m/s2 is still after some time constants of 1 s: e^-6 of it is left.
+#[test]
+fn p8_what_is_still_follows_the_mounting() {
+    let mut check = impulses(&[]);
+    let tilted = [5.0, 0.0, 8.4];
+    check.on_samples(Seconds(1.0), Seconds(1e-3), &vec![tilted; 6000]);
+    check.on_samples(Seconds(7.1), Seconds(1e-3), &[[5.0 + 21.5, 0.0, 8.4]; 4]);
+    assert_eq!(check.total(), 0);
+    check.on_samples(Seconds(7.5), Seconds(1e-3), &[[5.0 + 22.2, 0.0, 8.4]; 4]);
+    assert_eq!(check.total(), 1);
+}
