@@ -19,7 +19,7 @@ inside() { chroot "$root" /usr/bin/env -i PATH=/usr/local/sbin:/usr/local/bin:/u
 as_maker() { inside HOME=/home/maker FDM_SPEED="${FDM_SPEED:-4}" setpriv --reuid=maker --regid=maker --clear-groups bash -c "cd ~/fdm_loop && $1"; }
 timed() { local start=$SECONDS; "$@"; took_s=$((SECONDS - start)); }
 
-unmount() { for place in dev/shm dev sys proc; do mountpoint -q "$root/$place" && umount "$root/$place"; done; true; }
+unmount() { for place in dev/shm dev/pts dev sys proc; do mountpoint -q "$root/$place" && umount "$root/$place"; done; true; }
 trap unmount EXIT
 
 if [ ! -x "$root/usr/bin/apt-get" ]; then
@@ -27,7 +27,7 @@ if [ ! -x "$root/usr/bin/apt-get" ]; then
   debootstrap --variant=minbase bookworm "$root" http://deb.debian.org/debian >/dev/null
 fi
 echo "$(mib) MiB: a minimal Debian 12"
-for place in proc sys dev dev/shm; do mountpoint -q "$root/$place" || mount --bind "/$place" "$root/$place"; done
+for place in proc sys dev dev/pts dev/shm; do mountpoint -q "$root/$place" || mount --bind "/$place" "$root/$place"; done
 cp /etc/resolv.conf "$root/etc/resolv.conf"
 # Where the network of this machine has a certificate of its own, it counts inside as well.
 mkdir -p "$root/etc/ssl/certs" "$root/usr/local/share/ca-certificates"
