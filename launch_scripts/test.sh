@@ -37,6 +37,52 @@ if [ -n "$long" ]; then
   for _ in $(seq 20); do
     cargo test -p system_tests --locked --test process_faults --test refusals --test bag --test orphans -- --include-ignored
   done
+
+  step "long: 10^5 malformed payloads a type, 10^6 orders to a firmware, 5000 poisoned prints"
+  FDM_MALFORMED_PAYLOADS=100000 cargo test -p runtime --locked --test malformed
+  FDM_GCODE_CASES=1000000 cargo test -p models --locked --lib gcode::order
+  FDM_POISON_CASES=5000 cargo test -p safety_supervisor --locked --no-default-features --test poison
+
+  step "long: lines of the supervisor's brain that are covered, 95 % at least"
+  if command -v cargo-llvm-cov >/dev/null; then
+    cargo llvm-cov --locked -p safety_supervisor --no-default-features --lib --tests --fail-under-lines 95 \
+      --ignore-filename-regex '(/node/|node\.rs|convert\.rs|main\.rs|/tests|tests\.rs|/models/)'
+  else
+    echo "cargo-llvm-cov is not installed: skipped (rustup component add llvm-tools; cargo install cargo-llvm-cov --locked)"
+  fi
+
+  # All of them take hours: a tenth of them, another one with FDM_MUTANTS=1/10 and so on, all with FDM_MUTANTS=0/1.
+  step "long: mutants of the supervisor's brain that are killed, 90 % at least"
+  if command -v cargo-mutants >/dev/null; then
+    rm -rf target/mutants
+    FDM_POISON_CASES=40 cargo mutants -p safety_supervisor --no-default-features --timeout 300 -o target/mutants \
+      -e '**/node.rs' -e '**/node/**' -e '**/convert.rs' -e '**/main.rs' -e '**/tests/**' \
+      --sharding round-robin --shard "${FDM_MUTANTS:-0/10}" -- --lib --tests || true
+    python3 - target/mutants/mutants.out/outcomes.json <<'PYTHON'
+import json, sys
+found = json.load(open(sys.argv[1]))
+killed, missed = found["caught"] + found["timeout"], found["missed"]
+print(f"{killed} of {killed + missed} mutants killed")
+sys.exit(killed < 0.9 * (killed + missed))
+PYTHON
+  else
+    echo "cargo-mutants is not installed: skipped (cargo install cargo-mutants --locked)"
+  fi
+fi
+
+step "systemd units: complete, and exposed by 2.0 of 10 at most"
+if command -v systemd-analyze >/dev/null; then
+  units=$(mktemp -d)
+  cp -r launch_scripts/systemd/. "$units"
+  for node in safety_supervisor bag_recorder printer_bridge thermistor filament_encoder imu camera state_estimator defect_classifier advance_predictor mpc_controller; do
+    cp "$units/fdm_loop@.service" "$units/fdm_loop@$node.service"
+    systemd-analyze security --offline=true --no-pager --threshold=20 "$units/fdm_loop@$node.service" | tail -n 1
+    # The programs are not installed here; anything else that it says is a fault.
+    ! systemd-analyze verify --man=no "$units/fdm_loop@$node.service" 2>&1 | grep -v "/usr/lib/fdm_loop/$node is not executable" || exit 1
+  done
+  rm -r "$units"
+else
+  echo "systemd-analyze is not installed: skipped"
 fi
 
 step "licences, bans and sources"
