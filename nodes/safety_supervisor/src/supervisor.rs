@@ -76,7 +76,14 @@ impl Supervisor {
     }
 
     /// Takes one event received at `now`. A tick yields the permit to publish; so does a person's request, at once.
+    /// Without a time no age can be told: there is no permit then, and the printer's dead-man takes over.
     pub fn on_event(&mut self, now: Seconds, event: Event) -> Option<Output> {
+        let timeless = !now.0.is_finite() || matches!(event, Event::Tick { now } if !now.0.is_finite());
+        let now = match event {
+            Event::Operator(_) if timeless => self.last_tick.unwrap_or_default(),
+            _ if timeless => return None,
+            _ => now,
+        };
         match event {
             Event::Tick { now } => return Some(self.on_tick(now)),
             Event::Operator(request) => {
@@ -176,7 +183,8 @@ impl Supervisor {
         // Once in a while: whoever always comes late hears nothing in time, and has to say so.
         let often = self.last_stall.is_some_and(|last| (now - last).0 < self.params.modes.stall_forgiven_s);
         self.last_stall = Some(now);
-        if !often {
+        // A clock that was set back is not late: the ages go back with it.
+        if !often || gap < Seconds(0.0) {
             for age in self.ages.all_mut() {
                 age.forgive(gap);
             }
@@ -184,12 +192,12 @@ impl Supervisor {
             self.checks.bed_frozen.reset();
             self.checks.detached.reset();
             self.checks.bed_detached.reset();
+            self.started = self.started.map(|_| now);
         }
         self.allowed = Trims::NEUTRAL;
         self.ramp = None;
         self.returning_since = None;
         self.approved = None;
-        self.started = self.started.map(|_| now);
         let mode = self.modes.mode();
         self.decisions.push(Decision {
             what: What::StoodStill,

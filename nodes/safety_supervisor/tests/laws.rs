@@ -183,3 +183,42 @@ fn a_job_that_the_printer_gave_up_is_answered_once() {
     print.run(3.0);
     assert_eq!((print.mode(), print.output.permit.request), (Mode::Act, Request::Run), "no job waits");
 }
+
+/// Without a time nothing can be said of any age: no permit, and the printer's dead-man takes over. A person is heard.
+#[test]
+fn without_a_time_there_is_no_permit_but_an_emergency_stop() {
+    for broken in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut print = Print::acting();
+        let now = Seconds(broken);
+        assert_eq!(print.supervisor.on_event(now, Event::Tick { now }), None);
+        assert_eq!(print.supervisor.on_event(now, Event::Hotend { stamp: now, temp: Celsius(210.0) }), None);
+        print.run(0.1);
+        assert_eq!(print.mode(), Mode::Act, "one missed tick is none");
+        print.hotend = false;
+        assert!(print.until(Mode::SafeOff) <= 3.1, "and no age was lost by it");
+        let output = print.supervisor.on_event(now, Event::Operator(Operator::Estop)).unwrap();
+        assert_eq!(output.permit.request, Request::EmergencyStop);
+    }
+}
+
+/// A supervisor that comes late to every tick has no time for a long start either.
+#[test]
+fn a_start_ends_however_late_the_ticks_come() {
+    let mut print = late(0.0, |print| print.hotend = false);
+    while print.now() < 25.0 {
+        print.tick += 20;
+        print.step();
+    }
+    assert_eq!((print.mode(), print.output.state.cause), (Mode::SafeOff, Some(Cause::StaleHotend)));
+}
+
+/// S7 on a clock that went ahead and came back within seconds: a stream that has been silent since is missed in time.
+#[test]
+fn a_clock_that_is_set_back_hides_no_silence() {
+    let mut print = Print::acting();
+    print.tick += 180_000;
+    print.step();
+    print.tick -= 180_000;
+    print.hotend = false;
+    assert!(print.until(Mode::SafeOff) <= 3.3, "{:?}", print.output.state);
+}
