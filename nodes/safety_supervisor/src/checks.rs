@@ -8,6 +8,7 @@ pub mod drive_history;
 pub mod filament;
 pub mod frozen;
 pub mod heater;
+mod heater_observer;
 pub mod heater_start;
 pub mod impulse;
 pub mod jump;

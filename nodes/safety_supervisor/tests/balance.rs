@@ -104,7 +104,10 @@ fn p1_p2_the_limits_are_those_of_the_file() {
     assert_eq!(fault_after(0.0, 0.275, 7.0, params), Some(HeaterFault::Deficit), "11 W are missing");
     assert_eq!(fault_after(0.0, 0.2, 5.0, params), None, "8 W are for the slow one");
     assert_eq!(fault_after(0.0, 0.2, 20.0, params), Some(HeaterFault::Deficit));
-    assert_eq!(fault_after(0.0, 0.13, 30.0, params), None, "5.2 W are nothing");
+    assert_eq!(fault_after(0.0, 0.1, 30.0, params), None, "4 W are nothing");
+    // 7 W are a deficit as more than half of 12 W, and none of 18 W: a draught is no share of the order.
+    assert_eq!(fault_after(5.0, 0.3, 30.0, params), Some(HeaterFault::Deficit));
+    assert_eq!(fault_after(11.0, 0.45, 30.0, params), None);
     assert_eq!(fault_after(-20.0, 0.0, 20.0, params), None, "no more can be missing than was ordered");
     // Of 40 W that were ordered and warm, a quarter of what arrives is the error of the capacity.
     assert_eq!(fault_after(33.0, 1.0, 20.0, params), None);

@@ -13,13 +13,14 @@ pub struct DetachedCheck {
     params: DetachedParams,
     recent: [Option<(Seconds, f64)>; SPAN],
     falling: u32,
+    fall_k_s: f64,
 }
 
 impl DetachedCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: DetachedParams) -> Self {
-        Self { params, recent: [None; SPAN], falling: 0 }
+        Self { params, recent: [None; SPAN], falling: 0, fall_k_s: 0.0 }
     }
 
     /// Takes a temperature received at `now`.
@@ -30,6 +31,7 @@ impl DetachedCheck {
         let Some((then, before_c)) = oldest else { return };
         let span_s = now.0 - then.0;
         let fall_k_s = (before_c - temp.0) / span_s;
+        self.fall_k_s = fall_k_s;
         let fast = span_s > 0.0 && span_s < self.params.span_max_s && fall_k_s > self.params.fall_k_s;
         self.falling = if fast { self.falling.saturating_add(1) } else { 0 };
     }
@@ -38,6 +40,18 @@ impl DetachedCheck {
     #[must_use]
     pub fn tripped(&self) -> bool {
         self.falling >= self.params.samples
+    }
+
+    /// Whether the reading falls so fast just now that it is not the block's.
+    #[must_use]
+    pub fn is_falling(&self) -> bool {
+        self.falling > 0
+    }
+
+    /// Whether the reading has all but stopped: a fifth of what no block does is above its noise.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.fall_k_s.abs() < 0.2 * self.params.fall_k_s
     }
 
     /// Forgets the samples.

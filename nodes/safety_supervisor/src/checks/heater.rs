@@ -12,9 +12,10 @@
 use models::units::{Celsius, Seconds};
 
 use super::drift::Balance;
-use super::drive_history::{DriveHistory, Means};
-use super::heater_start::{Begun, Start};
-use crate::params::{HeaterParams, ObserverParams};
+use super::drive_history::DriveHistory;
+use super::heater_observer::Observer;
+use super::heater_start::Start;
+use crate::params::HeaterParams;
 
 /// Longest step of the balance: after a longer gap the observer starts anew `[s]`.
 const GAP_MAX_S: f64 = 1.0;
@@ -39,6 +40,9 @@ pub enum HeaterFault {
     Deficit,
 }
 
+/// So many samples in a row far off: it is the balance that is off, not they. As many as it takes to begin.
+const LOST_SAMPLES: u32 = 10;
+
 /// Samples that wait for the printer's state of their moment: 0.8 s at 10 Hz.
 const WAITING: usize = 8;
 
@@ -54,6 +58,8 @@ pub struct HeaterCheck {
     /// Samples before the balance begins; `None` while it runs.
     start: Option<Start>,
     skipped: u32,
+    /// Samples since the last spike.
+    quiet: u32,
     reading_c: f64,
     moved_k: f64,
 }
@@ -71,6 +77,7 @@ impl HeaterCheck {
             last_sample: None,
             start: Some(Start::default()),
             skipped: 0,
+            quiet: 0,
             reading_c: f64::NAN,
             moved_k: 0.0,
         }
@@ -128,6 +135,10 @@ impl HeaterCheck {
         // A single spike is no heat; a jump that stays is taken for what it is.
         let spike = (temp.0 - self.fast.sensor_c).abs() > self.params.spike_k;
         self.skipped = if spike { self.skipped + 1 } else { 0 };
+        self.quiet = if spike { 0 } else { self.quiet.saturating_add(1) };
+        if self.skipped > LOST_SAMPLES {
+            return self.begin_anew(now, temp);
+        }
         let measured = (self.skipped == 0 || self.skipped > self.params.spike_samples).then_some(temp.0);
         self.fast.step(&self.params, inputs, measured, dt_s);
         self.slow.step(&self.params, inputs, measured, dt_s);
@@ -145,7 +156,8 @@ impl HeaterCheck {
             let large = self.slow.excess_w().abs() > self.params.slow.stuck_on_w;
             return self.slow.fault().filter(|_| large);
         }
-        self.fast.fault().or_else(|| self.slow.fault())
+        let fast = self.fast.fault().filter(|_| self.quiet > self.params.spike_samples);
+        fast.or_else(|| self.slow.fault())
     }
 
     /// What the slow observer says, once an error of its beginning has died away.
@@ -183,105 +195,7 @@ impl HeaterCheck {
         // The first of several samples never begins a balance.
         _ = start.on_sample(now, temp, self.params.sensor_lag_s);
         self.start = Some(start);
+        self.skipped = 0;
         (self.fast, self.slow) = (Observer::new(self.params.fast), Observer::new(self.params.slow));
     }
-}
-
-/// One observer of the balance.
-#[derive(Debug, Clone, Copy)]
-struct Observer {
-    params: ObserverParams,
-    block_c: f64,
-    sensor_c: f64,
-    disturbance_w: f64,
-    usual_w: f64,
-    /// Power that warms the block `[W]`.
-    warming_w: f64,
-    /// Time until what it says counts: an error of the beginning has died away `[s]`.
-    settling_s: f64,
-    over: u32,
-    under: u32,
-}
-
-/// Time constants of an observer until an error of its beginning counts for nothing: `e^-5 (1 + 5 + 25/2) = 12 %`.
-const SETTLED: f64 = 5.0;
-
-impl Observer {
-    fn new(params: ObserverParams) -> Self {
-        let settling_s = SETTLED / params.pole_1_s;
-        Self {
-            params,
-            block_c: 0.0,
-            sensor_c: 0.0,
-            disturbance_w: 0.0,
-            usual_w: 0.0,
-            warming_w: 0.0,
-            settling_s,
-            over: 0,
-            under: 0,
-        }
-    }
-
-    fn start(&mut self, begun: Begun) {
-        *self = Self { block_c: begun.block_c, sensor_c: begun.sensor_c, ..Self::new(self.params) };
-    }
-
-    fn step(&mut self, heater: &HeaterParams, inputs: Means, measured_c: Option<f64>, dt_s: f64) {
-        let balance_w = heater.balance_w(inputs, self.block_c);
-        let capacity = heater.capacity_j_k;
-        self.sensor_c += (self.block_c - self.sensor_c) * (1.0 - (-dt_s / heater.sensor_lag_s).exp());
-        self.block_c += (balance_w + self.disturbance_w) * dt_s / capacity;
-        // Triple pole at -w of the error: gains 3w - 1/tau, 3w^2 tau, w^3 C tau.
-        let pole = self.params.pole_1_s;
-        let residual_k = measured_c.map_or(0.0, |measured_c| measured_c - self.sensor_c);
-        self.sensor_c += (3.0 * pole - 1.0 / heater.sensor_lag_s) * residual_k * dt_s;
-        self.block_c += 3.0 * pole.powi(2) * heater.sensor_lag_s * residual_k * dt_s;
-        self.disturbance_w += pole.powi(3) * capacity * heater.sensor_lag_s * residual_k * dt_s;
-
-        let adapt = dt_s / heater.usual_time_s;
-        self.usual_w = (self.usual_w + (self.disturbance_w - self.usual_w) * adapt)
-            .clamp(-heater.usual_max_w, heater.usual_max_w);
-
-        self.warming_w = balance_w + self.disturbance_w;
-        self.settling_s -= dt_s;
-        if self.settling_s > 0.0 {
-            return;
-        }
-        let excess_w = self.excess_w();
-        let slack_w = heater.capacity_error * agreement(balance_w, self.warming_w);
-        self.over = if excess_w > self.params.stuck_on_w + slack_w { self.over.saturating_add(1) } else { 0 };
-        // No more can be missing than was ordered: an observer that starts while the block cools, its reading ahead of
-        // it by the lag, sees a deficit of a heater that is off.
-        let missing_w = (-excess_w).min(heater.power_w * inputs.duty);
-        self.under =
-            if missing_w > self.params.deficit_w + slack_w { self.under.saturating_add(1) } else { 0 };
-    }
-
-    fn excess_w(&self) -> f64 {
-        self.disturbance_w - self.usual_w
-    }
-
-    fn fault(&self) -> Option<HeaterFault> {
-        if self.over >= self.params.samples {
-            Some(HeaterFault::StuckOn)
-        } else if self.under >= self.params.samples {
-            Some(HeaterFault::Deficit)
-        } else {
-            None
-        }
-    }
-}
-
-impl HeaterParams {
-    /// Ordered power less losses at this temperature `[W]`.
-    fn balance_w(&self, inputs: Means, temp_c: f64) -> f64 {
-        let loss_w_k =
-            self.loss_w_k + self.fan_loss_w_k * inputs.fan + self.feed_heat_j_k_m * inputs.feed_m_s;
-        self.power_w * inputs.duty - loss_w_k * (temp_c - self.ambient_c)
-    }
-}
-
-/// Size of what two powers have in common; zero where they differ in sign.
-fn agreement(ordered_w: f64, measured_w: f64) -> f64 {
-    if ordered_w * measured_w > 0.0 { ordered_w.abs().min(measured_w.abs()) } else { 0.0 }
 }

@@ -13,6 +13,8 @@ pub struct JumpCheck {
     params: JumpParams,
     /// Last reading that a block can have.
     held: Option<(Seconds, f64)>,
+    /// Readings in a row that have held: as many as a step needs, or the first ones may be the odd ones.
+    agreed: u32,
     /// Newest reading away from it, and how many in a row agree.
     apart: Option<(f64, u32)>,
 }
@@ -21,7 +23,7 @@ impl JumpCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: JumpParams) -> Self {
-        Self { params, held: None, apart: None }
+        Self { params, held: None, agreed: 0, apart: None }
     }
 
     /// Takes a temperature of `stamp`.
@@ -35,7 +37,10 @@ impl JumpCheck {
             return;
         }
         let reach_k = self.params.step_k + self.params.rate_max_k_s * gap_s;
-        if !(0.0..self.params.gap_max_s).contains(&gap_s) || (temp.0 - held_c).abs() <= reach_k {
+        let near = (temp.0 - held_c).abs() <= reach_k;
+        let judged = (0.0..self.params.gap_max_s).contains(&gap_s);
+        if near || !judged || self.agreed < self.params.samples {
+            self.agreed = if near && judged { self.agreed.saturating_add(1) } else { 1 };
             (self.held, self.apart) = (Some((stamp, temp.0)), None);
             return;
         }
@@ -44,6 +49,12 @@ impl JumpCheck {
             _ => 1,
         };
         self.apart = Some((temp.0, in_a_row));
+    }
+
+    /// Whether the newest reading is one that no block can have: what watches the block must not see it.
+    #[must_use]
+    pub fn is_apart(&self) -> bool {
+        self.apart.is_some()
     }
 
     /// Whether it stepped. It stays so until the gap is too long to be judged: the new level is then taken for what
@@ -75,7 +86,7 @@ mod tests {
     #[test]
     fn a_step_that_stays_trips_in_less_than_a_second_either_way() {
         for step_k in [-20.0, 20.0] {
-            let mut readings_c = vec![210.0; 5];
+            let mut readings_c = vec![210.0; 9];
             readings_c.extend([210.0 + step_k; 7]);
             assert!(!after(&readings_c).tripped());
             readings_c.push(210.0 + step_k);
@@ -93,8 +104,15 @@ mod tests {
     }
 
     #[test]
+    fn a_first_reading_that_is_off_is_no_level() {
+        let mut readings_c = vec![0.0];
+        readings_c.extend([210.0; 20]);
+        assert!(!after(&readings_c).tripped());
+    }
+
+    #[test]
     fn a_level_that_lasts_is_taken_for_what_it_is() {
-        let mut readings_c = vec![210.0; 5];
+        let mut readings_c = vec![210.0; 9];
         readings_c.extend([240.0; 40]);
         assert!(!after(&readings_c).tripped());
     }

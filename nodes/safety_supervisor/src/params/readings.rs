@@ -70,6 +70,8 @@ impl NoiseParams {
 pub struct DriftParams {
     /// Heat capacity of block and nozzle `[J/K]`.
     pub capacity_j_k: f64,
+    /// How late the balance is known `[s]`.
+    pub lag_s: f64,
     /// Time until the usual power is known `[s]`.
     pub learn_s: f64,
     /// Time over which a small lasting change becomes usual `[s]`.
@@ -95,6 +97,7 @@ impl DriftParams {
     /// A number outside its range.
     pub(super) fn check(&self) -> Result<(), ParamError> {
         positive("drift.capacity_j_k", self.capacity_j_k, "J/K")?;
+        in_range("drift.lag_s", self.lag_s, "s", (0.0, 60.0))?;
         in_range("drift.learn_s", self.learn_s, "s", (1.0, 600.0))?;
         in_range("drift.usual_time_s", self.usual_time_s, "s", (10.0, 3600.0))?;
         in_range("drift.steady_w", self.steady_w, "W", (0.1, 100.0))?;

@@ -152,6 +152,10 @@ pub struct ObserverParams {
     pub stuck_on_w: f64,
     /// Order without power that trips `[W]`.
     pub deficit_w: f64,
+    /// Share of the order without power that trips as well `[-]`: a draught is no share of it.
+    pub deficit_share: f64,
+    /// Least power that such a share counts from `[W]`.
+    pub deficit_min_w: f64,
     /// Samples in a row until it trips `[-]`.
     pub samples: u32,
 }
@@ -166,6 +170,10 @@ pub struct RawObserverParams {
     pub stuck_on_w: f64,
     /// Order without power that trips `[W]`.
     pub deficit_w: f64,
+    /// Share of the order without power that trips as well `[-]`: a draught is no share of it.
+    pub deficit_share: f64,
+    /// Least power that such a share counts from `[W]`.
+    pub deficit_min_w: f64,
     /// Samples in a row until it trips `[-]`.
     pub samples: u32,
 }
@@ -178,6 +186,8 @@ impl TryFrom<RawObserverParams> for ObserverParams {
             pole_1_s: in_range("pole_1_s", raw.pole_1_s, "1/s", (0.1, 3.0))?,
             stuck_on_w: in_range("stuck_on_w", raw.stuck_on_w, "W", (1.0, 200.0))?,
             deficit_w: in_range("deficit_w", raw.deficit_w, "W", (1.0, 200.0))?,
+            deficit_share: in_range("deficit_share", raw.deficit_share, "-", (0.1, 1.0))?,
+            deficit_min_w: in_range("deficit_min_w", raw.deficit_min_w, "W", (1.0, 200.0))?,
             samples: count("samples", raw.samples, 50)?,
         })
     }

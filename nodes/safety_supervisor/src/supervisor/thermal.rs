@@ -15,15 +15,23 @@ impl Supervisor {
             return self.checks.bad_values.note(now);
         }
         self.ages.hotend.note(now);
+        // A bead on its way to the air is no block; there it may rest, and the balance begins anew.
+        let lost = self.modes.latch().is_some_and(|latch| latch.cause == Cause::ThermistorDetached);
         let checks = &mut self.checks;
         checks.hotend_range.on_sample(temp);
         checks.frozen.on_sample(now, temp);
         self.hotend = Some(temp);
         if checks.hotend_range.is_inside() {
             checks.noise.on_sample(temp);
+            checks.step.on_sample(stamp, temp);
+            if checks.step.is_apart() {
+                return;
+            }
+            if lost && !checks.detached.is_at_rest() {
+                checks.heater.reset();
+            }
             checks.heater.on_sample(stamp, temp);
             checks.detached.on_sample(stamp, temp);
-            checks.step.on_sample(stamp, temp);
             if let Some(balance) = checks.heater.balance().filter(|_| !checks.noise.is_suspect()) {
                 let bed_w = checks.bed_tells_w(self.params.drift.bed_above_air_k, &self.params);
                 checks.drift.on_balance(stamp, balance, bed_w);
@@ -76,9 +84,12 @@ impl Checks {
         let degrade = |tripped: bool| tripped.then_some(Reaction::Degrade);
         let noisy = self.noise.is_suspect();
         // The balance of a reading that stands still is the balance of nothing.
-        let suspect = self.frozen.still().0 >= params.frozen.suspect_s;
+        let suspect = self.frozen.still().0 >= params.frozen.suspect_s
+            || self.detached.is_falling()
+            || self.step.is_apart();
         let fault = self.heater.fault(noisy).filter(|_| !suspect);
-        let bed_suspect = self.bed_frozen.still().0 >= params.bed_frozen.suspect_s;
+        let bed_suspect =
+            self.bed_frozen.still().0 >= params.bed_frozen.suspect_s || self.bed_detached.is_falling();
         let bed_fault = self.bed_heater.fault(false).filter(|_| !bed_suspect);
         let drift = safe_off(self.drift.tripped()).or(degrade(self.drift.is_doubtful()));
         [

@@ -1,0 +1,130 @@
+//! One observer of a heater's balance: a triple pole at `-w` that follows the disturbance, and what it calls a fault.
+
+use super::drive_history::Means;
+use super::heater::HeaterFault;
+use super::heater_start::Begun;
+use crate::params::{HeaterParams, ObserverParams};
+
+/// One observer of the balance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Observer {
+    params: ObserverParams,
+    pub(super) block_c: f64,
+    pub(super) sensor_c: f64,
+    pub(super) disturbance_w: f64,
+    pub(super) usual_w: f64,
+    /// Ordered power less losses `[W]`, smoothed.
+    balance_w: f64,
+    /// Power that warms the block `[W]`, smoothed.
+    pub(super) warming_w: f64,
+    /// Ordered power behind one, two and three lags of the observer `[W]`.
+    ordered_w: [f64; 3],
+    /// Time until what it says counts: an error of the beginning has died away `[s]`.
+    pub(super) settling_s: f64,
+    over: u32,
+    under: u32,
+}
+
+/// Time constants of an observer until an error of its beginning counts for nothing: `e^-5 (1 + 5 + 25/2) = 12 %`.
+const SETTLED: f64 = 5.0;
+
+/// Share of the least power that counts as missing from which learning slows down, and by how much `[-]`.
+const DOUBT: f64 = 0.6;
+const IN_DOUBT: f64 = 4.0;
+
+impl Observer {
+    pub(super) fn new(params: ObserverParams) -> Self {
+        let settling_s = SETTLED / params.pole_1_s;
+        Self {
+            params,
+            block_c: 0.0,
+            sensor_c: 0.0,
+            disturbance_w: 0.0,
+            usual_w: 0.0,
+            balance_w: 0.0,
+            warming_w: 0.0,
+            ordered_w: [0.0; 3],
+            settling_s,
+            over: 0,
+            under: 0,
+        }
+    }
+
+    pub(super) fn start(&mut self, begun: Begun) {
+        *self = Self { block_c: begun.block_c, sensor_c: begun.sensor_c, ..Self::new(self.params) };
+    }
+
+    pub(super) fn step(&mut self, heater: &HeaterParams, inputs: Means, measured_c: Option<f64>, dt_s: f64) {
+        let balance_w = heater.balance_w(inputs, self.block_c);
+        let capacity = heater.capacity_j_k;
+        self.sensor_c += (self.block_c - self.sensor_c) * (1.0 - (-dt_s / heater.sensor_lag_s).exp());
+        self.block_c += (balance_w + self.disturbance_w) * dt_s / capacity;
+        // Triple pole at -w of the error: gains 3w - 1/tau, 3w^2 tau, w^3 C tau.
+        let pole = self.params.pole_1_s;
+        // No fault of a heater moves a reading faster: what is further off is noise that came several times in a row.
+        let residual_k = measured_c
+            .map_or(0.0, |measured_c| (measured_c - self.sensor_c).clamp(-heater.spike_k, heater.spike_k));
+        self.sensor_c += (3.0 * pole - 1.0 / heater.sensor_lag_s) * residual_k * dt_s;
+        self.block_c += 3.0 * pole.powi(2) * heater.sensor_lag_s * residual_k * dt_s;
+        self.disturbance_w += pole.powi(3) * capacity * heater.sensor_lag_s * residual_k * dt_s;
+
+        // What may be a weak heater is learnt so slowly that it stays one.
+        let doubt = self.excess_w().abs() > DOUBT * self.params.deficit_min_w;
+        let adapt = dt_s / (heater.usual_time_s * if doubt { IN_DOUBT } else { 1.0 });
+        self.usual_w = (self.usual_w + (self.disturbance_w - self.usual_w) * adapt)
+            .clamp(-heater.usual_max_w, heater.usual_max_w);
+
+        // The disturbance is known through three lags; so is the order, or a firmware that chops it would hide it.
+        let kept = (-pole * dt_s).exp();
+        let mut passed_w = heater.power_w * inputs.duty;
+        for lagged_w in &mut self.ordered_w {
+            *lagged_w = passed_w + (*lagged_w - passed_w) * kept;
+            passed_w = *lagged_w;
+        }
+        let smooth = |was_w: f64, is_w: f64| is_w + (was_w - is_w) * kept;
+        self.balance_w = smooth(self.balance_w, balance_w);
+        self.warming_w = smooth(self.warming_w, balance_w + self.disturbance_w);
+        self.settling_s -= dt_s;
+        if self.settling_s > 0.0 {
+            return;
+        }
+        let excess_w = self.excess_w();
+        let slack_w = heater.capacity_error * agreement(self.balance_w, self.warming_w);
+        self.over = if excess_w > self.params.stuck_on_w + slack_w { self.over.saturating_add(1) } else { 0 };
+        // No more can be missing than was ordered: an observer that starts while the block cools, its reading ahead of
+        // it by the lag, sees a deficit of a heater that is off.
+        let ordered_w = self.ordered_w[2];
+        let missing_w = (-excess_w).min(ordered_w);
+        let share_w = (self.params.deficit_share * ordered_w).max(self.params.deficit_min_w);
+        let short = missing_w > self.params.deficit_w.min(share_w) + slack_w;
+        self.under = if short { self.under.saturating_add(1) } else { 0 };
+    }
+
+    pub(super) fn excess_w(&self) -> f64 {
+        self.disturbance_w - self.usual_w
+    }
+
+    pub(super) fn fault(&self) -> Option<HeaterFault> {
+        if self.over >= self.params.samples {
+            Some(HeaterFault::StuckOn)
+        } else if self.under >= self.params.samples {
+            Some(HeaterFault::Deficit)
+        } else {
+            None
+        }
+    }
+}
+
+impl HeaterParams {
+    /// Ordered power less losses at this temperature `[W]`.
+    pub(super) fn balance_w(&self, inputs: Means, temp_c: f64) -> f64 {
+        let loss_w_k =
+            self.loss_w_k + self.fan_loss_w_k * inputs.fan + self.feed_heat_j_k_m * inputs.feed_m_s;
+        self.power_w * inputs.duty - loss_w_k * (temp_c - self.ambient_c)
+    }
+}
+
+/// Size of what two powers have in common; zero where they differ in sign.
+fn agreement(ordered_w: f64, measured_w: f64) -> f64 {
+    if ordered_w * measured_w > 0.0 { ordered_w.abs().min(measured_w.abs()) } else { 0.0 }
+}
