@@ -1,7 +1,7 @@
 //! What each measurement channel has said: consistency, gating, steps (model book 1.6).
 
 use crate::history::Ring;
-use crate::params::RawTrust;
+use crate::params::{RawHealth, RawTrust};
 use crate::ukf::Update;
 
 /// Number of channels.
@@ -39,8 +39,11 @@ pub struct Window {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Verdict {
     Consistent,
+    /// As consistent, but beyond the gate.
+    Rejected,
     /// The innovations stand on one side: the state behind the channel has stepped.
     Stepped,
+    /// Numerically impossible, or too many innovations speak against the filter.
     Diverged,
 }
 
@@ -48,10 +51,16 @@ pub(crate) enum Verdict {
 #[derive(Debug, Clone)]
 pub(crate) struct Record {
     trust: RawTrust,
+    health: RawHealth,
+    resets: bool,
+    /// Innovations that speak against the filter, less those that speak for it.
+    against: u32,
     normalised: Ring<f64>,
     recent: Ring<f64>,
     sum_nis: f64,
     pub(crate) seen_s: Option<f64>,
+    /// When an innovation was last computed: not every sample that is seen can be looked at.
+    pub(crate) used_s: Option<f64>,
     pub(crate) nis: Option<f64>,
     pub(crate) innovation: Option<f64>,
     pub(crate) count: u64,
@@ -59,13 +68,18 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    pub(crate) fn new(trust: RawTrust) -> Self {
+    /// A record of nothing; `resets` where innovations that speak against the filter reset it.
+    pub(crate) fn new(trust: RawTrust, health: RawHealth, resets: bool) -> Self {
         Self {
             trust,
+            health,
+            resets,
+            against: 0,
             normalised: Ring::new(WINDOW),
             recent: Ring::new(trust.step_samples as usize),
             sum_nis: 0.0,
             seen_s: None,
+            used_s: None,
             nis: None,
             innovation: None,
             count: 0,
@@ -74,14 +88,19 @@ impl Record {
     }
 
     pub(crate) fn note(&mut self, update: &Update<1>) -> Verdict {
-        let innovation = match update {
-            Update::Applied(innovation) => innovation,
-            Update::Rejected(innovation) => {
-                self.gated += 1;
-                innovation
-            }
+        let (innovation, sound) = match update {
+            Update::Applied(innovation) => (innovation, Verdict::Consistent),
+            Update::Rejected(innovation) => (innovation, Verdict::Rejected),
             Update::Diverged => return Verdict::Diverged,
         };
+        self.gated += u64::from(sound == Verdict::Rejected);
+        if innovation.nis > self.health.row_bound {
+            self.against += 1;
+        } else if self.recent.iter().len() == self.trust.step_samples as usize {
+            // right after a step the doubt just added makes everything consistent: that speaks for nothing
+            self.against = self.against.saturating_sub(1);
+        }
+
         let normalised = innovation.residual.x / innovation.covariance.x.sqrt();
         self.count += 1;
         self.sum_nis += innovation.nis;
@@ -91,17 +110,32 @@ impl Record {
         self.recent.push(normalised);
         let stepped = mean_of(&self.recent, self.trust.step_samples as usize)
             .is_some_and(|mean| mean.abs() > self.trust.step_threshold);
-        if stepped {
+        if self.resets && self.against >= self.health.row {
+            Verdict::Diverged
+        } else if stepped {
             self.recent.clear();
             Verdict::Stepped
         } else {
-            Verdict::Consistent
+            sound
         }
+    }
+
+    /// The filter starts anew: what spoke against it is over.
+    pub(crate) fn restart(&mut self) {
+        self.against = 0;
+        self.recent.clear();
+        self.normalised.clear();
     }
 
     /// Newest sample not older than the channel's limit.
     pub(crate) fn alive(&self, now_s: f64) -> bool {
         self.seen_s.is_some_and(|seen_s| now_s - seen_s <= self.trust.age_limit_s)
+    }
+
+    /// Whether the window is of now and too large for a model that fits.
+    pub(crate) fn is_odd(&self, now_s: f64) -> bool {
+        let fresh = self.used_s.is_some_and(|used_s| now_s - used_s <= self.trust.age_limit_s);
+        fresh && self.window().is_some_and(|window| window.chi2 > self.health.window_bound)
     }
 
     pub(crate) fn gate(&self) -> f64 {

@@ -107,7 +107,15 @@ impl Estimator {
                 temperature: None,
                 frames: Ring::new(FRAMES),
             },
-            records: [params.thermistor.trust, params.encoder.trust, params.width.trust].map(Record::new),
+            // widths that never fit tell of another printer, not of a broken filter
+            records: Channel::ALL.map(|channel| {
+                let (trust, resets) = match channel {
+                    Channel::Thermistor => (params.thermistor.trust, true),
+                    Channel::Encoder => (params.encoder.trust, true),
+                    Channel::Width => (params.width.trust, false),
+                };
+                Record::new(trust, params.health, resets)
+            }),
             refusals: Refusals::default(),
             now_s: None,
         }
@@ -246,8 +254,8 @@ impl Estimator {
             reference_feed_m_s: self.filter.reference_feed_m_s(),
             steps: self.filter.steps(),
             resets: self.filter.resets(),
-            noise_scale: [1.0; CHANNELS],
-            health: EstimateHealth::Sound,
+            noise_scale: self.filter.noise_scale(),
+            health: self.filter.health(now_s),
             refusals: self.refusals,
         })
     }

@@ -1,12 +1,15 @@
 //! One cycle of the filter: predict to the newest status, then apply what was measured (model book 1.5).
 
+use crate::adaptation::NoiseScale;
 use crate::channel::{CHANNELS, Channel, Record, Verdict};
 use crate::estimator::Inbox;
+use crate::health::Watch;
 use crate::history::Ring;
 use crate::measurement::{self, Observation};
 use crate::params::Params;
 use crate::printer_model::{Drive, PrinterModel, State, state};
 use crate::ukf::{Gaussian, Health, Spread, Ukf};
+use models::command::EstimateHealth;
 use models::status::PrinterStatus;
 use models::units::Kelvin;
 use nalgebra::SMatrix;
@@ -23,6 +26,8 @@ pub(crate) struct Filter {
     model: PrinterModel,
     running: Option<Running>,
     reference_feed_m_s: f64,
+    width_noise: NoiseScale,
+    watch: Watch,
     resets: u64,
     steps: u64,
 }
@@ -44,6 +49,8 @@ impl Filter {
             model,
             running: None,
             reference_feed_m_s: params.reference.feed_m_s,
+            width_noise: NoiseScale::new(params.width.adaptation),
+            watch: Watch::new(params.health),
             resets: 0,
             steps: 0,
         }
@@ -59,6 +66,26 @@ impl Filter {
 
     pub(crate) fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// Variance of each channel's noise over the configured one `[-]`.
+    pub(crate) fn noise_scale(&self) -> [f64; CHANNELS] {
+        Channel::ALL.map(|channel| if channel == Channel::Width { self.width_noise.scale() } else { 1.0 })
+    }
+
+    pub(crate) fn health(&self, now_s: f64) -> EstimateHealth {
+        self.watch.health(now_s)
+    }
+
+    /// Tells the watch whether the model fits: only where a road is laid can that be told.
+    fn judge(&mut self, now_s: f64, status: &PrinterStatus, records: &[Record; CHANNELS]) {
+        let odd = |channel: Channel| records[channel as usize].is_odd(now_s);
+        let gain = self.running.as_ref().map(|run| run.ukf.belief().mean[state::GAIN]);
+        let far = gain.is_some_and(|gain| (gain - 1.0).abs() > self.params.health.gain_error);
+        // the encoder's windows tell of corners, its rows of a broken filter
+        let unfit =
+            far || self.width_noise.is_at_its_most() || odd(Channel::Thermistor) || odd(Channel::Width);
+        self.watch.on_fit(now_s, status.depositing.then_some(!unfit));
     }
 
     /// Brings the filter to the newest status; `None` before the first temperature.
@@ -84,7 +111,10 @@ impl Filter {
             self.running = Some(run);
         } else {
             self.reset();
+            self.watch.on_divergence(now_s);
+            records.iter_mut().for_each(Record::restart);
         }
+        self.judge(now_s, status, records);
         Some(())
     }
 
@@ -176,35 +206,6 @@ impl Filter {
         }
     }
 
-    /// Process noise over `dt_s`: a random walk, and the flow's own share where the lag is at work.
-    fn noise(&self, run: &Running, status: &PrinterStatus, dt_s: f64) -> Covariance {
-        let process = &self.params.process;
-        let root = (dt_s / process.reference_period_s).sqrt();
-        let belief = run.ukf.belief();
-        let filament_m_s = self.model.filament_speed(&belief.mean, run.drive.motor_speed_m_s);
-        let off_m_s = (filament_m_s - belief.mean[state::FLOW].max(0.0)).abs() / self.model.lag_s();
-        let off_m_s = off_m_s * (dt_s * process.reference_period_s).sqrt();
-        let flow_std_m_s =
-            (process.flow_rel * self.reference_feed_m_s * root).hypot(process.lag_rel * off_m_s);
-        // nothing can be learned of slip and gain at rest: forget slowly, and never more than the prior knew
-        let walk = |std: f64, index: usize, bound: f64| {
-            let known = belief.covariance[(index, index)] < bound * bound;
-            match (status.depositing, known) {
-                (true, _) => std * root,
-                (false, true) => std * root * process.frozen,
-                (false, false) => 0.0,
-            }
-        };
-        variances([
-            process.block_k * root,
-            process.nozzle_k * root,
-            process.sensor_k * root,
-            flow_std_m_s,
-            walk(process.slip, state::SLIP, self.params.prior.slip_std),
-            walk(process.gain, state::GAIN, self.params.prior.gain_std),
-        ])
-    }
-
     /// Applies what was measured; `false` if the filter broke.
     fn correct(&mut self, run: &mut Running, inbox: &mut Inbox, records: &mut [Record; CHANNELS]) -> bool {
         let mut observations: [Option<(Channel, Observation)>; 2] = [None, None];
@@ -226,7 +227,9 @@ impl Filter {
                 at_s: run.at_s,
                 imbalance: run.imbalance_m_s / self.reference_feed_m_s,
             };
-            let Some(observation) = measurement::width(&self.params, frame, &inbox.samples, &past) else {
+            let scale = self.width_noise.scale();
+            let Some(observation) = measurement::width(&self.params, scale, frame, &inbox.samples, &past)
+            else {
                 continue;
             };
             if !self.apply(run, Channel::Width, &observation, &mut records[Channel::Width as usize]) {
@@ -247,8 +250,11 @@ impl Filter {
         let model = self.model;
         let update =
             run.ukf.update(&observation.measurement(record.gate()), |x| observation.predicted(&model, x));
-        match record.note(&update) {
-            Verdict::Consistent => true,
+        record.used_s = Some(run.at_s);
+        let verdict = record.note(&update);
+        self.learn(channel, verdict, record.nis);
+        match verdict {
+            Verdict::Consistent | Verdict::Rejected => true,
             Verdict::Diverged => false,
             Verdict::Stepped => {
                 self.steps += 1;
@@ -258,19 +264,13 @@ impl Filter {
         }
     }
 
-    /// Doubt added to the states behind a channel whose innovations stand on one side.
-    fn doubt(&self, channel: Channel) -> Covariance {
-        let mut deviations = [0.0; state::COUNT];
-        match channel {
-            Channel::Thermistor => {
-                deviations[state::BLOCK] = self.params.thermistor.step_std_k;
-                deviations[state::NOZZLE] = self.params.thermistor.step_std_k;
-                deviations[state::SENSOR] = self.params.thermistor.step_std_k;
-            }
-            Channel::Encoder => deviations[state::SLIP] = self.params.encoder.step_std,
-            Channel::Width => deviations[state::GAIN] = self.params.width.step_std,
+    /// Noise is learnt from what passed the gate; a step is none.
+    fn learn(&mut self, channel: Channel, verdict: Verdict, nis: Option<f64>) {
+        match (channel, verdict, nis) {
+            (Channel::Width, Verdict::Consistent, Some(nis)) => self.width_noise.on_accepted(nis),
+            (Channel::Width, Verdict::Stepped | Verdict::Diverged, _) => self.width_noise.forget(),
+            _ => {}
         }
-        variances(deviations)
     }
 
     fn plausible(&self, x: &State) -> bool {
@@ -285,6 +285,5 @@ impl Filter {
     }
 }
 
-fn variances(deviations: [f64; state::COUNT]) -> Covariance {
-    Covariance::from_diagonal(&State::from(deviations.map(|deviation| deviation * deviation)))
-}
+mod noise;
+use noise::variances;

@@ -12,11 +12,13 @@
 
 #![forbid(unsafe_code)]
 
+mod adaptation;
 mod channel;
 #[cfg(feature = "ros")]
 mod convert;
 mod estimator;
 mod filter;
+mod health;
 mod history;
 mod input;
 mod measurement;

@@ -105,9 +105,11 @@ pub(crate) struct Past<'a> {
     pub(crate) imbalance: f64,
 }
 
-/// Width at the time of exposure, with the difference of the flow then and now from the filter's own history.
+/// Width at the time of exposure, with the difference of the flow then and now from the filter's own history; its
+/// variance is `scale` times the stated one.
 pub(crate) fn width(
     params: &Params,
+    scale: f64,
     frame: &Frame,
     samples: &Ring<Sample>,
     past: &Past<'_>,
@@ -126,7 +128,7 @@ pub(crate) fn width(
     let sigma_m = frame.sigma_m.max(sensor.sigma_min_m);
     Some(Observation {
         value: frame.width_m,
-        variance: sigma_m * sigma_m + transient_m * transient_m,
+        variance: scale * (sigma_m * sigma_m + transient_m * transient_m),
         sensor: Sensor::Width {
             road: Road { path_speed_m_s, height_m },
             flow_change_m_s: then_m_s - past.flow_m_s,

@@ -5,6 +5,7 @@ use models::printer::Printer;
 use models::units::Seconds;
 use runtime::{Diagnostics, Node, ParamFileError, Parameters, Reason, Refused, RuntimeError, topics};
 
+use crate::channel::Channel;
 use crate::convert;
 use crate::estimator::{Estimate, Estimator};
 use crate::input::{Event, Refusals};
@@ -106,6 +107,8 @@ fn show(diagnostics: &Diagnostics, estimate: &Estimate) {
         }
         diagnostics.set(&format!("gated_{name}"), estimate.gated[index]);
     }
+    diagnostics
+        .set("noise_scale_width", format_args!("{:.2}", estimate.noise_scale[Channel::Width as usize]));
     diagnostics.set("steps", estimate.steps);
     diagnostics.set("resets", estimate.resets);
 }

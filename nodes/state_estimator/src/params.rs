@@ -41,6 +41,8 @@ pub struct RawParams {
     pub telemetry: RawTelemetry,
     /// States outside of these bounds reset the filter.
     pub bounds: RawBounds,
+    /// When the estimate is not to be trusted.
+    pub health: RawHealth,
 }
 
 /// Spread of the sigma points.
@@ -187,6 +189,8 @@ pub struct RawWidth {
     pub smear_m: f64,
     /// Deviation added to the gain on a step `[-]`.
     pub step_std: f64,
+    /// How the noise behind a width is adapted.
+    pub adaptation: RawAdaptation,
     /// When it is believed.
     pub trust: RawTrust,
 }
@@ -246,6 +250,7 @@ impl TryFrom<RawParams> for Params {
         in_range("telemetry.lead_limit_s", raw.telemetry.lead_limit_s, "s", (0.0, 5.0))?;
         in_range("telemetry.motor_speed_max_m_s", raw.telemetry.motor_speed_max_m_s, "m/s", (0.01, 2.0))?;
         check_bounds(&raw.bounds)?;
+        raw.health.check()?;
         Ok(Self(raw))
     }
 }
@@ -275,5 +280,8 @@ fn check_prior(raw: &RawPrior) -> Result<(), ParamError> {
     Ok(())
 }
 
+mod adaptive;
 mod channel;
+
+pub use adaptive::{RawAdaptation, RawHealth};
 use channel::{check_bounds, check_encoder, check_thermistor, check_width};

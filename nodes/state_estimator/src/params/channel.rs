@@ -43,6 +43,7 @@ pub(super) fn check_width(raw: &RawWidth) -> Result<(), ParamError> {
     in_range("width.steady_s", raw.steady_s, "s", (0.0, 2.0))?;
     in_range("width.smear_m", raw.smear_m, "m", (0.0, 0.01))?;
     in_range("width.step_std", raw.step_std, "-", (0.0, 1.0))?;
+    raw.adaptation.check()?;
     check_trust(&raw.trust)
 }
 

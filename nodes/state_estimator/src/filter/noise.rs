@@ -1,0 +1,58 @@
+//! Process noise, and the doubt after a step.
+
+use super::{Covariance, Filter, Running};
+use crate::channel::Channel;
+use crate::printer_model::{State, state};
+use models::status::PrinterStatus;
+
+impl Filter {
+    /// Process noise over `dt_s`: a random walk, and the flow's own share where the lag is at work. What stands behind a
+    /// width, flow and gain, is scaled as the widths' innovations have taught.
+    pub(super) fn noise(&self, run: &Running, status: &PrinterStatus, dt_s: f64) -> Covariance {
+        let process = &self.params.process;
+        let root = (dt_s / process.reference_period_s).sqrt();
+        let belief = run.ukf.belief();
+        let filament_m_s = self.model.filament_speed(&belief.mean, run.drive.motor_speed_m_s);
+        let off_m_s = (filament_m_s - belief.mean[state::FLOW].max(0.0)).abs() / self.model.lag_s();
+        let off_m_s = off_m_s * (dt_s * process.reference_period_s).sqrt();
+        let learnt = self.width_noise.scale().sqrt();
+        let flow_std_m_s =
+            learnt * (process.flow_rel * self.reference_feed_m_s * root).hypot(process.lag_rel * off_m_s);
+        // nothing can be learned of slip and gain at rest: forget slowly, and never more than the prior knew
+        let walk = |std: f64, index: usize, bound: f64| {
+            let known = belief.covariance[(index, index)] < bound * bound;
+            match (status.depositing, known) {
+                (true, _) => std * root,
+                (false, true) => std * root * process.frozen,
+                (false, false) => 0.0,
+            }
+        };
+        variances([
+            process.block_k * root,
+            process.nozzle_k * root,
+            process.sensor_k * root,
+            flow_std_m_s,
+            walk(process.slip, state::SLIP, self.params.prior.slip_std),
+            walk(learnt * process.gain, state::GAIN, self.params.prior.gain_std),
+        ])
+    }
+
+    /// Doubt added to the states behind a channel whose innovations stand on one side.
+    pub(super) fn doubt(&self, channel: Channel) -> Covariance {
+        let mut deviations = [0.0; state::COUNT];
+        match channel {
+            Channel::Thermistor => {
+                deviations[state::BLOCK] = self.params.thermistor.step_std_k;
+                deviations[state::NOZZLE] = self.params.thermistor.step_std_k;
+                deviations[state::SENSOR] = self.params.thermistor.step_std_k;
+            }
+            Channel::Encoder => deviations[state::SLIP] = self.params.encoder.step_std,
+            Channel::Width => deviations[state::GAIN] = self.params.width.step_std,
+        }
+        variances(deviations)
+    }
+}
+
+pub(super) fn variances(deviations: [f64; state::COUNT]) -> Covariance {
+    Covariance::from_diagonal(&State::from(deviations.map(|deviation| deviation * deviation)))
+}
