@@ -96,3 +96,53 @@ fn a_folder_has_one_recorder() {
     drop(first);
     scratch.folder();
 }
+
+/// T2: an active file that a bad disk has changed anywhere: what comes out is a bag that can be read, or an error; and
+/// never more messages than were written. `FDM_MALFORMED_PAYLOADS` sets thirty times how many files are changed.
+#[test]
+fn a_file_changed_anywhere_becomes_a_sound_one_or_an_error() {
+    let wanted = std::env::var("FDM_MALFORMED_PAYLOADS").ok().and_then(|text| text.parse().ok());
+    let scratch = Scratch::new("changed");
+    let folder = scratch.folder();
+    killed(&folder, 5, 0);
+    let active = folder.path("bag_0.mcap.active");
+    let sound = std::fs::read(&active).unwrap();
+    drop(folder);
+    let (mut recovered, mut refused) = (0_u64, 0_u64);
+    for number in 0..wanted.unwrap_or(3000_u64) / 30 {
+        let scratch = Scratch::new("changed_copy");
+        let folder = scratch.folder();
+        std::fs::write(folder.path("bag_0.mcap.active"), changed(&sound, number)).unwrap();
+        match recover(&folder, 0, &AtomicBool::new(false)) {
+            Ok(total) => {
+                recovered += 1;
+                let contents = read_finished(&folder, 0).unwrap();
+                assert_eq!(Some(contents.total()), total, "file {number}");
+                assert!(contents.total() <= 6, "file {number}");
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    println!("{recovered} recovered, {refused} refused");
+    assert!(recovered > 0);
+}
+
+/// Flipped bits, lengths that cannot be, or a piece of noise; the same for the same number.
+fn changed(sound: &[u8], number: u64) -> Vec<u8> {
+    let mut state = number;
+    let mut random = move |end: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        usize::try_from(state >> 33).unwrap() % end
+    };
+    let mut bytes = sound.to_vec();
+    let at = random(bytes.len());
+    match random(3) {
+        0 => (0..=random(6)).for_each(|_| bytes[random(sound.len())] ^= 1 << random(8)),
+        1 => {
+            let length = [0_u64, 1, 1 << 20, 1 << 40, u64::MAX][random(5)].to_le_bytes();
+            bytes.iter_mut().skip(at).zip(length).for_each(|(place, byte)| *place = byte);
+        }
+        _ => bytes.iter_mut().skip(at).take(random(40)).for_each(|place| *place = random(256) as u8),
+    }
+    bytes
+}
