@@ -4,6 +4,7 @@
 //! through the decoder of the middleware and the readers that all nodes use. `FDM_MALFORMED_PAYLOADS` sets how many for
 //! each type; a payload is made of its number alone, so that a failure can be made again.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic and says what it did")]
+#![allow(clippy::cast_possible_truncation, reason = "random bytes are the low ones of random numbers")]
 
 #[path = "malformed/messages.rs"]
 mod messages;

@@ -1,5 +1,6 @@
 //! The energy balance of the heater against closed forms: what it measures is power, in watts.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts of steps")]
 
 mod common;
 
@@ -28,7 +29,7 @@ fn follow(check: &mut HeaterCheck, (from_s, span_s): (f64, f64), moment: impl Fn
     let steps = (span_s / 0.1).round() as u32;
     for step in 0..steps {
         let time_s = f64::from(step) * 0.1;
-        let now = Moment { ..moment(time_s) };
+        let now = moment(time_s);
         motor_position_m += now.feed_m_s * 0.1;
         let stamp = Seconds(from_s + time_s);
         check.on_drive(stamp, Drive { duty: now.duty, fan: now.fan, motor_position_m });

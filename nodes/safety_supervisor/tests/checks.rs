@@ -38,7 +38,7 @@ fn a_range_trips_on_samples_in_a_row_at_either_end() {
         let mut check = RangeCheck::new(RangeParams { min_c: 0.0, max_c: 285.0, samples: 3 });
         for temp_c in [bad_c, bad_c, good_c, bad_c, bad_c] {
             check.on_sample(Celsius(temp_c));
-            assert_eq!((check.tripped(), check.is_inside()), (false, temp_c == good_c));
+            assert_eq!((check.tripped(), check.is_inside()), (false, temp_c.to_bits() == good_c.to_bits()));
         }
         check.on_sample(Celsius(bad_c));
         assert!(check.tripped());

@@ -11,10 +11,10 @@ use models::units::{Celsius, Seconds};
 use safety_supervisor::{Cause, Event, Operator, Stream, Supervisor, What};
 
 /// A supervisor that begins when the host has been up for a while.
-fn late(start_s: f64, change: impl FnOnce(&mut Print)) -> Print {
+fn late(start_ticks: u32, change: impl FnOnce(&mut Print)) -> Print {
     let mut print = Print::with(Supervisor::new(params(), 7, None));
     print.supervisor = Supervisor::new(params(), 7, None);
-    print.tick = (start_s * 50.0) as u32;
+    print.tick = start_ticks;
     change(&mut print);
     print.step();
     print
@@ -23,16 +23,16 @@ fn late(start_s: f64, change: impl FnOnce(&mut Print)) -> Print {
 /// 10 s, whatever the clock said at the start; then what did not come is missing.
 #[test]
 fn a_start_waits_for_its_streams_and_no_longer_than_it_may() {
-    for start_s in [0.0, 5000.0] {
-        let mut print = late(start_s, |print| print.hotend = false);
+    for start_ticks in [0, 250_000] {
+        let mut print = late(start_ticks, |print| print.hotend = false);
         print.run(9.9);
-        assert_eq!(print.mode(), Mode::Init, "{start_s}");
+        assert_eq!(print.mode(), Mode::Init, "{start_ticks}");
         print.run(0.3);
-        assert_eq!(print.mode(), Mode::Observe, "{start_s}");
+        assert_eq!(print.mode(), Mode::Observe, "{start_ticks}");
         let took_s = print.until(Mode::SafeOff);
         assert!((2.7..3.3).contains(&took_s), "{took_s}");
         assert_eq!(print.output.state.cause, Some(Cause::StaleHotend));
-        let mut print = late(start_s, |_| ());
+        let mut print = late(start_ticks, |_| ());
         print.run(0.2);
         assert_eq!(print.mode(), Mode::Observe, "all is there");
     }
@@ -204,7 +204,7 @@ fn without_a_time_there_is_no_permit_but_an_emergency_stop() {
 /// A supervisor that comes late to every tick has no time for a long start either.
 #[test]
 fn a_start_ends_however_late_the_ticks_come() {
-    let mut print = late(0.0, |print| print.hotend = false);
+    let mut print = late(0, |print| print.hotend = false);
     while print.now() < 25.0 {
         print.tick += 20;
         print.step();

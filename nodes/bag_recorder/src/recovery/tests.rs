@@ -142,7 +142,11 @@ fn changed(sound: &[u8], number: u64) -> Vec<u8> {
             let length = [0_u64, 1, 1 << 20, 1 << 40, u64::MAX][random(5)].to_le_bytes();
             bytes.iter_mut().skip(at).zip(length).for_each(|(place, byte)| *place = byte);
         }
-        _ => bytes.iter_mut().skip(at).take(random(40)).for_each(|place| *place = random(256) as u8),
+        _ => bytes
+            .iter_mut()
+            .skip(at)
+            .take(random(40))
+            .for_each(|place| *place = u8::try_from(random(256)).unwrap()),
     }
     bytes
 }
