@@ -147,6 +147,17 @@ fn s2_a_reading_that_stands_still_is_told_how_far_it_should_have_gone() {
     assert!(check.moved_k().abs() < 1e-12 && check.balance().is_none());
 }
 
+/// What has become usual warms nothing: a reading under 4 W of a draught may repeat itself.
+#[test]
+fn s2_what_is_usual_does_not_add_up() {
+    let mut check = HeaterCheck::new(HeaterParams { usual_time_s: 45.0, usual_max_w: 6.0, ..strict() });
+    let standing = Moment { sensor_c: 210.0, duty: (0.068 * 185.0 - 4.0) / 40.0, fan: 0.0, feed_m_s: 0.0 };
+    follow(&mut check, (0.0, 600.0), |_| standing);
+    let before_k = check.moved_k();
+    follow(&mut check, (600.0, 10.0), |_| standing);
+    assert!((check.moved_k() - before_k).abs() < 0.01, "{}", check.moved_k() - before_k);
+}
+
 /// A gap of more than a second says nothing of the heat in between: the balance begins anew, and what it says counts
 /// after ten samples and five time constants.
 #[test]
