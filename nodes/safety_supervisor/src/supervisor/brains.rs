@@ -47,14 +47,15 @@ impl Brains {
 impl Supervisor {
     /// The set mode falls to observe with the reason, as often as a person sets it while the reason lasts.
     pub(super) fn fall_to_observe(&mut self) {
-        let before = self.modes.mode();
-        if self.modes.set_mode() == Mode::Observe {
+        let before = self.modes.set_mode();
+        if before == Mode::Observe {
             return;
         }
         self.brains.fallen = self.brains.distrusted();
         let Some(cause) = self.brains.fallen else { return };
         if self.modes.set(Mode::Observe).is_ok() {
-            let after = self.modes.mode();
+            // of the set mode: the one in force may be degraded already
+            let after = Mode::Observe;
             self.decisions.push(Decision { what: What::ModeChanged, why: cause.text(), before, after });
         }
     }
