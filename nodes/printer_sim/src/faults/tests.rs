@@ -38,7 +38,7 @@ fn two_slips_add_up() {
 #[test]
 fn a_shorted_switch_heats_until_the_mains_relay_opens() {
     let shorted = HeaterFaults { gain: 1.0, stuck_on: true };
-    assert_eq!([shorted.power_share(0.0, true), shorted.power_share(0.0, false)], [1.0, 0.0]);
+    assert!(shorted.power_share(0.0, true) > 0.999 && shorted.power_share(0.0, false).abs() < 1e-12);
     let weak = HeaterFaults { gain: 0.2, stuck_on: false };
     assert!((weak.power_share(0.5, true) - 0.1).abs() < 1e-12);
 }
@@ -47,7 +47,7 @@ fn a_shorted_switch_heats_until_the_mains_relay_opens() {
 fn each_thermistor_has_faults_of_its_own() {
     let fault = |component, kind, size| Fault { component, kind, size, ..slip(0.0, None) };
     let bed = InForce::at(Seconds(20.0), &[fault(Component::BedThermistor, Kind::Noise, 10.0)]);
-    assert_eq!((bed.bed_sensor.noise, bed.hotend_sensor), (10.0, SensorFaults::NONE));
+    assert!((bed.bed_sensor.noise - 10.0).abs() < 1e-12 && bed.hotend_sensor == SensorFaults::NONE);
     let both = InForce::at(
         Seconds(20.0),
         &[
@@ -55,5 +55,6 @@ fn each_thermistor_has_faults_of_its_own() {
             fault(Component::HotendThermistor, Kind::Bias, 30.0),
         ],
     );
-    assert_eq!((both.hotend_sensor.spikes, both.hotend_sensor.bias_k), (0.3, 30.0));
+    assert!((both.hotend_sensor.spikes - 0.3).abs() < 1e-12);
+    assert!((both.hotend_sensor.bias_k - 30.0).abs() < 1e-12);
 }
