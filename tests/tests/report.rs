@@ -232,17 +232,23 @@ fn a_bag_that_is_being_written_is_read_to_its_last_record() {
     assert!(page.contains("active_1.mcap.active ends in a whole record, but was never closed"));
 }
 
+/// Whom the browser asks of its own accord when a slow machine keeps it open for long.
+const BROWSERS_OWN: &str = ".google.com:443";
+
 /// A real browser shows the page in both widths and both colour schemes and asks the network for nothing.
 #[test]
 fn a_browser_shows_the_page_and_fetches_nothing() {
     let folder = bag("browser", &USUAL);
     let path = folder.join("page.html");
-    std::fs::write(&path, page(&folder, None).unwrap()).unwrap();
+    let text = page(&folder, None).unwrap();
+    assert!(!text.contains(BROWSERS_OWN), "what the page asks for could not be told from what the browser does");
+    std::fs::write(&path, text).unwrap();
     for (name, size, dark) in
         [("desk", (1200, 1600), false), ("phone", (500, 1600), false), ("dark", (1200, 1600), true)]
     {
         let picture = folder.join(format!("{name}.png"));
-        let asked = browser::screenshot(&path, size, dark, &picture);
+        let mut asked = browser::screenshot(&path, size, dark, &picture);
+        asked.retain(|line| !line.contains(BROWSERS_OWN));
         assert_eq!(asked, [""; 0], "requests to the network");
         let (seen, colours, most) = picture::colours(&picture);
         assert_eq!(seen, size);
