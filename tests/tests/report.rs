@@ -241,7 +241,10 @@ fn a_browser_shows_the_page_and_fetches_nothing() {
     let folder = bag("browser", &USUAL);
     let path = folder.join("page.html");
     let text = page(&folder, None).unwrap();
-    assert!(!text.contains(BROWSERS_OWN), "what the page asks for could not be told from what the browser does");
+    assert!(
+        !text.contains(BROWSERS_OWN),
+        "what the page asks for could not be told from what the browser does"
+    );
     std::fs::write(&path, text).unwrap();
     for (name, size, dark) in
         [("desk", (1200, 1600), false), ("phone", (500, 1600), false), ("dark", (1200, 1600), true)]

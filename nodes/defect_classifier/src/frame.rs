@@ -126,6 +126,13 @@ impl From<opencv::Error> for Unusable {
     }
 }
 
+/// Whether the end marker is there; decoders draw what is missing in grey and call it well. Some cameras fill up with
+/// zeros behind it.
+fn is_whole(jpeg: &[u8]) -> bool {
+    let filled = jpeg.iter().rev().take_while(|byte| **byte == 0).count();
+    jpeg[..jpeg.len() - filled].ends_with(&[0xff, 0xd9])
+}
+
 /// Checks frames one after the other.
 #[derive(Debug, Clone)]
 pub struct FrameGate {
@@ -163,6 +170,9 @@ impl FrameGate {
         }
         if (width_px, height_px) != self.size_px {
             return Err(Unusable::WrongSize { width_px, height_px });
+        }
+        if !is_whole(jpeg) {
+            return Err(Unusable::Corrupt);
         }
         let mut hasher = DefaultHasher::new();
         hasher.write(jpeg);

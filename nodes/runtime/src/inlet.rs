@@ -116,6 +116,13 @@ pub struct Inlet<T: RosType> {
 }
 
 impl<T: RosType> Inlet<T> {
+    /// Takes stamps that differ from the clock by `limit`, whatever silence shows in `/diagnostics`.
+    #[must_use]
+    pub fn with_stamps_within(mut self, limit: Seconds) -> Self {
+        self.limit = limit;
+        self
+    }
+
     /// Waits for a message, reads it with `read` (which yields its stamp too) and checks the stamp's age at its
     /// arrival. Cancelling loses no message.
     ///

@@ -120,7 +120,10 @@ impl Supervisor {
     fn on_command(&mut self, now: Seconds, command: models::command::Command) {
         let before = self.modes.mode();
         let verdict = self.envelope.on_command(now, command);
-        if !matches!(verdict, Verdict::Refused(_)) {
+        // What is not carried out swings nothing.
+        if before != Mode::Act {
+            self.checks.oscillation.rest();
+        } else if !matches!(verdict, Verdict::Refused(_)) {
             self.checks.oscillation.on_trims(now, &command.trims);
         }
         let (what, why) = match verdict {

@@ -77,7 +77,10 @@ fn a_distrusted_estimate_takes_the_mode_to_observe_until_a_person_sets_it() {
 
 /// Runs `span_s` of a swing of flow around 0.95 and returns when it degraded.
 fn swing(amplitude: f64, period_s: f64, span_s: f64) -> Option<f64> {
-    let mut print = Print::acting();
+    swing_of(&mut Print::acting(), amplitude, period_s, span_s)
+}
+
+fn swing_of(print: &mut Print, amplitude: f64, period_s: f64, span_s: f64) -> Option<f64> {
     let start_s = print.now();
     while print.now() - start_s < span_s {
         let phase = std::f64::consts::TAU * (print.now() - start_s) / period_s;
@@ -89,6 +92,15 @@ fn swing(amplitude: f64, period_s: f64, span_s: f64) -> Option<f64> {
         }
     }
     None
+}
+
+/// K7: wishes that are not carried out close no loop: what they swing is theirs.
+#[test]
+fn k7_what_is_not_carried_out_is_no_limit_cycle() {
+    let mut print = Print::acting();
+    print.event(Event::Operator(Operator::SetMode(Mode::Observe)));
+    assert_eq!(swing_of(&mut print, 0.06, 2.0, 30.0), None);
+    assert_eq!(print.mode(), Mode::Observe);
 }
 
 /// K7: five turns within 20 s, wherever the middle; neither a small swing nor a slow one nor a step is one.

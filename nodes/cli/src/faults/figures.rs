@@ -107,7 +107,7 @@ impl TrialFigures {
             action: reaction.name(),
             runs: outcomes.iter().filter(|outcome| outcome.onset_s.is_some()).count(),
             detected: times.len(),
-            reaction_p50_s: times.get(times.len() / 2).copied(),
+            reaction_p50_s: times.get(times.len().saturating_sub(1) / 2).copied(),
             reaction_max_s: times.last().copied(),
             limit_s: spec.limit_s,
             within_limit: misses.is_empty(),

@@ -2,7 +2,7 @@
 //! node or the network can be put in.
 
 use fdm_loop_msgs::{FilamentMotion, Header, Temperature};
-use models::command::{Command, EstimateHealth, Permit};
+use models::command::{Command, ControlHealth, EstimateHealth, Permit};
 use models::status::PrinterStatus;
 use models::units::{Celsius, Seconds};
 use printer_sim::imu::Batch;
@@ -64,8 +64,8 @@ pub enum Content {
     Vision(VisionReport),
     /// The estimator has worked, and how it is.
     Estimate(EstimateHealth),
-    /// A controller's wish.
-    Command(Command),
+    /// A controller's wish, and how its work goes.
+    Command(Command, ControlHealth),
     /// What the supervisor allows.
     Permit(Permit),
 }
@@ -89,7 +89,7 @@ impl Message {
             Content::Frame(_) => Lane::Frames,
             Content::Vision(_) => Lane::Vision,
             Content::Estimate(_) => Lane::Estimate,
-            Content::Command(_) => Lane::Command,
+            Content::Command(..) => Lane::Command,
             Content::Permit(_) => Lane::Permit,
         }
     }
@@ -123,9 +123,10 @@ impl Message {
                 let read = wire::imu_from_wire(&wire::imu_to_wire(&reading(stamp, *batch), ""))?;
                 (read.first, Content::Imu(Box::new(batch_of(read))))
             }
-            Content::Command(command) => {
+            Content::Command(command, health) => {
                 let sent = wire::command_to_wire(stamp, &command);
-                (wire::stamp_from_wire(&sent.header)?, Content::Command(wire::command_from_wire(&sent)?))
+                let read = wire::command_from_wire(&sent)?;
+                (wire::stamp_from_wire(&sent.header)?, Content::Command(read, health))
             }
             Content::Permit(permit) => {
                 let sent = wire::permit_to_wire(stamp, &permit);

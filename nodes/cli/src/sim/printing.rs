@@ -4,7 +4,6 @@ mod traffic;
 
 use super::consistency::Consistency;
 use super::foresight::Foresight;
-use super::message::{Content, Message};
 use super::relay::Relay;
 use super::report::{Detection, Extremes};
 use super::sight::{Sight, SightFigures};
@@ -115,7 +114,7 @@ impl Printing {
         if self.control_pace.due(now)
             && let Some(command) = self.controller.on_event(mpc_controller::Event::Tick { now })
         {
-            self.send(now, Message::new(now, Content::Command(command)));
+            self.wish(now, command);
         }
         if self.permit_pace.due(now) {
             self.permit(now);

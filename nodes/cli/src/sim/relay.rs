@@ -142,7 +142,7 @@ impl Relay {
 /// The same word under another session.
 fn rival(mut message: Message) -> Message {
     match &mut message.content {
-        Content::Command(command) => command.session = RIVAL_SESSION,
+        Content::Command(command, _) => command.session = RIVAL_SESSION,
         Content::Permit(permit) => permit.session = RIVAL_SESSION,
         _ => {}
     }
@@ -161,7 +161,7 @@ fn falsify(content: &mut Content, value: f64) {
             }
         }
         Content::Vision(report) => report.confidence = value,
-        Content::Command(command) => command.trims.flow = value,
+        Content::Command(command, _) => command.trims.flow = value,
         Content::Permit(permit) => permit.trims.flow = value,
         Content::Frame(_) | Content::Estimate(_) => {}
     }

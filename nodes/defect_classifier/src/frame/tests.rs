@@ -79,11 +79,13 @@ fn a_huge_or_wrong_size_in_the_header_is_refused_undecoded() {
 }
 
 #[test]
-fn a_cut_file_is_never_opened_as_a_picture_of_another_size() {
-    let bytes = jpeg(&bars());
-    for length in [0, 1, 3, 20, 160, 300] {
+fn a_cut_file_is_never_opened_and_a_filled_up_one_is() {
+    let mut bytes = jpeg(&bars());
+    for length in [0, 1, 3, 20, 160, 300, bytes.len() / 2, bytes.len() - 1] {
         assert!(FrameGate::new(checks(), &camera()).open(&bytes[..length]).is_err(), "{length}");
     }
+    bytes.extend([0; 7]);
+    assert!(FrameGate::new(checks(), &camera()).open(&bytes).is_ok());
 }
 
 proptest! {

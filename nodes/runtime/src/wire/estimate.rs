@@ -71,8 +71,11 @@ pub fn estimate_from_wire(wire: &StateEstimate) -> Result<StateReading, WireErro
         gain: state(wire, "gain", (1e-3, 10.0))?,
         reference_feed_m_s: within("reference_feed_m_s", wire.reference_feed_m_s, (1e-9, 1.0))?,
         encoder_alive: channel(wire, "encoder")?,
-        health: EstimateHealth::from_code(wire.health)
-            .ok_or(super::command::unknown("health", wire.health, 3.0))?,
+        health: EstimateHealth::from_code(wire.health).ok_or(super::command::unknown(
+            "health",
+            wire.health,
+            3.0,
+        ))?,
     })
 }
 

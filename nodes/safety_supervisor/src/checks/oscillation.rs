@@ -63,6 +63,11 @@ impl OscillationCheck {
         }
     }
 
+    /// Corrections are not carried out: turns so far stay known, but the way back is none.
+    pub fn rest(&mut self) {
+        self.swings.iter_mut().for_each(|swing| swing.farthest = None);
+    }
+
     /// Whether one of them has turned too often.
     #[must_use]
     pub fn tripped(&self, now: Seconds) -> bool {

@@ -26,19 +26,35 @@ pub(super) struct Inlets {
 }
 
 impl Inlets {
-    /// A message that is older by its stamp than the age at which its stream degrades says nothing of now.
+    /// A longer silence than the age at which its stream degrades shows in the diagnostics.
     pub(super) fn open(node: &mut Node, params: &Params) -> Result<Self, RuntimeError> {
-        let oldest = |stale: &StaleParams| Seconds(stale.degraded_s);
+        let silence = |stale: &StaleParams| Seconds(stale.degraded_s);
         let stale = &params.stale;
         Ok(Self {
-            hotend: node.inlet(&topics::HOTEND_TEMPERATURE, oldest(&stale.hotend))?,
-            bed: node.inlet(&topics::BED_TEMPERATURE, oldest(&stale.bed))?,
-            encoder: node.inlet(&topics::FILAMENT_MOTION, oldest(&stale.encoder))?,
-            printer: node.inlet(&topics::PRINTER_STATE, oldest(&stale.printer))?,
-            command: node.inlet(&topics::CONTROL_COMMAND, oldest(&stale.command))?,
-            estimate: node.inlet(&topics::ESTIMATE, oldest(&stale.estimate))?,
-            imu: node.inlet(&topics::IMU_BATCH, oldest(&stale.imu))?,
-            vision: node.inlet(&topics::DEFECTS, oldest(&stale.vision))?,
+            hotend: node
+                .inlet(&topics::HOTEND_TEMPERATURE, silence(&stale.hotend))?
+                .with_stamps_within(stale.hotend.oldest_stamp()),
+            bed: node
+                .inlet(&topics::BED_TEMPERATURE, silence(&stale.bed))?
+                .with_stamps_within(stale.bed.oldest_stamp()),
+            encoder: node
+                .inlet(&topics::FILAMENT_MOTION, silence(&stale.encoder))?
+                .with_stamps_within(stale.encoder.oldest_stamp()),
+            printer: node
+                .inlet(&topics::PRINTER_STATE, silence(&stale.printer))?
+                .with_stamps_within(stale.printer.oldest_stamp()),
+            command: node
+                .inlet(&topics::CONTROL_COMMAND, silence(&stale.command))?
+                .with_stamps_within(stale.command.oldest_stamp()),
+            estimate: node
+                .inlet(&topics::ESTIMATE, silence(&stale.estimate))?
+                .with_stamps_within(stale.estimate.oldest_stamp()),
+            imu: node
+                .inlet(&topics::IMU_BATCH, silence(&stale.imu))?
+                .with_stamps_within(stale.imu.oldest_stamp()),
+            vision: node
+                .inlet(&topics::DEFECTS, silence(&stale.vision))?
+                .with_stamps_within(stale.vision.oldest_stamp()),
             also: None,
         })
     }

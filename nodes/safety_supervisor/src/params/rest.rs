@@ -1,6 +1,7 @@
 //! Numbers of streams, filament, attention and modes.
 
 use models::params::{ParamError, in_range, ordered};
+use models::units::Seconds;
 use serde::Deserialize;
 
 use super::thermal::count;
@@ -21,6 +22,15 @@ pub struct StaleParams {
     pub pause_s: Option<f64>,
     /// Age that switches the heaters off `[s]`.
     pub safe_off_s: Option<f64>,
+}
+
+impl StaleParams {
+    /// Oldest stamp that is taken. Deadlines run on receipts: what comes late, but before its absence would pause the
+    /// print, is heard.
+    #[must_use]
+    pub fn oldest_stamp(&self) -> Seconds {
+        Seconds(self.pause_s.unwrap_or(self.degraded_s))
+    }
 }
 
 /// As [`StaleParams`], as it is written.

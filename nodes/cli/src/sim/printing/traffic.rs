@@ -4,7 +4,7 @@ use super::Printing;
 use crate::sim::message::{Content, Lane, Message};
 use crate::sim::report::Detection;
 use crate::sim::sight::Seen;
-use models::command::Mode;
+use models::command::{Command, Mode};
 use models::units::{Kelvin, Seconds};
 use mpc_controller::advance::Prediction;
 use printer_sim::Output;
@@ -74,17 +74,17 @@ impl Printing {
     /// To the supervisor, unless the stamp is too old for it or ahead of the clock.
     fn to_supervisor(&mut self, now: Seconds, stamp: Seconds, (stream, event): (Stream, Safety)) {
         let stale = &self.stale;
-        let limit_s = match stream {
-            Stream::Hotend => stale.hotend.degraded_s,
-            Stream::Bed => stale.bed.degraded_s,
-            Stream::Encoder => stale.encoder.degraded_s,
-            Stream::Printer => stale.printer.degraded_s,
-            Stream::Command => stale.command.degraded_s,
-            Stream::Estimate => stale.estimate.degraded_s,
-            Stream::Imu => stale.imu.degraded_s,
-            Stream::Vision => stale.vision.degraded_s,
+        let limit = match stream {
+            Stream::Hotend => stale.hotend.oldest_stamp(),
+            Stream::Bed => stale.bed.oldest_stamp(),
+            Stream::Encoder => stale.encoder.oldest_stamp(),
+            Stream::Printer => stale.printer.oldest_stamp(),
+            Stream::Command => stale.command.oldest_stamp(),
+            Stream::Estimate => stale.estimate.oldest_stamp(),
+            Stream::Imu => stale.imu.oldest_stamp(),
+            Stream::Vision => stale.vision.oldest_stamp(),
         };
-        match runtime::check_age((now - stamp).0, Seconds(limit_s)) {
+        match runtime::check_age((now - stamp).0, limit) {
             Ok(()) => _ = self.supervisor.on_event(now, event),
             Err(_refused) => self.refuse(now, Some(stream)),
         }
@@ -128,7 +128,8 @@ impl Printing {
                 self.supervisor.on_event(now, Safety::EstimateHealth(health));
                 self.to_supervisor(now, stamp, (Stream::Estimate, Safety::EstimateHeartbeat { stamp }));
             }
-            Content::Command(command) => {
+            Content::Command(command, health) => {
+                self.supervisor.on_event(now, Safety::ControlHealth(health));
                 self.to_supervisor(now, stamp, (Stream::Command, Safety::Command(command)));
             }
             // A refused permit is counted by the dead-man itself.
@@ -175,8 +176,12 @@ impl Printing {
             encoder_alive: estimate.alive[Channel::Encoder as usize],
         };
         if let Some(command) = self.controller.on_event(mpc_controller::Event::Estimate(for_control)) {
-            self.send(now, Message::new(now, Content::Command(command)));
+            self.wish(now, command);
         }
+    }
+
+    pub(super) fn wish(&mut self, now: Seconds, command: Command) {
+        self.send(now, Message::new(now, Content::Command(command, self.controller.health())));
     }
 
     pub(super) fn permit(&mut self, now: Seconds) {
