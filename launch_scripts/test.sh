@@ -33,6 +33,9 @@ step "tests"
 cargo test --workspace --locked
 
 if [ -n "$long" ]; then
+  step "long: the catalogue of faults with twenty seeds, 300 hours of sound prints"
+  cargo run --release --locked -p cli -- faults --seeds 1..20 --hours 300 --html target/faults.html
+
   step "long: the tests over DDS, 20 times"
   for _ in $(seq 20); do
     cargo test -p system_tests --locked --test process_faults --test refusals --test bag --test orphans -- --include-ignored

@@ -191,6 +191,8 @@ pub enum Mark {
     Start,
     /// The first move of the print.
     Printing,
+    /// Its first road.
+    Deposit,
 }
 
 /// What a person asks for.

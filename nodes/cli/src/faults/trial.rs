@@ -129,6 +129,7 @@ impl Trial<'_> {
         let reached = match self.spec.onset.after {
             Mark::Start => true,
             Mark::Printing => run.printing.simulator().phase() == JobPhase::Printing,
+            Mark::Deposit => run.printing.simulator().truth().depositing,
         };
         if reached {
             run.mark_s.get_or_insert(now_s);
