@@ -65,8 +65,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
                     // A controller made anew counts from one; the session's sequence goes on.
                     command.sequence = newest.sequence + 1;
                     newest = command;
-                    let wire = command_to_wire(clock.now(), &command);
-                    commands.send(ControlCommand { health: controller.health() as u8, ..wire });
+                    commands.send(told(clock.now(), &command, &controller));
                 }
                 follow(&mut estimate.refused, &controller, |all| &all.estimate);
             }
@@ -100,6 +99,11 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     let last = Command { sequence: newest.sequence + 1, trims: Trims::NEUTRAL, ..newest };
     commands.send(command_to_wire(clock.now(), &last));
     Ok(())
+}
+
+/// A command as sent, with how the controller's work goes.
+fn told(now: Seconds, command: &Command, controller: &Controller) -> ControlCommand {
+    ControlCommand { health: controller.health() as u8, ..command_to_wire(now, command) }
 }
 
 /// What a controller is made of.

@@ -1,7 +1,7 @@
 //! P8: what was laid lies elsewhere than it was laid.
 //!
-//! The camera tells by how much, frame by frame. Beyond the limit in several frames in a row it is a layer shift; an
-//! impulse shortly before makes one frame less enough. It is never corrected: the machine does not know where it is.
+//! The camera tells by how much, frame by frame. Beyond the limit in many frames in a row it is a layer shift; after an
+//! impulse, which lost steps never lack, a few are enough. It is never corrected: the machine does not know where it is.
 
 use models::units::Seconds;
 
@@ -44,9 +44,7 @@ impl ShiftCheck {
     /// Whether it is a layer shift.
     #[must_use]
     pub fn tripped(&self) -> bool {
-        let wanted =
-            if self.impulse { self.params.frames.saturating_sub(1).max(1) } else { self.params.frames };
-        self.beyond >= wanted
+        self.beyond >= if self.impulse { self.params.frames_after_impulse } else { self.params.frames }
     }
 
     /// A person has looked: starts anew.
@@ -60,7 +58,13 @@ mod tests {
     use super::*;
 
     fn check(machine_error_m: f64) -> ShiftCheck {
-        ShiftCheck::new(ShiftParams { offset_max_m: 5e-4, machine_error_m, frames: 3, impulse_s: 30.0 })
+        ShiftCheck::new(ShiftParams {
+            offset_max_m: 5e-4,
+            machine_error_m,
+            frames: 3,
+            frames_after_impulse: 2,
+            impulse_s: 30.0,
+        })
     }
 
     #[test]

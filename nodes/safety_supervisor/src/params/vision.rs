@@ -64,8 +64,10 @@ pub struct ShiftParams {
     pub offset_max_m: f64,
     /// What the machine's own kinematics explains; added to the largest offset `[m]`.
     pub machine_error_m: f64,
-    /// Frames in a row beyond it; one less after an impulse `[-]`.
+    /// Frames in a row beyond it `[-]`.
     pub frames: u32,
+    /// The same shortly after an impulse `[-]`.
+    pub frames_after_impulse: u32,
     /// How long an impulse counts as a hint `[s]`.
     pub impulse_s: f64,
 }
@@ -78,8 +80,10 @@ pub struct RawShiftParams {
     pub offset_max_m: f64,
     /// What the machine's own kinematics explains; added to the largest offset `[m]`.
     pub machine_error_m: f64,
-    /// Frames in a row beyond it; one less after an impulse `[-]`.
+    /// Frames in a row beyond it `[-]`.
     pub frames: u32,
+    /// The same shortly after an impulse `[-]`.
+    pub frames_after_impulse: u32,
     /// How long an impulse counts as a hint `[s]`.
     pub impulse_s: f64,
 }
@@ -92,6 +96,7 @@ impl TryFrom<RawShiftParams> for ShiftParams {
             offset_max_m: in_range("offset_max_m", raw.offset_max_m, "m", (1e-5, 0.01))?,
             machine_error_m: in_range("machine_error_m", raw.machine_error_m, "m", (0.0, 0.01))?,
             frames: count("frames", raw.frames, 100)?,
+            frames_after_impulse: count("frames_after_impulse", raw.frames_after_impulse, 100)?,
             impulse_s: in_range("impulse_s", raw.impulse_s, "s", (0.0, 600.0))?,
         })
     }

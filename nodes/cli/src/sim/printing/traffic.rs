@@ -72,7 +72,7 @@ impl Printing {
     }
 
     /// To the supervisor, unless the stamp is too old for it or ahead of the clock.
-    fn to_supervisor(&mut self, now: Seconds, stamp: Seconds, (stream, event): (Stream, Safety)) {
+    fn hand_to_supervisor(&mut self, now: Seconds, stamp: Seconds, (stream, event): (Stream, Safety)) {
         let stale = &self.stale;
         let limit = match stream {
             Stream::Hotend => stale.hotend.oldest_stamp(),
@@ -94,13 +94,15 @@ impl Printing {
         match content {
             Content::Hotend(temp) => {
                 self.estimator.on_event(state_estimator::Event::Hotend { stamp, temp });
-                self.to_supervisor(now, stamp, (Stream::Hotend, Safety::Hotend { stamp, temp }));
+                self.hand_to_supervisor(now, stamp, (Stream::Hotend, Safety::Hotend { stamp, temp }));
             }
-            Content::Bed(temp) => self.to_supervisor(now, stamp, (Stream::Bed, Safety::Bed { stamp, temp })),
+            Content::Bed(temp) => {
+                self.hand_to_supervisor(now, stamp, (Stream::Bed, Safety::Bed { stamp, temp }))
+            }
             Content::Encoder(position_m) => {
                 self.estimator.on_event(state_estimator::Event::Encoder { stamp, position_m });
                 self.controller.on_event(mpc_controller::Event::Encoder { stamp, position_m });
-                self.to_supervisor(now, stamp, (Stream::Encoder, Safety::Encoder { stamp, position_m }));
+                self.hand_to_supervisor(now, stamp, (Stream::Encoder, Safety::Encoder { stamp, position_m }));
             }
             Content::Printer(status) => {
                 if let Some(sight) = &mut self.sight {
@@ -110,7 +112,7 @@ impl Printing {
                 let told = self.foresight.on_status(&status);
                 self.controller.on_event(mpc_controller::Event::Printer(*status));
                 self.tell(told);
-                self.to_supervisor(
+                self.hand_to_supervisor(
                     now,
                     stamp,
                     (Stream::Printer, Safety::Printer(PrinterReport::from(&*status))),
@@ -118,19 +120,19 @@ impl Printing {
             }
             Content::Imu(batch) => {
                 let (first, period, samples) = (batch.first, batch.period, batch.samples);
-                self.to_supervisor(now, stamp, (Stream::Imu, Safety::Imu { first, period, samples }));
+                self.hand_to_supervisor(now, stamp, (Stream::Imu, Safety::Imu { first, period, samples }));
             }
             Content::Frame(jpeg) => self.see(now, stamp, jpeg),
             Content::Vision(report) => {
-                self.to_supervisor(now, stamp, (Stream::Vision, Safety::Vision(report)));
+                self.hand_to_supervisor(now, stamp, (Stream::Vision, Safety::Vision(report)));
             }
             Content::Estimate(health) => {
                 self.supervisor.on_event(now, Safety::EstimateHealth(health));
-                self.to_supervisor(now, stamp, (Stream::Estimate, Safety::EstimateHeartbeat { stamp }));
+                self.hand_to_supervisor(now, stamp, (Stream::Estimate, Safety::EstimateHeartbeat { stamp }));
             }
             Content::Command(command, health) => {
                 self.supervisor.on_event(now, Safety::ControlHealth(health));
-                self.to_supervisor(now, stamp, (Stream::Command, Safety::Command(command)));
+                self.hand_to_supervisor(now, stamp, (Stream::Command, Safety::Command(command)));
             }
             // A refused permit is counted by the dead-man itself.
             Content::Permit(permit) => _ = self.simulator.on_permit(permit),
