@@ -190,14 +190,14 @@ fn a_sound_bed_never_trips() {
     }
 }
 
-/// S3: degraded at 5 K, off at 15 K, within 90 s in all. The block's constants are up to 10 % off: so is the residual.
+/// S3: degraded at 7.5 K, well before it is off at 15 K, within 90 s in all. The block's constants are up to 10 % off: so is the residual.
 #[test]
 fn s3_a_drift_degrades_and_then_switches_off() {
     for drift_k_s in [-0.2, 0.2] {
         let drift = |rig: &mut Rig| rig.drift_k_s = drift_k_s;
         let causes = [Cause::HotendDrift];
         let degraded = (Rig::printing as fn(u64) -> Rig, Mode::Degraded);
-        assert!(worst(&format!("S3 {drift_k_s} K/s, degraded"), degraded, drift, &causes) <= 45.0);
+        assert!(worst(&format!("S3 {drift_k_s} K/s, degraded"), degraded, drift, &causes) <= 65.0);
         let off = (Rig::printing as fn(u64) -> Rig, Mode::SafeOff);
         assert!(worst(&format!("S3 {drift_k_s} K/s, off"), off, drift, &causes) <= 90.0);
     }
