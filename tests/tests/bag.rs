@@ -10,6 +10,7 @@ mod publisher;
 use process::{Bag, Domain, Publisher, Recorder};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 /// Messages by topic.
 type Counts = BTreeMap<String, u64>;
@@ -92,6 +93,28 @@ fn a_killed_recorder_loses_nothing_it_acknowledged() {
     assert_eq!(files.keys().collect::<Vec<_>>(), [&bag.file(0), &bag.file(1)]);
     assert_eq!(files[&bag.file(0)], held.values().sum::<u64>(), "recovered against held");
     assert!(files[&bag.file(1)] > 300, "{files:?}");
+}
+
+/// T1: a recorder whose disk is full ends and says so; the next one makes its file a bag that holds all that it had
+/// acknowledged.
+#[test]
+fn a_full_disk_ends_the_recorder_and_loses_nothing_it_acknowledged() {
+    let bag = Bag::new("full");
+    let domain = Domain::new(2);
+    let mut first = Recorder::start_on_full_disk(&bag, domain, 1024);
+    let mut publisher = Publisher::start(domain, "stream");
+    let acknowledged = publisher.acknowledged(1, 30);
+    assert!(first.fails_within(Duration::from_secs(60)), "it goes on, or ends as if all were well");
+    let held = bag.held_by_active(0);
+    for (topic, count) in &acknowledged {
+        assert!(held.get(topic) >= Some(count), "{topic}: {held:?} against {acknowledged:?}");
+    }
+
+    let mut second = Recorder::start(&bag, domain);
+    publisher.acknowledged(2, 30);
+    second.stop();
+    let files = counts(&read_by_all(&bag)["mcap"]["files"]);
+    assert_eq!(files[&bag.file(0)], held.values().sum::<u64>(), "recovered against held");
 }
 
 /// The publishing process of the tests above: they start this program again with a role.

@@ -106,8 +106,23 @@ fn count(arguments: &[&std::ffi::OsStr]) -> Value {
 pub(crate) struct Recorder(Process);
 
 impl Recorder {
-    /// Starts the recorder; its first file is there when this returns.
+    /// Starts the recorder.
     pub(crate) fn start(bag: &Bag, domain: Domain) -> Self {
+        Self::start_by(bag, |program| domain.command(program))
+    }
+
+    /// Starts the recorder on a disk that takes no file beyond so many KiB: writing further fails.
+    pub(crate) fn start_on_full_disk(bag: &Bag, domain: Domain, kib: u32) -> Self {
+        Self::start_by(bag, |program| {
+            // A file that is too large would end the process by a signal; a full disk only answers.
+            let script = format!("trap '' XFSZ; ulimit -f {kib}; exec \"$0\" \"$@\"");
+            let mut command = domain.command(Path::new("bash"));
+            command.args(["-c", &script]).arg(program);
+            command
+        })
+    }
+
+    fn start_by(bag: &Bag, command: impl FnOnce(&Path) -> Command) -> Self {
         let test = std::env::current_exe().unwrap();
         let program = test.parent().unwrap().parent().unwrap().join("bag_recorder");
         assert!(
@@ -115,8 +130,7 @@ impl Recorder {
             "{} is missing: build it first with cargo build -p bag_recorder",
             program.display()
         );
-        let child = domain
-            .command(&program)
+        let child = command(&program)
             .args(["--ros-args", "--params-file"])
             .arg(root().join("config/bag_recorder.param.yaml"))
             .args(["-p", &format!("bag_dir:={}", bag.path.display()), "-p", "sync_period_s:=0.1"])
@@ -138,6 +152,18 @@ impl Recorder {
             assert!(begin.elapsed() < Duration::from_secs(2), "the recorder does not end within 2 s");
             std::thread::sleep(Duration::from_millis(10));
         }
+    }
+
+    /// Whether it ended by itself, and not well, before so long.
+    pub(crate) fn fails_within(&mut self, longest: Duration) -> bool {
+        let begin = Instant::now();
+        while begin.elapsed() < longest {
+            if let Some(status) = self.0.0.try_wait().unwrap() {
+                return status.code().is_some_and(|code| code != 0);
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        false
     }
 
     /// SIGKILL.
