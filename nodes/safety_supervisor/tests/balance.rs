@@ -51,7 +51,7 @@ fn at_rest_the_excess_is_what_losses_take_less_what_was_ordered() {
     ] {
         let mut check = HeaterCheck::new(strict());
         follow(&mut check, (1000.0, 40.0), |_| Moment { sensor_c, duty, fan, feed_m_s });
-        let expected_w = (0.068 + 0.029 * fan + 5.4 * feed_m_s) * (sensor_c - 25.0) - 40.0 * duty;
+        let expected_w = (0.068 + 0.029 * fan + 4.7 * feed_m_s) * (sensor_c - 25.0) - 40.0 * duty;
         let excess_w = check.excess_w();
         assert!(
             (excess_w - expected_w).abs() < 1e-3,
