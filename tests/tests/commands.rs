@@ -169,7 +169,7 @@ fn every_shipped_scenario_runs() {
         let expected = match scenario {
             "heater_dead" | "heater_loose" | "heater_weak" | "heater_stuck_on" | "stop_pressed" => "failed",
             "thermistor_open" | "thermistor_short" | "thermistor_out" => "failed",
-            "thermistor_stuck" | "thermistor_step" => "failed",
+            "thermistor_stuck" | "thermistor_step" | "thermistor_drift_down" => "failed",
             name if name.starts_with("bed_") => "failed",
             "run_out" => "paused",
             _ => "done",

@@ -80,11 +80,10 @@ fn what_needs_no_camera_keeps_its_limit_in_virtual_time() {
     let faults = figures["faults"].as_array().unwrap();
     assert_eq!(faults.len(), only.split(',').count());
     for fault in faults {
-        for field in
-            ["id", "level", "runs", "detected", "reaction_p50_s", "reaction_max_s", "limit_s", "action"]
-        {
+        for field in ["level", "reaction_p50_s", "reaction_max_s", "limit_s", "action"] {
             assert!(fault.get(field).is_some(), "{field} is missing in {fault}");
         }
+        assert!(fault["runs"].as_u64() > Some(0), "{fault:#}");
         assert_eq!(fault["within_limit"], true, "{fault:#}");
     }
 }
@@ -96,22 +95,23 @@ fn a_missed_limit_is_told() {
     let text = std::fs::read_to_string(root().join("config/faults.yaml")).unwrap();
     copy(&root().join("config"), &folder);
     let gcode = root().join("tests/data/gcode");
-    // A permit goes out every 20 ms: nothing follows within one.
+    // Three readings at 10 Hz have to be seen: none follows within 10 ms.
     let impossible = text
         .replace("../tests/data/gcode", gcode.to_str().unwrap())
-        .replace("{name: emergency stop, job: print, onset: {after: printing, time_s: 5, spread_s: 30}, limit_s: 0.25, person: estop}",
-            "{name: emergency stop, job: print, onset: {after: printing, time_s: 5}, limit_s: 0.01, plant: [{component: hotend_thermistor, kind: short}]}");
+        .replace("limit_s: 0.5,", "limit_s: 0.01,");
     std::fs::write(folder.join("faults.yaml"), impossible).unwrap();
     let path = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
     let output = Command::new(path)
-        .args(["faults", "--only", "P13", "--seeds", "72..72", "--config"])
+        .args(["faults", "--only", "S1", "--seeds", "72..72", "--config"])
         .arg(&folder)
         .output()
         .unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("limits missed: P13"), "{told}");
+    assert!(told.contains("limits missed: S1"), "{told}");
+    let table = String::from_utf8_lossy(&output.stdout);
+    assert!(table.contains("missed: S1 hot end open, seed 72: 0."), "late, not absent: {table}");
 }
 
 fn copy(from: &Path, to: &Path) {

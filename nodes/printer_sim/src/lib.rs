@@ -41,6 +41,9 @@ pub mod structure;
 pub mod toolhead;
 pub mod wire;
 
+/// A permit with an older stamp, or one as far ahead, is refused: four times its validity.
+pub const PERMIT_STAMP_LIMIT: models::units::Seconds = models::units::Seconds(1.0);
+
 pub use output::{Output, Truth};
 pub use params::Params;
 pub use scenario::Scenario;

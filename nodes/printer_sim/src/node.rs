@@ -24,8 +24,6 @@ const STEP_S: f64 = 1e-3;
 const CLOCK_PERIOD_S: f64 = 0.01;
 /// Steps between two readings of `/clock`.
 const STEPS_PER_CLOCK: u32 = 10;
-/// A permit with an older stamp, or one as far ahead, is refused `[s]`: four times its validity.
-const STAMP_LIMIT_S: f64 = 1.0;
 /// Readings of `/clock` between two messages of truth: 50 Hz.
 const CLOCKS_PER_TRUTH: u32 = 2;
 
@@ -96,10 +94,10 @@ fn permit(now: Seconds, message: &ControlCommand) -> Result<Permit, Reason> {
     let permit = wire::permit_from_wire(message).map_err(|error| Reason::from(&error))?;
     let stamp = wire::stamp_from_wire(&message.header).map_err(|error| Reason::from(&error))?;
     let age_s = (now - stamp).0;
-    if age_s > STAMP_LIMIT_S {
+    if age_s > crate::PERMIT_STAMP_LIMIT.0 {
         return Err(Reason::Stale);
     }
-    if age_s < -STAMP_LIMIT_S {
+    if age_s < -crate::PERMIT_STAMP_LIMIT.0 {
         return Err(Reason::OutOfRange);
     }
     Ok(permit)

@@ -10,6 +10,11 @@ use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Longest time that a trial may name `[s]`.
+const LONGEST_S: f64 = 3600.0;
+/// Nodes whose parameters a trial may set.
+const NODES: [&str; 4] = ["state_estimator", "mpc_controller", "safety_supervisor", "printer_sim"];
+
 /// All that is asked of the whole.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -134,9 +139,15 @@ pub struct TrialSpec {
     /// Instead of the entry's.
     #[serde(default)]
     pub reaction: Option<Reaction>,
+    /// IDs under which it may be found; where it is missing, its own.
+    #[serde(default)]
+    pub found_as: Vec<String>,
     /// Worst that may follow; where it is missing, the reaction itself.
     #[serde(default)]
     pub at_most: Option<Reaction>,
+    /// How long it is watched after the reaction `[s]`: what follows late may be too much.
+    #[serde(default = "watch")]
+    pub watch_s: f64,
     /// Ends after this time `[s]`; for good where it is missing.
     #[serde(default)]
     pub duration_s: Option<f64>,
@@ -164,6 +175,10 @@ pub struct TrialSpec {
     /// Parameters of nodes from the start, by node and name, each as YAML.
     #[serde(default)]
     pub set: BTreeMap<String, BTreeMap<String, String>>,
+}
+
+fn watch() -> f64 {
+    2.0
 }
 
 fn mpc() -> String {
@@ -267,6 +282,29 @@ impl TrialSpec {
         self.plant.iter().map(|fault| fault.entry(self.duration_s)).collect()
     }
 
+    /// Refuses numbers that no run can keep, and trials in which nothing happens.
+    fn check(&self) -> anyhow::Result<()> {
+        let some = |name: &'static str, value: Option<f64>, low: f64| match value {
+            Some(value) if !(low..=LONGEST_S).contains(&value) => {
+                bail!("{name} = {value} s: must be in [{low}, {LONGEST_S}]")
+            }
+            _ => Ok(()),
+        };
+        some("limit_s", self.limit_s, 1e-3)?;
+        some("duration_s", self.duration_s, 1e-3)?;
+        some("recover_s", self.recover_s, 1e-3)?;
+        some("watch_s", Some(self.watch_s), 0.0)?;
+        some("onset.time_s", Some(self.onset.time_s), 0.0)?;
+        some("onset.spread_s", Some(self.onset.spread_s), 0.0)?;
+        if let Some(node) = self.set.keys().find(|node| !NODES.contains(&node.as_str())) {
+            bail!("set: there is no node {node} in this loop; there are {}", NODES.join(", "));
+        }
+        if self.plant.is_empty() && self.relay.is_empty() && self.set.is_empty() && self.person.is_none() {
+            bail!("nothing happens: plant, relay, person and set are empty");
+        }
+        self.relay.iter().try_for_each(Tampering::check)
+    }
+
     /// Parameters from the start, as the loader takes them.
     #[must_use]
     pub fn overrides(&self) -> BTreeMap<String, Vec<(String, String)>> {
@@ -301,7 +339,10 @@ impl Catalogue {
                 if !self.jobs.contains_key(&trial.job) {
                     bail!("{id}, trial '{name}': job '{}' is unknown", trial.job);
                 }
-                trial.entries().with_context(|| format!("{id}, trial '{name}'"))?;
+                trial
+                    .entries()
+                    .and_then(|_| trial.check())
+                    .with_context(|| format!("{id}, trial '{name}'"))?;
             }
         }
         Ok(())

@@ -91,7 +91,7 @@ pub struct Figures {
 impl TrialFigures {
     /// Sums up the runs of a trial.
     #[must_use]
-    pub fn of(spec: &TrialSpec, reaction: Reaction, outcomes: &[Outcome]) -> Self {
+    pub fn of(id: &str, spec: &TrialSpec, reaction: Reaction, outcomes: &[Outcome]) -> Self {
         let mut times: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.reaction_s).collect();
         times.sort_by(f64::total_cmp);
         let mut found_as: Vec<String> =
@@ -99,7 +99,7 @@ impl TrialFigures {
         found_as.sort();
         found_as.dedup();
         let misses: Vec<String> =
-            outcomes.iter().filter_map(|outcome| miss(spec, reaction, outcome)).collect();
+            outcomes.iter().filter_map(|outcome| miss((id, spec), reaction, outcome)).collect();
         let most =
             |figure: fn(&Outcome) -> Option<f64>| outcomes.iter().filter_map(figure).max_by(f64::total_cmp);
         Self {
@@ -130,7 +130,7 @@ impl TrialFigures {
 }
 
 /// What was wrong with a run.
-fn miss(spec: &TrialSpec, reaction: Reaction, outcome: &Outcome) -> Option<String> {
+fn miss((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: &Outcome) -> Option<String> {
     let what = if let Some(early) = &outcome.early {
         format!("{early} before the fault")
     } else if outcome.onset_s.is_none() {
@@ -139,6 +139,8 @@ fn miss(spec: &TrialSpec, reaction: Reaction, outcome: &Outcome) -> Option<Strin
         format!("too much: {worse}")
     } else if outcome.reaction_s.is_none() && reaction != Reaction::None {
         "no reaction".to_owned()
+    } else if let Some(found) = outcome.found_as.as_ref().filter(|found| !may_be(id, spec, found)) {
+        format!("found as {found}")
     } else if let (Some(took_s), Some(limit_s)) = (outcome.reaction_s, spec.limit_s)
         && took_s > limit_s
     {
@@ -155,6 +157,11 @@ fn miss(spec: &TrialSpec, reaction: Reaction, outcome: &Outcome) -> Option<Strin
         return None;
     };
     Some(format!("seed {}: {what}", outcome.seed))
+}
+
+/// Whether a fault may be found under this name; an empty one where the printer acted by itself.
+fn may_be(id: &str, spec: &TrialSpec, found: &str) -> bool {
+    if spec.found_as.is_empty() { found == id } else { spec.found_as.iter().any(|name| name == found) }
 }
 
 impl FaultFigures {

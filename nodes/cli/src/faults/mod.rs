@@ -82,7 +82,7 @@ pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
     progress.finish_and_clear();
     let mut by_id: BTreeMap<&str, Vec<TrialFigures>> = BTreeMap::new();
     for (trial, outcomes) in prepared.iter().zip(&outcomes) {
-        let figures = TrialFigures::of(trial.spec, reaction(trial), outcomes);
+        let figures = TrialFigures::of(&trial.fault.id, trial.spec, reaction(trial), outcomes);
         by_id.entry(&trial.fault.id).or_default().push(figures);
     }
     let faults: Vec<FaultFigures> = chosen

@@ -116,8 +116,8 @@ impl Trial<'_> {
             run.outcome.recovered_s.is_none()
                 && since_s < self.spec.duration_s.unwrap_or(0.0) + recover_s + LATE_S
         });
-        let rising = self.spec.overshoot_max_k.is_some() && since_s < reaction_s + OVERSHOOT_S;
-        Ok(!recovering && !rising)
+        let watched_s = if self.spec.overshoot_max_k.is_some() { OVERSHOOT_S } else { self.spec.watch_s };
+        Ok(!recovering && since_s >= reaction_s + watched_s)
     }
 
     /// How long a reaction is waited for `[s]`.
@@ -204,6 +204,9 @@ fn worse_than(most: Reaction, printing: &Printing) -> Option<String> {
         Reaction::Estop => Mode::Estop,
     };
     let cause = state.cause.map_or("", |cause| cause.id());
+    if most < Reaction::Observe && state.set_mode == Mode::Observe {
+        return Some(format!("{cause} observe"));
+    }
     (state.mode > allowed).then(|| format!("{cause} {:?}", state.mode).to_lowercase())
 }
 

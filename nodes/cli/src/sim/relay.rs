@@ -1,6 +1,7 @@
 //! A relay on the ways of messages that loses, delays, repeats and falsifies them.
 
 use super::message::{Content, Lane, Message};
+use anyhow::bail;
 use models::units::Seconds;
 use printer_sim::camera::Frame;
 use printer_sim::sensors::Noise;
@@ -22,6 +23,33 @@ pub struct Tampering {
     /// Share of the messages that suffer `[0, 1]`.
     #[serde(default = "all")]
     pub share: f64,
+}
+
+impl Tampering {
+    /// Refuses what does nothing and numbers that mean nothing.
+    ///
+    /// # Errors
+    /// Names field, value and range.
+    pub fn check(&self) -> anyhow::Result<()> {
+        if self.lanes.is_empty() {
+            bail!("relay: lanes is empty");
+        }
+        if !(self.share > 0.0 && self.share <= 1.0) {
+            bail!("relay: share = {}: must be in (0, 1]", self.share);
+        }
+        match self.how {
+            How::Delay(low_s, high_s) if !(low_s >= 0.0 && low_s <= high_s && high_s <= 60.0) => {
+                bail!("relay: delay = [{low_s}, {high_s}] s: must be in [0, 60] and rise")
+            }
+            How::MoveStamp(by_s) if !(by_s.abs() <= 1e6) => {
+                bail!("relay: move_stamp = {by_s} s: must be in [-1e6, 1e6]")
+            }
+            How::CutPicture | How::OldPicture | How::GreyPicture if self.lanes != [Lane::Frames] => {
+                bail!("relay: only the lane frames carries pictures")
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 fn all() -> f64 {

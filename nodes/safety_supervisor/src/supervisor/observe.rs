@@ -96,6 +96,9 @@ impl Supervisor {
             // Whatever the parameters require: what heats has to be measured.
             self.ages.hotend.expect(now);
         }
+        if self.printer.is_some_and(|printer| printer.bed_duty > 0.0 || printer.bed_target.0 > 0.0) {
+            self.ages.bed.expect(now);
+        }
         let printing = self.printer.is_some_and(|printer| printer.phase == JobPhase::Printing);
         set(Cause::StaleHotend, self.ages.hotend.reaction(now));
         set(Cause::StaleBed, self.ages.bed.reaction(now));

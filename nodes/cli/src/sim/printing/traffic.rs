@@ -127,15 +127,23 @@ impl Printing {
                 self.hand_to_supervisor(now, stamp, (Stream::Vision, Safety::Vision(report)));
             }
             Content::Estimate(health) => {
-                self.supervisor.on_event(now, Safety::EstimateHealth(health));
+                if runtime::check_age((now - stamp).0, self.stale.estimate.oldest_stamp()).is_ok() {
+                    self.supervisor.on_event(now, Safety::EstimateHealth(health));
+                }
                 self.hand_to_supervisor(now, stamp, (Stream::Estimate, Safety::EstimateHeartbeat { stamp }));
             }
             Content::Command(command, health) => {
-                self.supervisor.on_event(now, Safety::ControlHealth(health));
+                if runtime::check_age((now - stamp).0, self.stale.command.oldest_stamp()).is_ok() {
+                    self.supervisor.on_event(now, Safety::ControlHealth(health));
+                }
                 self.hand_to_supervisor(now, stamp, (Stream::Command, Safety::Command(command)));
             }
             // A refused permit is counted by the dead-man itself.
-            Content::Permit(permit) => _ = self.simulator.on_permit(permit),
+            Content::Permit(permit) => {
+                if runtime::check_age((now - stamp).0, printer_sim::PERMIT_STAMP_LIMIT).is_ok() {
+                    _ = self.simulator.on_permit(permit);
+                }
+            }
         }
     }
 
@@ -201,7 +209,9 @@ impl Printing {
         for event in &output.events {
             let (fault, action) = match event.what {
                 What::Impulse => ("P8".to_owned(), "flagged".to_owned()),
-                _ if event.before != event.after && event.after >= Mode::Degraded => {
+                _ if event.before != event.after
+                    && (event.after >= Mode::Degraded || event.after == Mode::Observe) =>
+                {
                     (cause.clone(), format!("{:?}", event.after).to_lowercase())
                 }
                 _ => continue,
