@@ -41,7 +41,7 @@ impl Tampering {
             How::Delay(low_s, high_s) if !(low_s >= 0.0 && low_s <= high_s && high_s <= 60.0) => {
                 bail!("relay: delay = [{low_s}, {high_s}] s: must be in [0, 60] and rise")
             }
-            How::MoveStamp(by_s) if !(by_s.abs() <= 1e6) => {
+            How::MoveStamp(by_s) if by_s.is_nan() || by_s.abs() > 1e6 => {
                 bail!("relay: move_stamp = {by_s} s: must be in [-1e6, 1e6]")
             }
             How::CutPicture | How::OldPicture | How::GreyPicture if self.lanes != [Lane::Frames] => {

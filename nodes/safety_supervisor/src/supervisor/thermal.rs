@@ -16,6 +16,8 @@ impl Supervisor {
         }
         self.ages.hotend.note(now);
         // A bead on its way to the air is no block; there it may rest, and the balance begins anew.
+        // Nor is there a balance without the orders: it begins anew when they are heard again.
+        let unordered = self.ages.printer.is_seen() && self.ages.printer.reaction(now).is_some();
         let lost = self.modes.latch().is_some_and(|latch| latch.cause == Cause::ThermistorDetached);
         let checks = &mut self.checks;
         checks.hotend_range.on_sample(temp);
@@ -27,7 +29,7 @@ impl Supervisor {
             if checks.step.is_apart() {
                 return;
             }
-            if lost && !checks.detached.is_at_rest() {
+            if unordered || lost && !checks.detached.is_at_rest() {
                 checks.heater.reset();
             }
             checks.heater.on_sample(stamp, temp);
