@@ -173,14 +173,14 @@ impl Peer {
 
     /// Silent until it is asked to end, the controller then takes its corrections back.
     async fn the_controllers_last_word_is_neutral(&mut self, fleet: &mut Fleet) {
-        let before = self.commands.drain_newest().map(|received| received.message);
+        self.commands.drain_newest();
         let quiet_from = self.clock.now();
         fleet.ask_to_end("mpc_controller");
-        let own = |session| before.as_ref().is_some_and(|command| command.session_id == session);
+        // Nobody else speaks there any more.
         let last = tokio::time::timeout(Duration::from_secs(2), async {
             loop {
                 let message = self.commands.recv().await.message;
-                if own(message.session_id) && message.header.stamp.seconds().unwrap() > quiet_from.0 {
+                if message.header.stamp.seconds().unwrap() > quiet_from.0 {
                     return message;
                 }
             }
