@@ -4,6 +4,7 @@
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use system_tests::copy_folder;
 
 fn root() -> PathBuf {
     std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()
@@ -261,7 +262,7 @@ fn mistakes_end_with_code_2_and_one_line() {
 #[test]
 fn a_bad_parameter_file_is_told_by_line() {
     let folder = std::env::temp_dir().join(format!("fdm_config_{}", std::process::id()));
-    copy(&root().join("config"), &folder);
+    copy_folder(&root().join("config"), &folder).unwrap();
     let path = folder.join("printers/ender3.yaml");
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::write(&path, text.replace("coupling_w_k: 0.45", "coupling_w_k: -0.45")).unwrap();
@@ -275,17 +276,4 @@ fn a_bad_parameter_file_is_told_by_line() {
     let expected =
         format!("ender3.yaml:{line}: printer.hotend.coupling_w_k = -0.45 W/K: must be finite and > 0");
     assert!(told.contains(&expected), "{told}");
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let path = entry.unwrap().path();
-        let target = to.join(path.file_name().unwrap());
-        if path.is_dir() {
-            copy(&path, &target);
-        } else {
-            std::fs::copy(&path, &target).unwrap();
-        }
-    }
 }

@@ -5,6 +5,7 @@ use cli::faults::catalogue::Catalogue;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use system_tests::copy_folder;
 
 /// Every requirement, by its letter and last number.
 const REQUIRED: [(&str, u32); 7] = [("S", 11), ("C", 14), ("K", 8), ("P", 13), ("T", 5), ("L", 5), ("X", 2)];
@@ -93,7 +94,7 @@ fn what_needs_no_camera_keeps_its_limit_in_virtual_time() {
 fn a_missed_limit_is_told() {
     let folder = std::env::temp_dir().join(format!("fdm_faults_{}", std::process::id()));
     let text = std::fs::read_to_string(root().join("config/faults.yaml")).unwrap();
-    copy(&root().join("config"), &folder);
+    copy_folder(&root().join("config"), &folder).unwrap();
     let gcode = root().join("tests/data/gcode");
     // Three readings at 10 Hz have to be seen: none follows within 10 ms.
     let impossible = text
@@ -112,17 +113,4 @@ fn a_missed_limit_is_told() {
     assert!(told.contains("limits missed: S1"), "{told}");
     let table = String::from_utf8_lossy(&output.stdout);
     assert!(table.contains("missed: S1 hot end open, seed 72: 0."), "late, not absent: {table}");
-}
-
-fn copy(from: &Path, to: &Path) {
-    std::fs::create_dir_all(to).unwrap();
-    for entry in std::fs::read_dir(from).unwrap() {
-        let path = entry.unwrap().path();
-        let target = to.join(path.file_name().unwrap());
-        if path.is_dir() {
-            copy(&path, &target);
-        } else {
-            std::fs::copy(&path, &target).unwrap();
-        }
-    }
 }

@@ -6,6 +6,7 @@ pub mod config;
 pub mod doctor;
 pub mod faults;
 pub mod gcode;
+pub mod html;
 pub mod job;
 pub mod kinematics;
 pub mod operate;

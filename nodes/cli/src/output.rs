@@ -50,9 +50,7 @@ impl Json {
     /// # Errors
     /// A file that cannot be written.
     pub fn check(&self) -> anyhow::Result<()> {
-        let Some(path) = self.0.as_deref().filter(|_| !self.is_stdout()) else { return Ok(()) };
-        let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
-        file.map(drop).with_context(|| path.display().to_string())
+        self.0.as_deref().filter(|_| !self.is_stdout()).map_or(Ok(()), check_writable)
     }
 
     /// Writes one object.
@@ -68,6 +66,15 @@ impl Json {
             std::fs::write(path, text + "\n").with_context(|| path.display().to_string())
         }
     }
+}
+
+/// Tells before long work that a file could not be written.
+///
+/// # Errors
+/// The file, and what the system says.
+pub fn check_writable(path: &Path) -> anyhow::Result<()> {
+    let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
+    file.map(drop).with_context(|| path.display().to_string())
 }
 
 /// One line on standard error: what is wrong, where, and why.

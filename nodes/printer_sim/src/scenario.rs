@@ -55,6 +55,17 @@ pub enum Onset {
     TimeS(f64),
 }
 
+/// How much, and how it comes and goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Course {
+    /// How much, unit by kind; only kinds without a size may leave it out.
+    pub size: Option<f64>,
+    /// Time to grow from nothing to full size `[s]`.
+    pub ramp_s: f64,
+    /// How long it lasts from its onset `[s]`; `None` for good.
+    pub duration_s: Option<f64>,
+}
+
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawEntry {
@@ -127,7 +138,7 @@ impl Kind {
 }
 
 impl Entry {
-    /// A fault by name, as the `inject_fault` service asks for it; sets in at `onset_s` of the simulation.
+    /// A fault as the `inject_fault` service asks for it; sets in at `onset_s` of the simulation.
     ///
     /// # Errors
     /// [`FaultError`] for a kind that the component does not have and for numbers out of range.
@@ -137,14 +148,16 @@ impl Entry {
         onset_s: f64,
         duration_s: Option<f64>,
     ) -> Result<Self, FaultError> {
-        Self::try_from(RawEntry {
-            component,
-            kind,
-            size: Some(size),
-            onset: Onset::TimeS(onset_s),
-            ramp_s: 0.0,
-            duration_s,
-        })
+        Self::at(component, kind, Course { size: Some(size), ramp_s: 0.0, duration_s }, onset_s)
+    }
+
+    /// A fault with its course; sets in at `onset_s` of the simulation.
+    ///
+    /// # Errors
+    /// As [`Entry::new`], and for a size that is missing.
+    pub fn at(component: Component, kind: Kind, course: Course, onset_s: f64) -> Result<Self, FaultError> {
+        let Course { size, ramp_s, duration_s } = course;
+        Self::try_from(RawEntry { component, kind, size, onset: Onset::TimeS(onset_s), ramp_s, duration_s })
     }
 
     /// The fault, if its onset has come.

@@ -1,7 +1,7 @@
 //! The figures of `fdm faults` as one page that stands by itself: reaction times beside limits and other firmware.
 
 use super::figures::{FaultFigures, Figures, TrialFigures};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, html};
 
 /// Shortest and longest time of the axis `[s]`; it is logarithmic.
 const AXIS_S: (f64, f64) = (0.01, 100.0);
@@ -23,12 +23,7 @@ pub fn page(figures: &Figures) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Reaction times" }
-                style { (PreEscaped(STYLE)) }
-            }
+            (crate::html::head("Reaction times", STYLE))
             body {
                 h1 { "From fault to reaction" }
                 p {

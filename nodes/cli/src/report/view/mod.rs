@@ -16,7 +16,7 @@ use super::bag::Bag;
 use super::record::Record;
 use super::record::events::Severity;
 use ink::Ink;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, html};
 use trace::Marker;
 
 /// Markers on the time axes.
@@ -41,15 +41,7 @@ pub(crate) fn page(bag: &Bag, record: &Record, torn: &[String]) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta http-equiv="Content-Security-Policy"
-                    content="default-src 'none'; style-src 'unsafe-inline'; img-src data:";
-                title { (summary::title(&view)) " · print report" }
-                link rel="icon" href="data:,";
-                style { (PreEscaped(include_str!("style.css"))) }
-            }
+            (crate::html::head(&format!("{} · print report", summary::title(&view)), include_str!("style.css")))
             body {
                 header { (summary::head(&view)) }
                 nav { div { @for (id, name, ..) in &sections { a href=(format!("#{id}")) { (if *id == "truth" { "Truth" } else { name.split(' ').next().unwrap_or(name) }) } } } }
