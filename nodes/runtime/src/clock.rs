@@ -2,6 +2,7 @@
 //!
 //! Monotonic time counts from the host's start, so all processes of a host share it and their stamps compare.
 
+use crate::diagnostics::Diagnostics;
 use crate::publisher::Publisher;
 use crate::shutdown;
 use fdm_loop_msgs::{Clock as ClockMessage, Time};
@@ -11,6 +12,10 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use tokio::sync::watch;
+
+mod punctuality;
+
+use punctuality::Punctuality;
 
 /// Past readings of `/clock` that are kept to date a message by its age: 256 readings 5 ms apart reach back 1.3 s,
 /// longer than any validity.
@@ -115,7 +120,7 @@ impl Clock {
     /// A timer on this clock, first due one period from now.
     pub(crate) fn timer(&self, period: Seconds) -> Timer {
         let readings = self.simulated.as_ref().map(|simulated| simulated.now.subscribe());
-        Timer { clock: self.clone(), readings, period, due: self.now() + period, jumps: self.jumps_back() }
+        Timer { clock: self.clone(), readings, period, due: self.now() + period, jumps: self.jumps_back(), punctuality: None }
     }
 }
 
@@ -146,12 +151,20 @@ pub struct Timer {
     period: Seconds,
     due: Seconds,
     jumps: u64,
+    punctuality: Option<Punctuality>,
 }
 
 /// Longest sleep between two looks at the clock `[s]`.
 const LONGEST_SLEEP_S: f64 = 3600.0;
 
 impl Timer {
+    /// Tells in `/diagnostics` where more than 0.1 % of its ticks come at intervals that are further than `tolerance` of
+    /// real time from the usual one.
+    #[must_use]
+    pub fn tell_irregular(self, diagnostics: Diagnostics, tolerance: Seconds) -> Self {
+        Self { punctuality: Some(Punctuality::new(diagnostics, tolerance)), ..self }
+    }
+
     /// Waits for the next tick and yields the time now. Ticks that were missed are not made up for, and after a
     /// jump back of simulated time the next tick is one period after the jump. Cancelling loses no tick. In a process
     /// that was stopped and goes on no tick comes any more.
@@ -167,6 +180,9 @@ impl Timer {
             if late.0 >= 0.0 {
                 let periods = (late.0 / self.period.0).floor() + 1.0;
                 self.due = self.due + Seconds(self.period.0 * periods);
+                if let Some(punctuality) = &mut self.punctuality {
+                    punctuality.tick(monotonic());
+                }
                 return now;
             }
             match &mut self.readings {

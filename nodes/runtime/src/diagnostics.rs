@@ -41,6 +41,8 @@ struct State {
     message: String,
     counters: BTreeMap<String, u64>,
     values: BTreeMap<String, String>,
+    /// What restricts the node beside what it reports itself.
+    alarms: BTreeMap<&'static str, String>,
     topics: Vec<Arc<TopicStats>>,
 }
 
@@ -80,6 +82,20 @@ impl Diagnostics {
         }
     }
 
+    /// Raises or ends an alarm: a warning beside what the node reports itself. Its first word and its end are published
+    /// at once.
+    pub(crate) fn alarm(&self, name: &'static str, text: Option<String>) {
+        let mut state = self.state();
+        let changed = state.alarms.contains_key(name) != text.is_some();
+        match text {
+            Some(text) => _ = state.alarms.insert(name, text),
+            None => _ = state.alarms.remove(name),
+        }
+        if changed {
+            self.shared.changed.notify_one();
+        }
+    }
+
     /// Publishes at once.
     pub fn publish_now(&self) {
         self.shared.changed.notify_one();
@@ -110,8 +126,12 @@ impl Diagnostics {
         let mut values: Vec<KeyValue> =
             state.values.iter().map(|(key, value)| pair(key.clone(), value)).collect();
         values.extend(state.counters.iter().map(|(key, value)| pair(key.clone(), value)));
-        let message = if state.message.is_empty() { "ok".to_owned() } else { state.message.clone() };
-        let own = status(node.to_owned(), state.level, message, values);
+        let mut message = if state.message.is_empty() { "ok".to_owned() } else { state.message.clone() };
+        for alarm in state.alarms.values() {
+            message = format!("{message}; {alarm}");
+        }
+        let level = if state.alarms.is_empty() { state.level } else { state.level.max(Level::Warn) };
+        let own = status(node.to_owned(), level, message, values);
 
         let late: Vec<String> = state.topics.iter().filter_map(|topic| topic.late(now)).collect();
         let level = if late.is_empty() { Level::Ok } else { Level::Warn };

@@ -44,12 +44,14 @@
 //! | [`params`] | parameter files, merged, checked, hashed |
 //! | [`Diagnostics`], [`Work`] | `/diagnostics`, heartbeat |
 //!
-//! Each process watches its own middleware through a message to itself and aborts when it is deaf (`self_loop`).
+//! Each process watches its own middleware through a message to itself and ends when it is deaf (`self_loop`), and bounds
+//! the memory that others can make it use (`bounds`).
 //! Lifecycle (`node.rs`) and the parameter services (`params.rs`) come with the ROS issue.
 #![forbid(unsafe_code)]
 
 mod args;
 mod background;
+mod bounds;
 mod build;
 mod clock;
 mod diagnostics;
@@ -78,6 +80,7 @@ pub mod topics;
 pub mod wire;
 
 pub use args::{Args, ArgsError, LogLevel};
+pub use bounds::{DRIVEN_OUT, MEMORY_LIMIT};
 pub use build::build;
 pub use clock::{Clock, ClockDriver, Timer};
 pub use diagnostics::{Diagnostics, Level};

@@ -19,7 +19,7 @@ use crate::participants::Participants;
 use crate::self_loop::SelfLoop;
 use crate::shutdown::{self, Shutdown, ShutdownSender};
 use crate::topics;
-use crate::{background, logging};
+use crate::{background, bounds, logging};
 use models::units::Seconds;
 use ros2_client::{Context, NodeOptions};
 use serde::de::DeserializeOwned;
@@ -90,7 +90,7 @@ impl Node {
             tracing::error!(
                 "own messages do not come back through DDS: ending the process to be started again"
             );
-            std::process::abort();
+            bounds::end_deaf();
         })?;
         let context = Context::from_domain_participant(participant)
             .map_err(|error| RuntimeError::create("context", &error))?;

@@ -1,6 +1,7 @@
 //! From `main` to a running node and back.
 
 use crate::args::{Args, ArgsError};
+use crate::bounds;
 use crate::error::RuntimeError;
 use crate::logging;
 use crate::node::Node;
@@ -45,6 +46,7 @@ where
     R: Future<Output = Result<(), E>>,
     E: Error + 'static,
 {
+    bounds::set()?;
     let args = Args::from_env()?;
     if let Some(word) = args.rest.first() {
         return Err(ArgsError::NotTaken(word.clone()).into());

@@ -149,6 +149,8 @@ pub const ROSOUT: Topic<Log> = Topic::new("/rosout", qos::ROSOUT);
 
 /// Period of the supervisor's tick and permit on [`SAFETY_COMMAND`]: 50 Hz.
 pub const PERMIT_PERIOD: Seconds = Seconds(0.02);
+/// What 99.9 % of the intervals between permits keep of that period; where they do not, the supervisor says so.
+pub const PERMIT_JITTER: Seconds = Seconds(0.01);
 /// Longest time between two messages on [`SAFETY_STATE`]: 2 Hz.
 pub const SAFETY_STATE_PERIOD: Seconds = Seconds(0.5);
 

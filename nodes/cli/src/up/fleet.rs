@@ -18,6 +18,9 @@ const BACKOFF_MAX_S: f64 = 8.0;
 const RESTARTS_MAX: usize = 5;
 /// Window of [`RESTARTS_MAX`] `[s]`.
 const RESTART_WINDOW_S: f64 = 60.0;
+/// Delay before a process that the network has driven out again within that window is started again `[s]`: as often as
+/// it takes, for who stayed down would be missing when the network is sound again (X1: whole within 5 s).
+const DRIVEN_OUT_DELAY_S: f64 = 0.5;
 
 /// How a node is started.
 #[derive(Debug, Clone)]
@@ -70,6 +73,7 @@ struct Member {
     recipe: Recipe,
     child: Option<Child>,
     restarts: Vec<Seconds>,
+    driven_out: Option<Seconds>,
     due: Option<Seconds>,
     given_up: bool,
 }
@@ -94,6 +98,7 @@ impl Fleet {
                 recipe,
                 child: Some(child),
                 restarts: Vec::new(),
+                driven_out: None,
                 due: None,
                 given_up: false,
             });
@@ -109,7 +114,7 @@ impl Fleet {
                 happenings.push(member.plan_restart(now, status));
             }
             if member.due.is_some_and(|due| now >= due) {
-                happenings.extend(member.restart(now, &self.logs));
+                happenings.extend(member.restart(&self.logs));
             }
         }
         happenings
@@ -176,17 +181,28 @@ impl Member {
     fn plan_restart(&mut self, now: Seconds, status: ExitStatus) -> Happening {
         let name = self.recipe.name;
         self.restarts.retain(|at| (now - *at).0 < RESTART_WINDOW_S);
-        if !self.recipe.replaceable || self.restarts.len() >= RESTARTS_MAX {
+        let driven_out = status.code() == Some(runtime::DRIVEN_OUT);
+        if !self.recipe.replaceable || (!driven_out && self.restarts.len() >= RESTARTS_MAX) {
             self.given_up = true;
             return Happening::GivenUp { name };
         }
-        self.due = Some(now + delay(self.restarts.len()));
+        self.due = Some(now + if driven_out { self.pause(now) } else { delay(self.restarts.len()) });
+        if driven_out {
+            self.driven_out = Some(now);
+        } else {
+            self.restarts.push(now);
+        }
         Happening::Ended { name, how: status.to_string() }
     }
 
-    fn restart(&mut self, now: Seconds, logs: &Path) -> Option<Happening> {
+    /// Delay before a process that was driven out is started again.
+    fn pause(&self, now: Seconds) -> Seconds {
+        let again = self.driven_out.is_some_and(|at| (now - at).0 < RESTART_WINDOW_S);
+        Seconds(if again { DRIVEN_OUT_DELAY_S } else { FIRST_DELAY_S })
+    }
+
+    fn restart(&mut self, logs: &Path) -> Option<Happening> {
         self.due = None;
-        self.restarts.push(now);
         let name = self.recipe.name;
         match spawn(&self.recipe, logs) {
             Ok(child) => {

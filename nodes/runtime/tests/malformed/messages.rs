@@ -10,8 +10,7 @@ use models::status::{HostProfile, JobPhase, PrinterStatus};
 use models::units::{Celsius, Seconds};
 use runtime::wire;
 
-use crate::mutation::is_a_stamp;
-use crate::{all, storm};
+use crate::storm::{all, is_a_stamp, storm};
 
 fn header() -> Header {
     Header { frame_id: "hotend".to_owned(), ..Header::at(12.5) }

@@ -6,8 +6,7 @@ use runtime::params::{NodePath, Parameters};
 use serde_json::Value;
 use std::path::PathBuf;
 
-use crate::mutation::Mutation;
-use crate::payloads;
+use crate::storm::{Mutation, payloads};
 
 /// A file that goes with its test.
 struct Scratch(PathBuf);

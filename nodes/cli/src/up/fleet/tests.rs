@@ -45,6 +45,29 @@ fn a_process_that_keeps_ending_is_given_up_after_five_restarts() {
     }
 }
 
+/// X1: garbage that ends a process each time it is started keeps nobody down once it stops.
+#[test]
+fn a_process_that_is_driven_out_is_started_again_as_often_as_it_takes() {
+    let mut fleet = Fleet::start(vec![recipe("driven", "exit 75")], &logs("driven")).unwrap();
+    let (mut now, mut restarts) = (Seconds(0.0), 0);
+    let mut ended = now;
+    while restarts < 20 {
+        match next(&mut fleet, &mut now) {
+            Happening::Ended { how, .. } => {
+                assert!(how.contains("75"), "{how}");
+                ended = now;
+            }
+            // A tenth of a second at first, then half a one, and a look.
+            Happening::Restarted { .. } => {
+                restarts += 1;
+                let limit_s = if restarts == 1 { 0.12 } else { 0.52 };
+                assert!((now - ended).0 < limit_s, "restart {restarts} after {} s", (now - ended).0);
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
 #[test]
 fn delays_grow_from_a_tenth_to_eight_seconds() {
     let delays: Vec<f64> = (0..8).map(|restarts| delay(restarts).0).collect();

@@ -1,0 +1,128 @@
+//! X1: garbage on the network. Whatever reaches the RTPS ports of a printing graph, the printer is at the slicer's values
+//! within 0.25 s of the last permit that it can have heard, what dies is started again, and the graph is whole again within
+//! 5 s of the last datagram.
+//!
+//! The graph is `fdm up` in a network namespace of its own, the garbage comes from `tests/rtps_fuzz.py`, and what the
+//! printer did is read from its states as an observer heard them and as the bag holds them. `FDM_RTPS_DATAGRAMS` sets
+//! how many datagrams there are in all. Real time passes here: DDS and processes have no other.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::print_stdout,
+    reason = "helpers of tests: a failure is the test's failure; the figures are for people"
+)]
+
+#[path = "process_faults/graph.rs"]
+#[allow(dead_code, reason = "shared with the test of single nodes, which asks for more")]
+mod graph;
+#[path = "rtps_garbage/judge.rs"]
+mod judge;
+#[path = "rtps_garbage/observer.rs"]
+mod observer;
+#[path = "rtps_garbage/report.rs"]
+mod report;
+#[path = "rtps_garbage/storm.rs"]
+mod storm;
+
+use graph::Graph;
+use judge::Record;
+use models::units::Seconds;
+use observer::Observer;
+use std::process::Command;
+use storm::{Kind, Storm, Targets};
+
+/// Set in the process that observes, inside the namespace.
+const OBSERVER: &str = "FDM_RTPS_GARBAGE_OBSERVER";
+const TEST: &str = "garbage_on_the_network_is_survived";
+/// Longest time from the start to a closed loop on a warm printer.
+const START: Seconds = Seconds(40.0);
+/// Longest orderly end of a graph.
+const END: Seconds = Seconds(8.0);
+/// A loopback interface as other machines have it, and DDS to be heard on it.
+const NAMESPACE: &str = "ip link set lo up multicast on && ip route add 239.0.0.0/8 dev lo && exec \"$@\"";
+
+/// Datagrams in all.
+fn datagrams() -> u32 {
+    std::env::var("FDM_RTPS_DATAGRAMS").ok().and_then(|text| text.parse().ok()).unwrap_or(20_000)
+}
+
+/// What is sent, mild kinds first: each hits every participant or, where it ends those that it hits, the nodes that are
+/// started again. (The simulated printer is none of them, as its firmware is on no network.)
+fn kinds() -> [Kind; 8] {
+    let all = datagrams();
+    // As many participants as the one that made the middleware deaf for 9 s; one datagram of a kind that ends processes
+    // does what many others do.
+    let (fakes, fragments, known) = (all.min(2000), all / 100, all / 20);
+    let rest = (all - fakes - fragments - 2 * known) / 4;
+    let kind = |name, count, targets| Kind { name, count, targets };
+    [
+        kind("garbage", rest, Targets::Everyone),
+        kind("valid_header", rest, Targets::Everyone),
+        kind("discovery", rest, Targets::Everyone),
+        kind("heartbeats", rest, Targets::Everyone),
+        kind("known_writer", known, Targets::Replaceable),
+        kind("acknack", known, Targets::Replaceable),
+        kind("participants", fakes, Targets::Replaceable),
+        kind("data_frag", fragments, Targets::Replaceable),
+    ]
+}
+
+#[test]
+fn garbage_on_the_network_is_survived() {
+    if std::env::var_os(OBSERVER).is_none() {
+        assert!(inside_a_namespace().status().unwrap().success(), "the observer failed, see above");
+        return;
+    }
+    let executor = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    executor.block_on(async {
+        let mut storms: Vec<Storm> = Vec::new();
+        let mut kinds = kinds().into_iter().filter(|kind| kind.count > 0 && chosen(kind)).peekable();
+        while kinds.peek().is_some() {
+            let mut graph = Graph::start();
+            let mut observer = Observer::join();
+            let mut record = Record::default();
+            observer.wait_for_print(&mut graph, START).await;
+            let first = storms.len();
+            for kind in kinds.by_ref() {
+                let storm = Storm::run(kind, &mut observer, &mut graph, &mut record).await;
+                let goes_on = storm.goes_on();
+                storms.push(storm);
+                // A print that was given up says nothing of corrections any more.
+                if !goes_on {
+                    break;
+                }
+            }
+            observer.end(&mut graph, END, &mut record).await;
+            let read = record.add_bag(&graph.bag());
+            println!("{read} messages of the bag");
+            storms[first..].iter_mut().for_each(|storm| storm.judged = record.judge(storm.span_s));
+        }
+        println!("{}", report::table(&storms));
+        let failures = report::failures(&storms);
+        assert!(failures.is_empty(), "{}", failures.join("\n"));
+    });
+}
+
+/// `FDM_RTPS_KIND` leaves the others out, to look at one.
+fn chosen(kind: &Kind) -> bool {
+    std::env::var("FDM_RTPS_KIND").map_or(true, |only| only.split(',').any(|name| name == kind.name))
+}
+
+/// This test again, where nobody else is on the network; in the network there is, where namespaces are not to be had.
+fn inside_a_namespace() -> Command {
+    let test = std::env::current_exe().unwrap();
+    let namespace = Command::new("unshare").args(["-rn", "sh", "-c", NAMESPACE, "sh", "true"]).status();
+    let mut command = if namespace.is_ok_and(|status| status.success()) {
+        let mut command = Command::new("unshare");
+        command.args(["-rn", "sh", "-c", NAMESPACE, "sh"]).arg(test);
+        command
+    } else {
+        println!("no network namespace: unicast alone, in a domain of its own");
+        let mut command = Command::new(test);
+        // Ports of domains up to 101 lie below the ephemeral ones.
+        command.env("ROS_DOMAIN_ID", (20 + std::process::id() % 80).to_string());
+        command
+    };
+    command.args([TEST, "--exact", "--nocapture"]).env(OBSERVER, "1");
+    command
+}

@@ -1,0 +1,140 @@
+//! The law of the dead-man, held against what was seen of printer and supervisor: no correction is in force longer than
+//! its permit is valid.
+
+use crate::observer::is_neutral;
+use byteorder::LittleEndian;
+use fdm_loop_msgs::{ControlCommand, Header, PrinterState};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+const NANOS_PER_S: f64 = 1e9;
+/// A permit may be stamped that much later than the state that follows it: both clocks are the printer's, the
+/// supervisor's as it was read last `[ns]`.
+const AHEAD_NS: i64 = 20_000_000;
+/// Without a permit for longer the printer is deaf or the supervisor mute `[s]`.
+const SILENCE_S: f64 = 0.25;
+
+/// Stamps of what was seen, on the graph's clock.
+#[derive(Debug, Default)]
+pub(crate) struct Record {
+    /// Whether a correction was in force.
+    states: BTreeMap<i64, bool>,
+    permits: BTreeSet<i64>,
+}
+
+/// What was found in a span of time.
+#[derive(Debug, Default, Clone, Copy)]
+pub(crate) struct Judged {
+    pub(crate) states: usize,
+    pub(crate) corrected: usize,
+    /// Longest time from a permit to a state with a correction, no other permit between them `[s]`.
+    pub(crate) oldest_s: f64,
+    /// Longest time without a permit `[s]`, and how often there was none for longer than it is valid.
+    pub(crate) longest_gap_s: f64,
+    pub(crate) gaps: usize,
+}
+
+impl Record {
+    pub(crate) fn on_state(&mut self, state: &PrinterState) {
+        self.states.extend(nanos(&state.header).map(|stamp| (stamp, !is_neutral(state))));
+    }
+
+    pub(crate) fn on_permit(&mut self, permit: &ControlCommand) {
+        self.permits.extend(nanos(&permit.header));
+    }
+
+    /// Stamp of the newest state `[s]`.
+    pub(crate) fn newest_s(&self) -> f64 {
+        self.states.last_key_value().map_or(0.0, |(stamp, _)| seconds(*stamp))
+    }
+
+    /// Adds what the recorder heard; the number of messages. A file that was cut by the end of its recorder counts as far
+    /// as it goes.
+    pub(crate) fn add_bag(&mut self, folder: &Path) -> usize {
+        let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let mut read = 0;
+        for file in files.filter(|path| path.to_string_lossy().contains(".mcap")) {
+            let bytes = std::fs::read(&file).unwrap();
+            let options = mcap::read::Options::IgnoreEndMagic;
+            let Ok(messages) = mcap::MessageStream::new_with_options(&bytes, options.into()) else {
+                continue;
+            };
+            for message in messages.map_while(Result::ok) {
+                let body = message.data.get(4..).unwrap_or_default();
+                match message.channel.topic.as_str() {
+                    "/printer/printer/state" => {
+                        let decoded = cdr_encoding::from_bytes::<PrinterState, LittleEndian>(body);
+                        self.on_state(&decoded.unwrap().0);
+                    }
+                    "/printer/safety/command" => {
+                        let decoded = cdr_encoding::from_bytes::<ControlCommand, LittleEndian>(body);
+                        self.on_permit(&decoded.unwrap().0);
+                    }
+                    _ => continue,
+                }
+                read += 1;
+            }
+        }
+        read
+    }
+
+    /// What was seen between two times of the graph's clock.
+    pub(crate) fn judge(&self, (from_s, to_s): (f64, f64)) -> Judged {
+        let inside = |stamp: i64| (from_s..=to_s).contains(&seconds(stamp));
+        let mut judged = Judged::default();
+        for (stamp, corrected) in self.states.iter().filter(|(stamp, _)| inside(**stamp)) {
+            judged.states += 1;
+            if *corrected {
+                judged.corrected += 1;
+                let newest = self.permits.range(..=stamp + AHEAD_NS).next_back();
+                let age_s = newest.map_or(f64::INFINITY, |permit| seconds(stamp - permit));
+                judged.oldest_s = judged.oldest_s.max(age_s);
+            }
+        }
+        let permits: Vec<i64> = self.permits.iter().copied().filter(|stamp| inside(*stamp)).collect();
+        for pair in permits.windows(2) {
+            let gap_s = seconds(pair[1] - pair[0]);
+            judged.longest_gap_s = judged.longest_gap_s.max(gap_s);
+            judged.gaps += usize::from(gap_s > SILENCE_S);
+        }
+        judged
+    }
+}
+
+fn nanos(header: &Header) -> Option<i64> {
+    header.stamp.seconds().map(|seconds| {
+        #[allow(clippy::cast_possible_truncation, reason = "a time of a print")]
+        let nanos = (seconds * NANOS_PER_S).round() as i64;
+        nanos
+    })
+}
+
+fn seconds(nanos: i64) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "a time of a print")]
+    let nanos = nanos as f64;
+    nanos / NANOS_PER_S
+}
+
+/// A correction that outlives its permit is found: the test can fail.
+#[test]
+fn a_correction_without_a_permit_is_found() {
+    let header = |at_s| Header::at(at_s);
+    let corrected = |at_s| PrinterState {
+        header: header(at_s),
+        flow_factor: 1.05,
+        speed_factor: 1.0,
+        ..PrinterState::default()
+    };
+    let mut record = Record::default();
+    record.on_permit(&ControlCommand { header: header(10.0), ..ControlCommand::default() });
+    for step in 0..=20 {
+        record.on_state(&corrected(10.0 + 0.02 * f64::from(step)));
+    }
+    let neutral = PrinterState { flow_factor: 1.0, ..corrected(10.5) };
+    record.on_state(&neutral);
+    record.on_permit(&ControlCommand { header: header(11.0), ..ControlCommand::default() });
+    let judged = record.judge((10.0, 12.0));
+    assert_eq!((judged.states, judged.corrected, judged.gaps), (22, 21, 1));
+    assert!((judged.oldest_s - 0.4).abs() < 1e-6 && (judged.longest_gap_s - 1.0).abs() < 1e-6, "{judged:?}");
+    assert_eq!(record.judge((10.45, 10.6)).corrected, 0);
+}

@@ -1,0 +1,67 @@
+//! Limits of X1 and the table of what was measured.
+
+use crate::storm::Storm;
+use std::fmt::Write;
+
+/// The dead-man's time: no correction outlives its permit by more `[s]`.
+const NEUTRAL_S: f64 = 0.25;
+/// On its way to the printer, a look of the printer and two periods of `printer/state` `[s]`.
+const OBSERVED_S: f64 = 0.05;
+/// All is whole again after the last datagram `[s]`.
+const WHOLE_S: f64 = 5.0;
+/// What a process may hold `[KiB]`: 256 MiB of data (`runtime::bounds`), its code and what it maps of files.
+const RESIDENT_KIB: u64 = 320 * 1024;
+
+/// One row a kind.
+pub(crate) fn table(storms: &[Storm]) -> String {
+    let mut text = format!(
+        "{:<14} {:>8} {:>7} {:>7} {:>6} {:>10} {:>9} {:>5} {:>9} {:>8}  deaths\n",
+        "kind", "sent", "took s", "deaths", "whole", "oldest s", "gap s", "gaps", "RSS MiB", "tripped"
+    );
+    for storm in storms {
+        let deaths: Vec<String> =
+            storm.deaths.iter().map(|(node, count)| format!("{node} {count}")).collect();
+        let (heaviest, peak) =
+            storm.peaks.iter().max_by_key(|(_, kib)| **kib).map_or(("-", 0), |(name, kib)| (name, *kib));
+        _ = writeln!(
+            text,
+            "{:<14} {:>8} {:>7.1} {:>7} {:>6} {:>10.3} {:>9.2} {:>5} {:>9} {:>8}  {} (largest: {heaviest})",
+            storm.kind.name,
+            storm.sent,
+            storm.took_s,
+            storm.deaths.values().sum::<u32>(),
+            storm.whole_s.map_or("-".to_owned(), |whole_s| format!("{whole_s:.2}")),
+            storm.judged.oldest_s,
+            storm.judged.longest_gap_s,
+            storm.judged.gaps,
+            peak / 1024,
+            storm.tripped.map_or("-".to_owned(), |mode| mode.to_string()),
+            deaths.join(", "),
+        );
+    }
+    text
+}
+
+/// What lies outside of the limits.
+pub(crate) fn failures(storms: &[Storm]) -> Vec<String> {
+    let mut failures = Vec::new();
+    for storm in storms {
+        let mut fails = |what: String| failures.push(format!("{}: {what}", storm.kind.name));
+        if storm.whole_s.is_none_or(|whole_s| whole_s > WHOLE_S) {
+            fails(format!("whole after {:?} s, limit {WHOLE_S} s", storm.whole_s));
+        }
+        if storm.judged.oldest_s > NEUTRAL_S + OBSERVED_S {
+            fails(format!("a correction {:.3} s after its permit", storm.judged.oldest_s));
+        }
+        if storm.judged.states < 20 || storm.judged.corrected == 0 {
+            fails(format!("little was seen of the printer: {:?}", storm.judged));
+        }
+        if storm.sent < u64::from(storm.kind.count) {
+            fails(format!("{} of {} datagrams sent", storm.sent, storm.kind.count));
+        }
+        for (node, kib) in storm.peaks.iter().filter(|(_, kib)| **kib > RESIDENT_KIB) {
+            fails(format!("{node} took {} MiB", kib / 1024));
+        }
+    }
+    failures
+}
