@@ -28,6 +28,10 @@ fn json(arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
+/// What is always told of a file.
+const SURVEY: [&str; 9] =
+    ["layers", "moves", "arcs", "filament_mm", "print_time_s", "tools", "dialect", "warnings", "errors"];
+
 fn gcode(name: &str) -> String {
     format!("tests/data/gcode/{name}")
 }
@@ -205,17 +209,7 @@ fn a_file_is_surveyed_with_its_oddities() {
         "quirks_handmade.gcode",
     ] {
         let survey = json(&["gcode", &gcode(name)]);
-        for field in [
-            "layers",
-            "moves",
-            "arcs",
-            "filament_mm",
-            "print_time_s",
-            "tools",
-            "dialect",
-            "warnings",
-            "errors",
-        ] {
+        for field in SURVEY {
             assert!(keys(&survey).contains(&field), "{name}: {field}");
         }
         if name.starts_with("prusa") {
@@ -276,4 +270,28 @@ fn a_bad_parameter_file_is_told_by_line() {
     let expected =
         format!("ender3.yaml:{line}: printer.hotend.coupling_w_k = -0.45 W/K: must be finite and > 0");
     assert!(told.contains(&expected), "{told}");
+}
+
+/// In virtual time a solve ends by its iterations: with no time at all for one, the figures are the same.
+#[test]
+fn a_busy_machine_changes_no_figure() {
+    let folder = std::env::temp_dir().join(format!("fdm_no_time_{}", std::process::id()));
+    copy_folder(&root().join("config"), &folder).unwrap();
+    let path = folder.join("mpc_controller.param.yaml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let hurried = text.replace("time_limit_s: 0.05", "time_limit_s: 1e-9");
+    assert_ne!(text, hurried);
+    std::fs::write(&path, hurried).unwrap();
+
+    let file = gcode("prusa_cube_pla_marlin_relE.gcode");
+    let print = ["sim", &file, "--layers", "2", "--scenario", "slip09", "--control", "mpc"];
+    let [usual, hurried] = ["config", folder.to_str().unwrap()].map(|config| {
+        let mut figures = json(&[&print[..], &["--config", config]].concat());
+        for of_the_machine in ["wall_time_s", "realtime_factor"] {
+            assert!(figures.as_object_mut().unwrap().remove(of_the_machine).is_some());
+        }
+        figures
+    });
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(usual, hurried);
 }

@@ -42,6 +42,13 @@ impl Params {
         Self(RawParams { advance: RawAdvance { source, ..self.0.advance }, ..self.0 })
     }
 
+    /// The same parameters for a loop that runs faster or slower than the clock: iterations alone end a solve, so that
+    /// a busy machine changes nothing.
+    #[must_use]
+    pub fn in_virtual_time(self) -> Self {
+        Self(RawParams { solver: RawSolver { time_limit_s: f64::INFINITY, ..self.0.solver }, ..self.0 })
+    }
+
     /// The same parameters with another level of control.
     #[must_use]
     pub fn with_level(self, control: Level) -> Self {

@@ -83,7 +83,7 @@ fn the_file_is_what_is_tested_here() {
     let params = params();
     assert_eq!(params.detached, DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 });
     assert_eq!(params.run_out, RunOutParams { debounce_s: 0.3 });
-    assert_eq!(params.filament, FilamentParams { window_m: 0.006, play_m: 1e-4, slip_max: 0.45 });
+    assert_eq!(params.filament, FilamentParams { window_m: 0.005, play_m: 1e-4, slip_max: 0.42 });
 }
 
 fn frozen(duty: [f64; 2], moved_k: f64) -> Option<u32> {

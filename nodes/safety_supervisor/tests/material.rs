@@ -7,7 +7,7 @@ use safety_supervisor::checks::impulse::ImpulseCheck;
 use safety_supervisor::params::{FilamentParams, ImpulseParams};
 
 fn slip_of(motor: impl Fn(f64) -> f64, encoder: impl Fn(f64) -> f64) -> FilamentCheck {
-    let mut check = FilamentCheck::new(FilamentParams { window_m: 6e-3, play_m: 1e-4, slip_max: 0.45 });
+    let mut check = FilamentCheck::new(FilamentParams { window_m: 5e-3, play_m: 1e-4, slip_max: 0.42 });
     for step in 0..=2000 {
         let way_m = f64::from(step) * 1e-5;
         check.on_encoder(encoder(way_m));
@@ -22,7 +22,7 @@ fn p6_slip_is_the_share_of_the_motors_way_that_the_encoder_has_not_seen() {
         let check = slip_of(|way_m| 3.0 + way_m, |way_m| -7.0 + way_m * (1.0 - slip));
         let seen = check.slip().unwrap();
         assert!((seen - slip).abs() < 1e-9, "{slip}: {seen}");
-        assert_eq!(check.tripped(), slip > 0.45);
+        assert_eq!(check.tripped(), slip > 0.42);
     }
 }
 

@@ -75,10 +75,11 @@ impl Printing {
     /// What the brains refuse of their parameters.
     pub fn new(setup: &Setup, job: JobSource, scenario: &Scenario, seed: u64) -> anyhow::Result<Self> {
         let nominal = (&setup.printer.hotend, &setup.printer.extruder);
+        let controller = setup.controller.in_virtual_time();
         Ok(Self {
             simulator: Simulator::new(setup.simulated.clone(), job, scenario, seed)?,
             estimator: Estimator::new(setup.estimator, nominal, &setup.material),
-            controller: Controller::new(setup.controller, nominal, &setup.material, CONTROLLER_SESSION)?,
+            controller: Controller::new(controller, nominal, &setup.material, CONTROLLER_SESSION)?,
             supervisor: Supervisor::new(setup.supervisor, SUPERVISOR_SESSION, None),
             stale: setup.supervisor.stale,
             relay: None,

@@ -11,6 +11,8 @@ use serde::Deserialize;
 const STREAM: u64 = 40;
 /// Session of a second publisher, unlike those of the loop's own.
 const RIVAL_SESSION: u64 = 999;
+/// Flow that a second publisher asks for `[-]`, allowed, and unlike any that a loop comes to by itself.
+pub const RIVAL_FLOW: f64 = 1.078_125;
 
 /// What is done to the messages of some ways.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -76,7 +78,7 @@ pub enum How {
     Infinite,
     /// Its first number is far outside of what it can be.
     Absurd,
-    /// A second publisher says the same under a session of its own.
+    /// A second publisher asks for a flow of its own.
     Rival,
     /// Its picture is cut off after half of its bytes.
     CutPicture,
@@ -167,13 +169,14 @@ impl Relay {
     }
 }
 
-/// The same word under another session.
+/// What a second publisher says at the same time.
 fn rival(mut message: Message) -> Message {
-    match &mut message.content {
-        Content::Command(command, _) => command.session = RIVAL_SESSION,
-        Content::Permit(permit) => permit.session = RIVAL_SESSION,
-        _ => {}
-    }
+    let (session, trims) = match &mut message.content {
+        Content::Command(command, _) => (&mut command.session, &mut command.trims),
+        Content::Permit(permit) => (&mut permit.session, &mut permit.trims),
+        _ => return message,
+    };
+    (*session, trims.flow) = (RIVAL_SESSION, RIVAL_FLOW);
     message
 }
 

@@ -82,7 +82,12 @@ impl DriftCheck {
     /// Takes the balance of the hot end at `stamp`, and the disturbance of a bed that is warm enough to tell of the
     /// air `[W]`.
     pub fn on_balance(&mut self, stamp: Seconds, balance: Balance, bed_w: Option<f64>) {
-        let dt_s = self.newest.replace(stamp).map_or(0.0, |newest| (stamp - newest).0);
+        let dt_s = self.newest.map_or(0.0, |newest| (stamp - newest).0);
+        if (-GAP_MAX_S..0.0).contains(&dt_s) {
+            // It was overtaken on its way: its time has been counted.
+            return;
+        }
+        self.newest = Some(stamp);
         // While the set-point moves, what is missing may be the error of the capacity.
         if !(dt_s > 0.0 && dt_s <= GAP_MAX_S) || balance.warming_w.abs() > self.params.steady_w {
             return;
@@ -182,6 +187,23 @@ mod tests {
             // which the usual power learns 9/180 of the change: (250 J - 19 J) / 3.2 W = 73 s.
             assert!((69.0..77.0).contains(&time_s), "{time_s} s");
         }
+    }
+
+    #[test]
+    fn an_overtaken_balance_counts_no_time_twice() {
+        let [mut in_order, mut overtaken] = [check(), check()];
+        for sums in [&mut in_order, &mut overtaken] {
+            feed(sums, 0.0, 400.0, (2.0, Some(4.0)));
+        }
+        for tick in 1..=300 {
+            let now_s = 400.0 + 0.1 * f64::from(tick);
+            let balance = Balance { disturbance_w: 5.34, warming_w: 0.0 };
+            in_order.on_balance(Seconds(now_s), balance, Some(4.0));
+            overtaken.on_balance(Seconds(now_s), balance, Some(4.0));
+            overtaken.on_balance(Seconds(now_s - 0.15), balance, Some(4.0));
+        }
+        assert!(in_order.is_doubtful());
+        assert!((in_order.residual_k() - overtaken.residual_k()).abs() < 1e-9);
     }
 
     #[test]
