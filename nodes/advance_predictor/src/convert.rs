@@ -61,3 +61,24 @@ pub(crate) fn prediction(now: Seconds, output: &Output) -> AdvancePrediction {
     }
     wire
 }
+
+#[cfg(test)]
+#[path = "../../runtime/tests/malformed/storm.rs"]
+mod storm;
+
+#[cfg(test)]
+mod tests {
+    use super::storm::{all, is_a_stamp, storm};
+    use super::*;
+
+    /// C9: what nobody sends is refused, or a set-point that a printer may have.
+    #[test]
+    fn malformed_states_are_refused() {
+        let sound =
+            PrinterState { header: Header::at(12.5), hotend_target_degc: 210.0, ..PrinterState::default() };
+        storm(&sound, printer, |(stamp, event)| {
+            let Event::Target(target) = event else { return false };
+            is_a_stamp(*stamp) && all(&[target.0], 0.0, TARGET_MAX_C)
+        });
+    }
+}

@@ -41,3 +41,48 @@ pub(crate) fn reasons(refusals: &Refusals) -> [(Reason, u64); 4] {
         (Reason::Order, refusals.order),
     ]
 }
+
+#[cfg(test)]
+#[path = "../../runtime/tests/malformed/storm.rs"]
+mod storm;
+
+#[cfg(test)]
+mod tests {
+    use super::storm::{is_a_stamp, storm};
+    use super::*;
+    use crate::{Encoder, Params};
+
+    #[derive(serde::Deserialize)]
+    struct File {
+        #[serde(rename = "ros__parameters")]
+        parameters: Params,
+    }
+
+    fn params() -> Params {
+        let text = include_str!("../../../config/filament_encoder.param.yaml");
+        let file: std::collections::BTreeMap<String, File> = serde_saphyr::from_str(text).unwrap();
+        file.into_values().next().unwrap().parameters
+    }
+
+    /// C9: what nobody sends is refused, or moves the filament no faster than the drive can.
+    #[test]
+    fn malformed_reports_end_at_reader_or_brain() {
+        let params = params().encoder;
+        let sound = FilamentReport {
+            header: Header::at(12.5),
+            counts: 500,
+            quantum_m: params.quantum_m,
+            ..Default::default()
+        };
+        let read = |wire: &FilamentReport| report(wire, params.quantum_m);
+        storm(&sound, read, |(stamp, (_, counts))| {
+            let mut encoder = Encoder::new(params);
+            encoder.on_counts(*stamp, *stamp, 500).unwrap();
+            let next = *stamp + Seconds(0.01);
+            let speed = encoder.on_counts(next, next, *counts).ok().and_then(|sample| sample.speed_m_s);
+            // One count either way is the quantum, at any speed.
+            let fastest_m_s = params.speed_max_m_s.max(params.quantum_m / 0.01) * 1.001;
+            is_a_stamp(*stamp) && speed.is_none_or(|speed| speed.abs() <= fastest_m_s)
+        });
+    }
+}

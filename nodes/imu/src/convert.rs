@@ -74,8 +74,67 @@ pub(crate) fn reasons(refusals: &Refusals) -> [(Reason, u64); 5] {
 }
 
 #[cfg(test)]
+#[path = "../../runtime/tests/malformed/storm.rs"]
+mod storm;
+
+#[cfg(test)]
 mod tests {
+    use super::storm::{all, is_a_stamp, storm};
     use super::*;
+    use crate::{Accelerometer, Params};
+
+    #[derive(serde::Deserialize)]
+    struct File {
+        #[serde(rename = "ros__parameters")]
+        parameters: Params,
+    }
+
+    fn params() -> Params {
+        let text = include_str!("../../../config/imu.param.yaml");
+        let file: std::collections::BTreeMap<String, File> = serde_saphyr::from_str(text).unwrap();
+        file.into_values().next().unwrap().parameters
+    }
+
+    /// C9: what nobody sends is refused, or does not pass a unit that has proven nothing yet; before one that has, it is
+    /// refused or has samples within the range of the unit.
+    #[test]
+    fn malformed_reports_end_at_reader_or_brain() {
+        let params = params().unit;
+        let rest = |count: usize| vec![0.0; count];
+        let sound = ImuBatch {
+            header: Header { frame_id: "imu".into(), ..Header::at(12.5) },
+            period_s: 1e-3,
+            range_m_s2: 156.9064,
+            x_m_s2: rest(50),
+            y_m_s2: rest(50),
+            z_m_s2: vec![9.81; 50],
+            ..ImuBatch::default()
+        };
+        let proven = {
+            let mut unit = Accelerometer::new(params.clone());
+            for index in 0..21_u32 {
+                let at_s = 11.45 + 0.05 * f64::from(index);
+                let wire = ImuBatch {
+                    header: Header { frame_id: "imu".into(), ..Header::at(at_s) },
+                    first_sequence: u64::from(index) * 50,
+                    ..sound.clone()
+                };
+                _ = unit.on_report(Seconds(at_s + 0.05), report(&wire).unwrap().1);
+            }
+            unit
+        };
+        let taken = proven.clone().on_report(Seconds(12.55), report(&sound).unwrap().1);
+        assert!(taken.is_ok(), "a proven unit takes a sound batch: {taken:?}");
+        storm(&sound, report, |(stamp, read)| {
+            let checked = proven.clone().on_report(Seconds(12.55), read.clone());
+            let limit = params.range_m_s2;
+            is_a_stamp(*stamp)
+                && read.samples.len() <= SAMPLES_MAX
+                && checked.map_or(true, |checked| {
+                    checked.report.samples.iter().all(|sample| all(sample, -limit, limit))
+                })
+        });
+    }
 
     /// REP 145: an accelerometer alone says that it knows neither orientation nor angular velocity.
     #[test]

@@ -111,3 +111,38 @@ pub(crate) fn wire_printer(message: &PrinterState) -> Result<(Seconds, WireEvent
 pub(crate) fn reasons(refused: &Refused) -> [(Reason, u64); 2] {
     [(Reason::OutOfRange, refused.invalid), (Reason::Order, refused.late)]
 }
+
+#[cfg(test)]
+#[path = "../../runtime/tests/malformed/storm.rs"]
+mod storm;
+
+#[cfg(test)]
+mod tests {
+    use super::storm::{all, is_a_stamp, storm};
+    use super::*;
+    use fdm_loop_msgs::Header;
+
+    /// C9: what nobody sends is refused, or an advance that a printer may have.
+    #[test]
+    fn malformed_predictions_are_refused() {
+        let sound = AdvancePrediction {
+            header: Header::at(12.5),
+            advance_known: true,
+            advance_s: 0.5,
+            advance_half_width_s: 0.1,
+            turn_known: true,
+            turn_expected: true,
+            turn_probability: 0.5,
+            turn_lead_s: 0.3,
+            ..AdvancePrediction::default()
+        };
+        storm(&sound, prediction, |(stamp, event)| {
+            let Event::Prediction(read) = event else { return false };
+            let advance = read.advance.as_ref();
+            let turn = read.turn.as_ref();
+            is_a_stamp(*stamp)
+                && advance.is_none_or(|read| all(&[read.advance_s, read.half_width_s], 0.0, ADVANCE_MAX_S))
+                && turn.is_none_or(|read| all(&[read.probability], 0.0, 1.0) && read.lead.0.is_finite())
+        });
+    }
+}

@@ -33,3 +33,46 @@ pub(crate) fn reasons(refusals: &Refusals) -> [(Reason, u64); 4] {
         (Reason::Order, refusals.order),
     ]
 }
+
+#[cfg(test)]
+#[path = "../../runtime/tests/malformed/storm.rs"]
+mod storm;
+
+#[cfg(test)]
+mod tests {
+    use super::storm::{all, is_a_stamp, storm};
+    use super::*;
+    use crate::{Channel, Params};
+
+    #[derive(serde::Deserialize)]
+    struct File {
+        #[serde(rename = "ros__parameters")]
+        parameters: Params,
+    }
+
+    fn params() -> Params {
+        let text = include_str!("../../../config/thermistor.param.yaml");
+        let file: std::collections::BTreeMap<String, File> = serde_saphyr::from_str(text).unwrap();
+        file.into_values().next().unwrap().parameters
+    }
+
+    /// C9: what nobody sends is refused, or a temperature that a table gives.
+    #[test]
+    fn malformed_reports_end_at_reader_or_brain() {
+        let params = params();
+        let sound = TemperatureReport {
+            header: Header::at(12.5),
+            hotend_degc: 210.0,
+            bed_degc: 60.0,
+            ..Default::default()
+        };
+        storm(&sound, report, |(stamp, (_, reading))| {
+            let judged =
+                [(reading.hotend, params.hotend), (reading.bed, params.bed)].map(|(temp, params)| {
+                    let sample = Channel::new(params).on_report(*stamp, *stamp, temp.unwrap());
+                    sample.map_or(true, |sample| all(&[sample.temp.0], params.min_c, params.max_c))
+                });
+            is_a_stamp(*stamp) && judged == [true; 2]
+        });
+    }
+}
