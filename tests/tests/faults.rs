@@ -12,7 +12,7 @@ const REQUIRED: [(&str, u32); 7] = [("S", 11), ("C", 14), ("K", 8), ("P", 13), (
 /// How many may wait for a part that is not built.
 const UNBUILT_MAX: usize = 5;
 /// How many have no test yet: a debt that may only shrink.
-const UNTESTED_MAX: usize = 9;
+const UNTESTED_MAX: usize = 1;
 
 fn root() -> PathBuf {
     std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()

@@ -120,7 +120,14 @@ impl Clock {
     /// A timer on this clock, first due one period from now.
     pub(crate) fn timer(&self, period: Seconds) -> Timer {
         let readings = self.simulated.as_ref().map(|simulated| simulated.now.subscribe());
-        Timer { clock: self.clone(), readings, period, due: self.now() + period, jumps: self.jumps_back(), punctuality: None }
+        Timer {
+            clock: self.clone(),
+            readings,
+            period,
+            due: self.now() + period,
+            jumps: self.jumps_back(),
+            punctuality: None,
+        }
     }
 }
 

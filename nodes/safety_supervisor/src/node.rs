@@ -35,7 +35,8 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
         outlets: Outlets::open(&mut node)?,
         latch,
     };
-    let mut ticks = node.timer(topics::PERMIT_PERIOD);
+    let mut ticks =
+        node.timer(topics::PERMIT_PERIOD).tell_irregular(node.diagnostics(), topics::PERMIT_JITTER);
     let (clock, work) = (node.clock(), node.work());
     loop {
         tokio::select! {

@@ -1,8 +1,10 @@
 //! The catalogue of faults (`config/faults.yaml`): what may go wrong, what has to follow, within what time, and how it
 //! is brought about.
 
+mod process_spec;
 mod trial_spec;
 
+pub use process_spec::{Act, Bench, Bound, ProcessSpec};
 pub use trial_spec::{Mark, OnsetSpec, Person, TrialSpec};
 
 use anyhow::{Context, bail};
@@ -59,6 +61,9 @@ pub struct FaultSpec {
     /// How it is shown in virtual time.
     #[serde(default)]
     pub trials: Vec<TrialSpec>,
+    /// How it is shown with real processes over DDS.
+    #[serde(default)]
+    pub process: Vec<ProcessSpec>,
     /// Test of the workspace that shows it.
     #[serde(default)]
     pub test: Option<String>,
@@ -150,8 +155,12 @@ impl Catalogue {
             if !ids.insert(id) {
                 bail!("{id} stands there twice");
             }
-            if fault.trials.is_empty() && fault.test.is_none() && fault.waiting.is_none() {
+            let shown = !fault.trials.is_empty() || !fault.process.is_empty() || fault.test.is_some();
+            if !shown && fault.waiting.is_none() {
                 bail!("{id} has no trial, no test and no reason to wait");
+            }
+            for trial in &fault.process {
+                trial.check().with_context(|| format!("{id}, process trial '{}'", trial.name))?;
             }
             for trial in &fault.trials {
                 let name = &trial.name;

@@ -1,11 +1,13 @@
 //! Figures of `fdm faults` with the names of the JSON contract.
 
 use super::catalogue::{FaultSpec, Peers, Reaction, TrialSpec};
+use super::measure::Measure;
 use super::trial::Outcome;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// One way to bring a fault about, over all seeds.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct TrialFigures {
     /// What is special about it.
     pub name: String,
@@ -47,6 +49,15 @@ pub struct FaultFigures {
     /// `virtual` or `process`.
     pub level: &'static str,
     /// What has to follow.
+    /// Where a limit may be missed with an alarm: whether one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alarmed: Option<bool>,
+    /// Further figures by name and unit, the largest of all runs.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub figures: BTreeMap<String, f64>,
+    /// What was measured many times.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub measures: Vec<Measure>,
     pub action: &'static str,
     /// Runs of all trials.
     pub runs: usize,
@@ -90,6 +101,8 @@ pub struct Figures {
 
 impl TrialFigures {
     /// Sums up the runs of a trial.
+    /// `virtual` or `process`.
+    pub level: &'static str,
     #[must_use]
     pub fn of(id: &str, spec: &TrialSpec, reaction: Reaction, outcomes: &[Outcome]) -> Self {
         let mut times: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.reaction_s).collect();
@@ -167,12 +180,12 @@ fn may_be(id: &str, spec: &TrialSpec, found: &str) -> bool {
 impl FaultFigures {
     /// Sums up the trials of an ID; with none, what is said of it.
     #[must_use]
-    pub fn of(spec: &FaultSpec, trials: Vec<TrialFigures>) -> Self {
+    pub fn of(spec: &FaultSpec, level: &'static str, trials: Vec<TrialFigures>) -> Self {
         let slowest = trials.iter().max_by(|a, b| a.strain().total_cmp(&b.strain()));
         Self {
             id: spec.id.clone(),
             fault: spec.fault.clone(),
-            level: if spec.trials.is_empty() { "process" } else { "virtual" },
+            level: if trials.is_empty() { "process" } else { level },
             action: spec.reaction.name(),
             runs: trials.iter().map(|trial| trial.runs).sum(),
             detected: trials.iter().map(|trial| trial.detected).sum(),
@@ -196,3 +209,13 @@ impl Figures {
         self.false_trips == 0 && self.faults.iter().all(|fault| fault.within_limit != Some(false))
     }
 }
+    /// On what it ran, in words.
+    #[must_use]
+    pub fn title(&self) -> &'static str {
+        if self.level == "process" {
+            "Real processes over DDS with a simulated printer"
+        } else {
+            "Simulated printer in virtual time"
+        }
+    }
+

@@ -1,8 +1,10 @@
-//! `fdm faults`: the catalogue of faults on the simulated printer in virtual time, reaction times beside their limits.
+//! `fdm faults`: the catalogue of faults, in virtual time or on real processes, reaction times beside their limits.
 
 pub mod catalogue;
 pub mod figures;
+pub mod measure;
 pub mod page;
+pub mod process;
 pub mod sound;
 pub mod text;
 pub mod trial;
@@ -22,15 +24,24 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use trial::{Outcome, Trial};
 
-/// Runs the catalogue of faults in virtual time; every figure is a simulated one.
+/// Runs the catalogue of faults on a simulated printer: in virtual time, or with real processes over DDS.
 #[derive(Debug, Args)]
 pub struct FaultsArgs {
     /// Only these IDs, separated by commas.
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
-    /// Seeds of all noise: A..B, both included.
-    #[arg(long, default_value = "1..20")]
-    seeds: String,
+    /// What needs real processes over DDS, in the domain ROS_DOMAIN_ID and at real time, instead of what does not.
+    #[arg(long)]
+    process: bool,
+    /// Seeds of all noise, or of the moments of the faults: A..B, both included; 1..20, or 1..1 with --process.
+    #[arg(long)]
+    seeds: Option<String>,
+    /// With --process: how long the soak lasts [s]; from half an hour on it has a limit.
+    #[arg(long, requires = "process")]
+    soak_s: Option<f64>,
+    /// With --process: leave bags and logs where they are.
+    #[arg(long, requires = "process")]
+    keep: bool,
     /// Simulated hours of sound prints with nuisances, in which nothing may trip.
     #[arg(long, default_value_t = 0.0)]
     hours: f64,
@@ -67,9 +78,13 @@ struct Prepared<'a> {
 /// # Errors
 /// One line that says what is wrong and where; [`LimitsMissed`].
 pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
-    let seeds = sim::seed_range(&args.seeds)?;
+    let seeds = args.seeds.as_deref().unwrap_or(if args.process { "1..1" } else { "1..20" });
+    let seeds = sim::seed_range(seeds)?;
     if !(0.0..=1e4).contains(&args.hours) {
         bail!("--hours {}: must be in [0, 10000] h", args.hours);
+    }
+    if let Some(soak_s) = args.soak_s.filter(|soak_s| !(1.0..=86_400.0).contains(soak_s)) {
+        bail!("--soak-s {soak_s}: must be in [1, 86400] s");
     }
     let json = Json::new(args.json.as_deref());
     json.check()?;
@@ -77,26 +92,11 @@ pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
     let catalogue = Catalogue::read(&config.file("faults.yaml"))?;
     let chosen = chosen(&catalogue, &args.only)?;
-    let prepared = prepare(&config, &catalogue, &chosen)?;
-    let progress = output::bar((prepared.len() * seeds.len()) as u64, "runs");
-    let outcomes = run_all(&prepared, &seeds, &progress)?;
-    progress.finish_and_clear();
-    let mut by_id: BTreeMap<&str, Vec<TrialFigures>> = BTreeMap::new();
-    for (trial, outcomes) in prepared.iter().zip(&outcomes) {
-        let figures = TrialFigures::of(&trial.fault.id, trial.spec, reaction(trial), outcomes);
-        by_id.entry(&trial.fault.id).or_default().push(figures);
-    }
-    let faults: Vec<FaultFigures> = chosen
-        .iter()
-        .map(|fault| FaultFigures::of(fault, by_id.remove(fault.id.as_str()).unwrap_or_default()))
-        .collect();
-    let sound = sound::run(&config, &catalogue.sound, args.hours)?;
-    let early: usize = faults.iter().flat_map(|fault| &fault.trials).map(|trial| trial.false_trips).sum();
-    let figures = Figures {
-        faults,
-        false_trips: early + sound.trips.len(),
-        false_trip_list: sound.trips,
-        hours: sound.hours,
+    let figures = if args.process {
+        let wish = process::Wish { seeds, soak_s: args.soak_s, keep: args.keep };
+        process::run(&config, &catalogue, &chosen, &wish)?
+    } else {
+        in_virtual_time(&config, &catalogue, &chosen, (&seeds, args.hours))?
     };
     if !json.is_stdout() {
         output::line(&text::table(&figures))?;
@@ -106,6 +106,36 @@ pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
         std::fs::write(path, page::page(&figures)).with_context(|| path.display().to_string())?;
     }
     judge(&figures)
+}
+
+/// All that needs no process, and sound prints of so many hours.
+fn in_virtual_time(
+    config: &ConfigDir,
+    catalogue: &Catalogue,
+    chosen: &[&FaultSpec],
+    (seeds, hours): (&[u64], f64),
+) -> anyhow::Result<Figures> {
+    let prepared = prepare(config, catalogue, chosen)?;
+    let progress = output::bar((prepared.len() * seeds.len()) as u64, "runs");
+    let outcomes = run_all(&prepared, seeds, &progress)?;
+    progress.finish_and_clear();
+    let mut by_id: BTreeMap<&str, Vec<TrialFigures>> = BTreeMap::new();
+    for (trial, outcomes) in prepared.iter().zip(&outcomes) {
+        let figures = TrialFigures::of(&trial.fault.id, trial.spec, reaction(trial), outcomes);
+        by_id.entry(&trial.fault.id).or_default().push(figures);
+    }
+    let of = |id: &str, by_id: &mut BTreeMap<&str, Vec<TrialFigures>>| by_id.remove(id).unwrap_or_default();
+    let faults: Vec<FaultFigures> =
+        chosen.iter().map(|fault| FaultFigures::of(fault, "virtual", of(&fault.id, &mut by_id))).collect();
+    let sound = sound::run(config, &catalogue.sound, hours)?;
+    let early: usize = faults.iter().flat_map(|fault| &fault.trials).map(|trial| trial.false_trips).sum();
+    Ok(Figures {
+        level: "virtual",
+        faults,
+        false_trips: early + sound.trips.len(),
+        false_trip_list: sound.trips,
+        hours: sound.hours,
+    })
 }
 
 fn judge(figures: &Figures) -> anyhow::Result<()> {

@@ -27,7 +27,7 @@ pub fn page(figures: &Figures) -> String {
             body {
                 h1 { "From fault to reaction" }
                 p {
-                    "Simulated printer in virtual time: " (figures.faults.len()) " faults, " (trials) " trials, "
+                    (figures.title()) ": " (figures.faults.len()) " faults, " (trials) " trials, "
                     (runs) " runs. Bar: median to worst; black line: limit; "
                     span style="color:#c77700" { "K" } " and " span style="color:#6a3fa0" { "M" }
                     ": what Klipper and Marlin need. False trips: " (figures.false_trips) " (sound prints: "
@@ -59,6 +59,9 @@ fn row(fault: &FaultFigures, trial: &TrialFigures) -> Markup {
             td { (trial.action) " " small { (trial.detected) "/" (trial.runs) } }
             td class=[(!trial.within_limit).then_some("missed")] { (time(trial.reaction_max_s)) " / " (limit) }
             td { (bar(fault, trial)) }
+        }
+        @for measure in &trial.measures {
+            tr { td {} td colspan="4" { small { (measure.text()) } } }
         }
     }
 }

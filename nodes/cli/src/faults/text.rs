@@ -6,7 +6,7 @@ use std::fmt::Write;
 /// One row a trial, then what was missed.
 #[must_use]
 pub fn table(figures: &Figures) -> String {
-    let mut text = String::from("Simulated, in virtual time; seconds from injection to actuation\n");
+    let mut text = format!("{}; seconds from injection to actuation\n", figures.title());
     // Writing to a string cannot fail.
     _ = writeln!(
         text,
@@ -16,6 +16,14 @@ pub fn table(figures: &Figures) -> String {
     for fault in &figures.faults {
         for trial in &fault.trials {
             row(&mut text, fault, trial);
+            for measure in &trial.measures {
+                _ = writeln!(text, "     {}", measure.text());
+            }
+            let figures: Vec<String> =
+                trial.figures.iter().map(|(name, figure)| format!("{name} {figure:.2}")).collect();
+            if !figures.is_empty() {
+                _ = writeln!(text, "     {}", figures.join(", "));
+            }
         }
         if let Some(why) = &fault.waiting {
             _ = writeln!(text, "{:<4} {:<34} waiting: {why}", fault.id, fault.fault);

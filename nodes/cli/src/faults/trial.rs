@@ -211,7 +211,7 @@ fn worse_than(most: Reaction, printing: &Printing) -> Option<String> {
 }
 
 /// A number in `[0, 1)` of each seed, evenly spread: multiples of the golden ratio.
-fn share_of(seed: u64) -> f64 {
+pub(super) fn share_of(seed: u64) -> f64 {
     #[allow(clippy::cast_precision_loss, reason = "seeds are small")]
     let seed = seed as f64;
     (seed * 0.618_033_988_749_894_9).fract()

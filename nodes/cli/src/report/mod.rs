@@ -4,7 +4,7 @@
 //! every text is escaped and cut, every number checked, every count bounded.
 
 mod bag;
-mod decode;
+pub(crate) mod decode;
 mod record;
 mod scan;
 mod series;

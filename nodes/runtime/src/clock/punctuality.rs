@@ -88,7 +88,11 @@ mod tests {
         assert_eq!(level(&diagnostics), (DiagnosticStatus::OK, "ok".to_owned()), "1 of 1000 is allowed");
         tick(0.01);
         let (warn, text) = level(&diagnostics);
-        assert_eq!((warn, text.contains("irregular: 2 of the last 1000")), (DiagnosticStatus::WARN, true), "{text}");
+        assert_eq!(
+            (warn, text.contains("irregular: 2 of the last 1000")),
+            (DiagnosticStatus::WARN, true),
+            "{text}"
+        );
         (0..1000).for_each(|_| tick(0.02));
         assert_eq!(level(&diagnostics), (DiagnosticStatus::OK, "ok".to_owned()));
     }

@@ -1,0 +1,227 @@
+//! `fdm faults --process`: faults of processes, services, storage, time and load on real processes over DDS, in the
+//! domain of the caller.
+//!
+//! The graph is what `fdm up` starts: the same recipes, the same care for processes that end. Who looks on is one more
+//! participant. Real time passes here: DDS and processes have no other.
+
+mod aside;
+mod calls;
+mod graph;
+mod limits;
+mod load;
+mod node_fault;
+mod observer;
+mod orders;
+mod outcome;
+mod session;
+mod shim;
+mod storage;
+mod watcher;
+
+use super::catalogue::{Act, Bench, Catalogue, FaultSpec, ProcessSpec, Reaction};
+use super::figures::{FaultFigures, Figures};
+use super::trial::share_of;
+use crate::config::ConfigDir;
+use crate::output;
+use anyhow::{Context, bail};
+use graph::Setting;
+use outcome::Observed;
+use session::Session;
+use std::collections::BTreeMap;
+
+/// Namespace of the printer in these trials.
+const NAMESPACE: &str = "/printer";
+/// Job of these trials among those of the catalogue.
+const JOB: &str = "process";
+/// Each seed adds a share of this before its fault `[s]`.
+const SPREAD_S: f64 = 1.0;
+
+/// A trial of an ID.
+struct Due<'a> {
+    fault: &'a FaultSpec,
+    spec: &'a ProcessSpec,
+    runs: Vec<Observed>,
+}
+
+/// What is asked for beside the catalogue.
+#[derive(Debug, Clone)]
+pub struct Wish {
+    /// Each decides the moments of the faults.
+    pub seeds: Vec<u64>,
+    /// How long a soak lasts instead of what the catalogue says `[s]`.
+    pub soak_s: Option<f64>,
+    /// Temperatures, frames and everything else stay where they are after a trial that failed.
+    pub keep: bool,
+}
+
+/// Runs all trials of the chosen faults.
+///
+/// # Errors
+/// Files, programs and domains that cannot be used. What fails in a trial is its miss.
+pub fn run(
+    config: &ConfigDir,
+    catalogue: &Catalogue,
+    chosen: &[&FaultSpec],
+    wish: &Wish,
+) -> anyhow::Result<Figures> {
+    let job = catalogue.jobs.get(JOB).with_context(|| format!("jobs: there is no job '{JOB}'"))?;
+    let file = job.file.as_ref().with_context(|| format!("job '{JOB}': needs a file"))?;
+    let setting = Setting { config: config.clone(), gcode: config.file(file) };
+    let mut dues: Vec<Due<'_>> = Vec::new();
+    for &fault in chosen {
+        dues.extend(fault.process.iter().map(|spec| Due { fault, spec, runs: Vec::new() }));
+    }
+    // What can share a graph comes first, what ends its print last.
+    dues.sort_by_key(|due| (due.spec.act.bench(), due.spec.ends_print()));
+    let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    executor.block_on(async {
+        session::refuse_second_graph().await?;
+        for seed in &wish.seeds {
+            one_seed(&setting, &mut dues, *seed, wish).await?;
+        }
+        anyhow::Ok(())
+    })?;
+    Ok(figures(chosen, &dues))
+}
+
+fn figures(chosen: &[&FaultSpec], dues: &[Due<'_>]) -> Figures {
+    let mut by_id: BTreeMap<&str, Vec<_>> = BTreeMap::new();
+    for fault in chosen {
+        for spec in &fault.process {
+            let ours = dues.iter().find(|due| std::ptr::eq(due.spec, spec));
+            let summed = ours.map(|due| outcome::sum_up(spec, reaction(due), &due.runs));
+            by_id.entry(&fault.id).or_default().extend(summed);
+        }
+    }
+    let faults: Vec<FaultFigures> = chosen
+        .iter()
+        .filter_map(|fault| Some(FaultFigures::of(fault, "process", by_id.remove(fault.id.as_str())?)))
+        .collect();
+    let false_trips = faults.iter().flat_map(|fault| &fault.trials).map(|trial| trial.false_trips).sum();
+    Figures { level: "process", faults, false_trips, false_trip_list: Vec::new(), hours: 0.0 }
+}
+
+fn reaction(due: &Due<'_>) -> Reaction {
+    due.spec.reaction.unwrap_or(due.fault.reaction)
+}
+
+/// Every trial once.
+async fn one_seed(setting: &Setting, dues: &mut [Due<'_>], seed: u64, wish: &Wish) -> anyhow::Result<()> {
+    let mut bench = Running { session: None, seed };
+    let mut newest: Option<usize> = None;
+    for index in 0..dues.len() {
+        let due = &mut dues[index];
+        if bench.session.is_some() && !bench.serves(due.spec) {
+            let complaints = bench.end(wish.keep).await?;
+            blame(dues, newest, complaints);
+        }
+        let due = &mut dues[index];
+        let mut observed = match one(setting, &mut bench, due, wish).await {
+            Ok(observed) => observed,
+            Err(error) if error.to_string() == "interrupted" => return Err(error),
+            Err(error) => {
+                // Whatever is left of this graph is no bench for the next trial.
+                bench.drop_session(true);
+                Observed::failed(seed, format!("{error:#}"))
+            }
+        };
+        observed.seed = seed;
+        tell(due, &observed);
+        due.runs.push(observed);
+        newest = Some(index);
+        if due.spec.ends_print() {
+            let complaints = bench.end(wish.keep).await?;
+            blame(dues, newest, complaints);
+        }
+    }
+    let complaints = bench.end(wish.keep).await?;
+    blame(dues, newest, complaints);
+    Ok(())
+}
+
+/// What is wrong at the end of a graph is noted with the last trial on it.
+fn blame(dues: &mut [Due<'_>], newest: Option<usize>, complaints: Vec<String>) {
+    if let Some(run) = newest.and_then(|index| dues[index].runs.last_mut()) {
+        run.wrong.extend(complaints);
+    }
+}
+
+fn tell(due: &Due<'_>, observed: &Observed) {
+    let took = observed.reaction_s.map_or("-".to_owned(), |took_s| format!("{took_s:.2} s"));
+    let wrong =
+        if observed.wrong.is_empty() { String::new() } else { format!("; {}", observed.wrong.join("; ")) };
+    output::note(&format!("{} {}, seed {}: {took}{wrong}", due.fault.id, due.spec.name, observed.seed));
+}
+
+/// The graph on which the newest trial ran.
+struct Running {
+    session: Option<(Session, Bench)>,
+    seed: u64,
+}
+
+impl Running {
+    /// Whether a trial can run on it.
+    fn serves(&self, spec: &ProcessSpec) -> bool {
+        self.session.as_ref().is_some_and(|(_, bench)| *bench == spec.act.bench())
+    }
+
+    /// The graph, started where there is none.
+    async fn session(&mut self, setting: &Setting, bench: Bench) -> anyhow::Result<&mut Session> {
+        if self.session.is_none() {
+            let session = Session::start(setting, self.seed, bench == Bench::Shimmed).await?;
+            self.session = Some((session, bench));
+        }
+        match &mut self.session {
+            Some((session, _)) => Ok(session),
+            None => bail!("no graph"),
+        }
+    }
+
+    /// Ends the graph in order and looks at its bag; what did not go well.
+    async fn end(&mut self, keep: bool) -> anyhow::Result<Vec<String>> {
+        let Some((session, _)) = &mut self.session else { return Ok(Vec::new()) };
+        let mut complaints = session.end().await?;
+        if let Err(error) = storage::read_bag(session.graph.bag()) {
+            complaints.push(format!("the bag: {error:#}"));
+        }
+        self.drop_session(keep || !complaints.is_empty());
+        Ok(complaints)
+    }
+
+    fn drop_session(&mut self, keep: bool) {
+        let Some((session, _)) = self.session.take() else { return };
+        if keep {
+            output::note(&format!("bag and logs are kept in {}", session.graph.folder().display()));
+        } else {
+            session.graph.remove();
+        }
+    }
+}
+
+/// One trial.
+async fn one(setting: &Setting, bench: &mut Running, due: &Due<'_>, wish: &Wish) -> anyhow::Result<Observed> {
+    let (spec, seed) = (due.spec, bench.seed);
+    if let Act::Orders { count, gap_s } = spec.act {
+        return orders::run(setting, seed, count, gap_s).await;
+    }
+    let session = bench.session(setting, spec.act.bench()).await?;
+    session.whole().await?;
+    session.until(SPREAD_S * share_of(seed), |_, _| false).await?;
+    let soak_s = |for_s: f64| wish.soak_s.unwrap_or(for_s);
+    match &spec.act {
+        Act::Kill(_) | Act::Stop { .. } => node_fault::run(session, spec, reaction(due)).await,
+        Act::Calls { rate_hz, for_s } => calls::flood(session, *rate_hz, *for_s).await,
+        Act::Estop { calls, spinning } => calls::estops(session, *calls, *spinning).await,
+        Act::Spin { processes, for_s } => load::spin(session, *processes, *for_s).await,
+        Act::Flood { rate_hz, for_s, growth_mib } => {
+            load::flood(session, (*rate_hz, *for_s), *growth_mib).await
+        }
+        Act::Soak { for_s, slope_mib_h } => load::soak(session, soak_s(*for_s), *slope_mib_h).await,
+        Act::Memory { node, for_s } => limits::memory(session, node, *for_s).await,
+        Act::Files { for_s } => limits::files(session, *for_s).await,
+        Act::StepClock { to_s, each_s } => storage::step_clock(session, to_s, *each_s).await,
+        Act::SlowDisk { delay_s, for_s } => storage::slow(session, *delay_s, *for_s).await,
+        Act::FullDisk { for_s } => storage::full(session, *for_s).await,
+        Act::Orders { .. } => bail!("this trial has graphs of its own"),
+    }
+}

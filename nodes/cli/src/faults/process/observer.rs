@@ -1,0 +1,127 @@
+//! A participant that sees what the printer does and what the supervisor says. Its clock is the host's.
+
+use crate::report::decode::decode;
+use crate::up::fleet::Happening;
+use anyhow::Context;
+use fdm_loop_msgs::{
+    Clock as ClockMessage, ControlCommand, DiagnosticArray, Heartbeat, PrinterState, SafetyState, Trigger,
+};
+use models::units::Seconds;
+use runtime::{Args, Client, Gid, Node, RawMessage, RawSubscription, Shutdown, Subscription, Timer, topics};
+
+/// How often it looks up where nothing comes `[s]`.
+const LOOK_S: f64 = 0.01;
+
+/// A permit as it came over the wire.
+#[derive(Debug)]
+pub(super) struct Permit {
+    /// Who sent it, and which one of theirs it is.
+    pub(super) publisher: Gid,
+    pub(super) sequence: i64,
+    /// When it was sent, by the sender's wall clock `[ns]`.
+    pub(super) sent_ns: Option<i64>,
+    pub(super) command: ControlCommand,
+}
+
+/// Something that was observed.
+#[derive(Debug)]
+pub(super) enum Seen {
+    Printer(Box<PrinterState>),
+    Safety(SafetyState),
+    /// Node and session.
+    Heart(String, u64),
+    Permit(Box<Permit>),
+    /// The graph's clock `[s]`.
+    Clock(f64),
+    Report(DiagnosticArray),
+    Happened(Happening),
+    /// Nothing, but time passes.
+    Tick,
+}
+
+/// What a person asks for.
+pub(super) struct Hand {
+    pub(super) estop: Client<Trigger>,
+    pub(super) acknowledge: Client<Trigger>,
+}
+
+/// The observer.
+pub(super) struct Observer {
+    printer: Subscription<PrinterState>,
+    safety: Subscription<SafetyState>,
+    hearts: Subscription<Heartbeat>,
+    reports: Subscription<DiagnosticArray>,
+    clock: Subscription<ClockMessage>,
+    permits: RawSubscription,
+    shutdown: Shutdown,
+    ticks: Timer,
+    node: Node,
+}
+
+impl Observer {
+    /// Joins the graph.
+    pub(super) fn join() -> anyhow::Result<Self> {
+        let args = Args { namespace: Some(super::NAMESPACE.to_owned()), ..Args::default() };
+        let mut node = Node::start_with("observer", args)?;
+        Ok(Self {
+            printer: node.subscribe(&topics::PRINTER_STATE)?,
+            safety: node.subscribe(&topics::SAFETY_STATE)?,
+            hearts: node.subscribe(&topics::HEARTBEAT)?,
+            reports: node.subscribe(&topics::DIAGNOSTICS)?,
+            clock: node.subscribe(&topics::CLOCK)?,
+            permits: node.subscribe_raw(&topics::SAFETY_COMMAND.info())?,
+            shutdown: node.shutdown_handle(),
+            ticks: node.timer(Seconds(LOOK_S)),
+            node,
+        })
+    }
+
+    /// Prepares a person's calls.
+    pub(super) fn hand(&mut self) -> anyhow::Result<Hand> {
+        let estop = self.node.client(&topics::SAFETY_ESTOP)?;
+        Ok(Hand { estop, acknowledge: self.node.client(&topics::SAFETY_ACKNOWLEDGE)? })
+    }
+
+    /// Time now on the observer's clock.
+    pub(super) fn now(&self) -> Seconds {
+        self.node.clock().now()
+    }
+
+    /// Whether a person wants an end.
+    pub(super) fn interrupted(&self) -> bool {
+        self.shutdown.is_demanded()
+    }
+
+    /// What comes next with its time of arrival, at most 10 ms later.
+    pub(super) async fn next(&mut self) -> anyhow::Result<(Seconds, Seen)> {
+        Ok(tokio::select! {
+            message = self.printer.recv() => (message.received, Seen::Printer(Box::new(message.message))),
+            message = self.safety.recv() => (message.received, Seen::Safety(message.message)),
+            message = self.reports.recv() => (message.received, Seen::Report(message.message)),
+            message = self.clock.recv() => {
+                (message.received, Seen::Clock(message.message.clock.seconds().unwrap_or(f64::NAN)))
+            }
+            message = self.permits.recv() => (message.received, Seen::Permit(Box::new(permit(&message)?))),
+            beat = self.hearts.recv() => {
+                let name = beat.message.node.rsplit('/').next().unwrap_or_default().to_owned();
+                (beat.received, Seen::Heart(name, beat.message.session_id))
+            }
+            now = self.ticks.next() => (now, Seen::Tick),
+        })
+    }
+}
+
+/// Decodes a permit; one that cannot be is the end of the run.
+fn permit(message: &RawMessage) -> anyhow::Result<Permit> {
+    let command = decode(&message.payload).context("a permit that cannot be decoded")?;
+    let RawMessage { publisher, sequence, sent_ns, .. } = *message;
+    Ok(Permit { publisher, sequence, sent_ns, command })
+}
+
+/// The printer is at the slicer's own values.
+pub(super) fn is_neutral(state: &PrinterState) -> bool {
+    // Exact: these are the values themselves, not results.
+    #[allow(clippy::float_cmp, reason = "set, not computed")]
+    let trims = (state.flow_factor, state.speed_factor, state.nozzle_setpoint_offset_k) == (1.0, 1.0, 0.0);
+    trims && !state.set_advance && !state.close_extruder_loop
+}

@@ -1,0 +1,150 @@
+//! What one run of a trial showed, and all runs of it together.
+
+use super::watcher::Watcher;
+use crate::faults::catalogue::{Bound, ProcessSpec, Reaction};
+use crate::faults::figures::TrialFigures;
+use crate::faults::measure::Measure;
+use crate::up::words::mode_name;
+use fdm_loop_msgs::SafetyState;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// One run.
+#[derive(Debug, Default)]
+pub(super) struct Observed {
+    /// Decided the moment of the fault.
+    pub(super) seed: u64,
+    /// From the fault to the reaction `[s]`.
+    pub(super) reaction_s: Option<f64>,
+    /// From the end of the fault until all was whole again `[s]`.
+    pub(super) recovered_s: Option<f64>,
+    /// Where it is asked for: when the printer was at the slicer's values `[s]`.
+    pub(super) neutral_s: Option<Option<f64>>,
+    /// How the supervisor called it.
+    pub(super) found_as: Option<String>,
+    /// Highest mode that followed.
+    pub(super) worst: u8,
+    /// What it was called, or what became of the corrections.
+    pub(super) affected: Option<String>,
+    /// The supervisor told that its permits come irregularly.
+    pub(super) alarmed: bool,
+    /// What else was wrong.
+    pub(super) wrong: Vec<String>,
+    /// Named figures.
+    pub(super) figures: BTreeMap<&'static str, f64>,
+    /// Times that were measured often `[s]`.
+    pub(super) measures: BTreeMap<&'static str, Vec<f64>>,
+}
+
+impl Observed {
+    /// What a watcher saw of supervisor and printer.
+    pub(super) fn of(watcher: &Watcher) -> Self {
+        let cause = watcher.worst.1.split_whitespace().next().map(str::to_owned);
+        Self {
+            worst: watcher.worst.0,
+            affected: watcher.affected(),
+            found_as: cause.filter(|_| watcher.worst.0 > SafetyState::MODE_ACT),
+            alarmed: watcher.alarmed,
+            ..Self::default()
+        }
+    }
+
+    /// The run could not be made.
+    pub(super) fn failed(seed: u64, why: String) -> Self {
+        Self { seed, wrong: vec![why], ..Self::default() }
+    }
+
+    /// What was wrong, in words.
+    fn miss(&self, spec: &ProcessSpec, reaction: Reaction) -> Option<String> {
+        let mut wrong = self.wrong.clone();
+        let time = |time: Option<f64>| time.map_or("never".to_owned(), |time| format!("after {time:.2} s"));
+        let late = |took: Option<f64>, limit_s: f64| took.is_none_or(|took| took > limit_s);
+        if let Some(limit_s) = spec.limit_s.filter(|limit_s| late(self.reaction_s, *limit_s)) {
+            wrong.push(format!("{} {}, limit {limit_s} s", reaction.name(), time(self.reaction_s)));
+        }
+        if let Some(earliest_s) = spec.earliest_s.filter(|limit_s| !late(self.reaction_s, *limit_s)) {
+            wrong.push(format!("{} {}, before {earliest_s} s", reaction.name(), time(self.reaction_s)));
+        }
+        if let (Some(limit_s), Some(neutral)) = (spec.neutral_s, self.neutral_s)
+            && late(neutral, limit_s)
+        {
+            wrong.push(format!("slicer's values {}, limit {limit_s} s", time(neutral)));
+        }
+        if let Some(limit_s) = spec.recover_s.filter(|limit_s| late(self.recovered_s, *limit_s)) {
+            wrong.push(format!("whole {}, limit {limit_s} s", time(self.recovered_s)));
+        }
+        let most = spec.at_most.unwrap_or(reaction);
+        match &self.affected {
+            Some(what) if most == Reaction::None => wrong.push(format!("control was affected: {what}")),
+            _ if self.worst > highest(most) => {
+                wrong.push(format!(
+                    "too much: {} {}",
+                    mode_name(self.worst),
+                    self.found_as.as_deref().unwrap_or("")
+                ));
+            }
+            _ => {}
+        }
+        for (name, samples) in &self.measures {
+            let bound = spec.bounds.get(*name).copied().unwrap_or_default();
+            let measure = Measure::of(name, samples.clone(), bound);
+            if !measure.within_limit && !(spec.or_alarm && self.alarmed) {
+                wrong.push(measure.text());
+            }
+        }
+        (!wrong.is_empty()).then(|| format!("seed {}: {}", self.seed, wrong.join("; ")))
+    }
+}
+
+/// Highest mode that a reaction allows.
+fn highest(most: Reaction) -> u8 {
+    match most {
+        Reaction::None | Reaction::Flagged | Reaction::Observe => SafetyState::MODE_ACT,
+        Reaction::Baseline | Reaction::Degraded => SafetyState::MODE_DEGRADED,
+        Reaction::Paused => SafetyState::MODE_PAUSED,
+        Reaction::SafeOff => SafetyState::MODE_SAFE_OFF,
+        Reaction::Estop => SafetyState::MODE_ESTOP,
+    }
+}
+
+/// Sums up all runs of a trial.
+pub(super) fn sum_up(spec: &ProcessSpec, reaction: Reaction, runs: &[Observed]) -> TrialFigures {
+    let mut times: Vec<f64> = runs.iter().filter_map(|run| run.reaction_s).collect();
+    times.sort_by(f64::total_cmp);
+    let misses: Vec<String> = runs.iter().filter_map(|run| run.miss(spec, reaction)).collect();
+    let found_as: BTreeSet<String> = runs.iter().filter_map(|run| run.found_as.clone()).collect();
+    let recovered = runs.iter().filter_map(|run| run.recovered_s).max_by(f64::total_cmp);
+    let mut figures: BTreeMap<String, f64> = BTreeMap::new();
+    let mut samples: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for run in runs {
+        for (name, figure) in &run.figures {
+            let most = figures.entry((*name).to_owned()).or_insert(*figure);
+            *most = most.max(*figure);
+        }
+        for (name, measured) in &run.measures {
+            samples.entry(name).or_default().extend(measured);
+        }
+    }
+    let bound = |name: &str| spec.bounds.get(name).copied().unwrap_or(Bound::default());
+    TrialFigures {
+        name: spec.name.clone(),
+        action: reaction.name(),
+        runs: runs.len(),
+        detected: times.len(),
+        reaction_p50_s: times.get(times.len().saturating_sub(1) / 2).copied(),
+        reaction_max_s: times.last().copied(),
+        limit_s: spec.limit_s,
+        within_limit: misses.is_empty(),
+        found_as: found_as.into_iter().collect(),
+        misses,
+        recovered_max_s: recovered.filter(|_| spec.recover_s.is_some()),
+        // Trips without a cause are those of trials in which nothing may follow.
+        false_trips: runs
+            .iter()
+            .filter(|run| reaction == Reaction::None && run.worst > SafetyState::MODE_DEGRADED)
+            .count(),
+        alarmed: spec.or_alarm.then(|| runs.iter().any(|run| run.alarmed)),
+        figures,
+        measures: samples.into_iter().map(|(name, all)| Measure::of(name, all, bound(name))).collect(),
+        ..TrialFigures::default()
+    }
+}
