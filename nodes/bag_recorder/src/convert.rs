@@ -43,10 +43,15 @@ pub(crate) fn requested(topic: &TopicInfo, params: &Params) -> TopicInfo {
         asked.qos.requested.reliability = Reliability::BestEffort;
     }
     // The middleware keeps as many, taken or not: a thousand pictures are 0.1 GB.
-    let pictures = topic.definition.name == "CompressedImage";
-    let depth = if pictures { params.image_depth } else { params.reader_depth };
+    let depth =
+        if are_pictures(&topic.definition.full_name()) { params.image_depth } else { params.reader_depth };
     asked.qos.requested.depth = depth.max(topic.qos.requested.depth);
     asked
+}
+
+/// Whether messages of this type are pictures.
+pub(crate) fn are_pictures(type_name: &str) -> bool {
+    type_name.ends_with("/CompressedImage")
 }
 
 /// What a `fdm_loop` record says of the recorder. Log times count from the host's start, or from the simulation's: the

@@ -4,18 +4,19 @@ use crate::convert;
 use crate::error::RecorderError;
 use crate::folder::Folder;
 use crate::tally::Tally;
-use crate::writer::{Item, Recorded, Recorder, Sample, Settings};
+use crate::writer::{Item, Queue, Recorded, Recorder, Sample, Settings};
 use bag_recorder::params::Params;
 use runtime::{Diagnostics, Gid, Level, Node, RawMessage, RawSubscription, Shutdown, Work, topics};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::mpsc::{SyncSender, TrySendError};
 use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::{MissedTickBehavior, interval};
 
 /// Real time between two looks at the simulated clock before its first reading.
 const CLOCK_LOOK: Duration = Duration::from_millis(5);
+/// Real time between two looks at the writer: a disk that fails is told within 1 s (T1).
+const LOOK: Duration = Duration::from_millis(100);
 
 /// Records until the end is demanded.
 pub(crate) async fn run(mut node: Node) -> Result<(), RecorderError> {
@@ -24,6 +25,8 @@ pub(crate) async fn run(mut node: Node) -> Result<(), RecorderError> {
     let tally = Arc::new(Tally::new(recorded.len()));
     let folder = Folder::open(&params.bag_dir, params.bag_name(), Arc::clone(&tally))?;
     wait_for_clock(&node, Duration::from_secs_f64(params.clock_wait.0)).await;
+    let pictures: Vec<bool> =
+        recorded.iter().map(|topic| convert::are_pictures(&topic.channel.type_name)).collect();
     let names: Vec<String> = recorded.iter().map(|topic| topic.channel.topic.clone()).collect();
     let settings = Settings {
         topics: recorded,
@@ -38,7 +41,8 @@ pub(crate) async fn run(mut node: Node) -> Result<(), RecorderError> {
     let mut readers = JoinSet::new();
     for (topic, subscription) in subscriptions.into_iter().enumerate() {
         let (queue, tally, work) = (recorder.queue(), Arc::clone(&tally), node.work());
-        let intake = Intake { topic, queue, tally, work, newest: BTreeMap::new() };
+        let most = if pictures[topic] { params.picture_queue } else { params.queue_length };
+        let intake = Intake { topic, queue, most, tally, work, newest: BTreeMap::new() };
         readers.spawn(read(subscription, intake, node.shutdown_handle()));
     }
     let report = Report { names, tally, diagnostics: node.diagnostics() };
@@ -97,7 +101,9 @@ async fn wait_for_clock(node: &Node, longest: Duration) {
 /// Where the messages of one topic go.
 struct Intake {
     topic: usize,
-    queue: SyncSender<Item>,
+    queue: Queue,
+    /// Nothing is handed over where so many wait.
+    most: usize,
     tally: Arc<Tally>,
     work: Work,
     /// Newest number of each publisher.
@@ -105,7 +111,7 @@ struct Intake {
 }
 
 impl Intake {
-    /// Hands a message to the writer, or drops it where the queue is full. Never waits.
+    /// Hands a message to the writer, or drops it where too many wait. Never waits itself.
     fn take(&mut self, message: RawMessage) {
         let counts = &self.tally.topics[self.topic];
         counts.received.add(1);
@@ -120,9 +126,10 @@ impl Intake {
             sequence: convert::sequence(message.sequence),
             payload: message.payload,
         };
-        match self.queue.try_send(Item::Message(sample)) {
-            Ok(()) => self.work.done(),
-            Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => counts.dropped.add(1),
+        if self.queue.waiting() < self.most && self.queue.offer(Item::Message(sample)) {
+            self.work.done();
+        } else {
+            counts.dropped.add(1);
         }
     }
 }
@@ -153,19 +160,19 @@ async fn watch(
     let queue = recorder.queue();
     let mut ticks = interval(Duration::from_secs_f64(period_s));
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let mut looks = interval(LOOK);
+    looks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     loop {
         tokio::select! {
             print = prints.recv() => {
-                if queue.try_send(Item::Note(convert::note_of_print(&print.message))).is_err() {
+                if !queue.offer(Item::Note(convert::note_of_print(&print.message))) {
                     report.diagnostics.count("notes_dropped");
                 }
             }
-            _ = ticks.tick() => {
-                report.publish();
-                if recorder.has_failed() {
-                    return Ok(()); // its reason comes from `finish`
-                }
-            }
+            _ = ticks.tick() => report.publish(),
+            _ = looks.tick() => if recorder.has_failed() {
+                return Ok(()); // its reason comes from `finish`
+            },
             () = node.shutdown() => return Ok(()),
         }
     }

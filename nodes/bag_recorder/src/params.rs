@@ -14,6 +14,8 @@ pub struct Params {
     pub leave_out: Vec<String>,
     /// Messages that wait for the writer; more are dropped and counted.
     pub queue_length: usize,
+    /// Pictures are dropped where more messages than this wait: the rest gets what is left (T4).
+    pub picture_queue: usize,
     /// Real time between two `fdatasync`: what a loss of power costs at most.
     pub sync_period: Seconds,
     /// A message later than this behind the newest begins a new file.
@@ -38,6 +40,8 @@ pub struct RawParams {
     pub leave_out: Vec<String>,
     /// Messages that wait for the writer `[-]`, in `[1, 1000000]`.
     pub queue_length: u32,
+    /// Messages that wait while pictures are still taken `[-]`, in `[1, queue_length]`.
+    pub picture_queue: u32,
     /// Real time between two `fdatasync` `[s]`, in `[0.01, 60]`.
     pub sync_period_s: f64,
     /// Greatest lateness within a file `[s]`, in `[0, 60]`.
@@ -77,6 +81,7 @@ impl TryFrom<RawParams> for Params {
             return Err(RecorderParamError::NoName(raw.bag_dir));
         }
         in_range("queue_length", f64::from(raw.queue_length), "-", (1.0, 1e6))?;
+        in_range("picture_queue", f64::from(raw.picture_queue), "-", (1.0, f64::from(raw.queue_length)))?;
         in_range("reader_depth", f64::from(raw.reader_depth), "-", (1.0, 1e5))?;
         in_range("image_depth", f64::from(raw.image_depth), "-", (1.0, 1e5))?;
         in_range("window_min", f64::from(raw.window_min), "-", (1.0, 1e5))?;
@@ -84,6 +89,7 @@ impl TryFrom<RawParams> for Params {
             bag_dir: raw.bag_dir,
             leave_out: raw.leave_out,
             queue_length: size(raw.queue_length),
+            picture_queue: size(raw.picture_queue),
             reader_depth: size(raw.reader_depth),
             image_depth: size(raw.image_depth),
             window_min: size(raw.window_min),
@@ -111,6 +117,7 @@ mod tests {
             bag_dir: "bags/print".into(),
             leave_out: Vec::new(),
             queue_length: 8192,
+            picture_queue: 4096,
             sync_period_s: 1.0,
             late_max_s: 1.0,
             clock_wait_s: 2.0,
@@ -132,5 +139,6 @@ mod tests {
         let error = Params::try_from(RawParams { sync_period_s: f64::NAN, ..raw() }).unwrap_err();
         assert!(error.to_string().starts_with("sync_period_s = NaN"), "{error}");
         assert!(Params::try_from(RawParams { queue_length: 0, ..raw() }).is_err());
+        assert!(Params::try_from(RawParams { picture_queue: 8193, ..raw() }).is_err());
     }
 }

@@ -12,8 +12,8 @@ use models::units::Seconds;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -58,9 +58,36 @@ pub(crate) struct Settings {
     pub(crate) late_max: Seconds,
 }
 
+/// One end of the bounded queue to the writer; clones share it.
+#[derive(Clone)]
+pub(crate) struct Queue {
+    sender: SyncSender<Item>,
+    waiting: Arc<AtomicUsize>,
+}
+
+impl Queue {
+    /// Hands an item to the writer; false where the queue is full, or the writer has ended. Never waits.
+    pub(crate) fn offer(&self, item: Item) -> bool {
+        // Counted before: the writer may have taken it by the next line.
+        self.waiting.fetch_add(1, Ordering::Relaxed);
+        match self.sender.try_send(item) {
+            Ok(()) => true,
+            Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {
+                self.waiting.fetch_sub(1, Ordering::Relaxed);
+                false
+            }
+        }
+    }
+
+    /// Items that wait.
+    pub(crate) fn waiting(&self) -> usize {
+        self.waiting.load(Ordering::Relaxed)
+    }
+}
+
 /// The running threads.
 pub(crate) struct Recorder {
-    queue: SyncSender<Item>,
+    queue: Queue,
     writer: JoinHandle<Result<(), RecorderError>>,
     syncer: JoinHandle<()>,
     recoverer: JoinHandle<()>,
@@ -81,12 +108,14 @@ impl Recorder {
                 }
             }
         }
-        let (queue, items) = mpsc::sync_channel(settings.queue_length);
+        let (sender, items) = mpsc::sync_channel(settings.queue_length);
+        let queue = Queue { sender, waiting: Arc::default() };
         let (files, opened) = mpsc::channel();
         let (period, sync_tally) = (settings.sync_period, Arc::clone(&tally));
         let syncer = spawn("sync", move || sync(&opened, period, &sync_tally))?;
         let writer = Writer::begin(folder.clone(), settings, files, survey.next)?;
-        let writer = spawn("writer", move || writer.run(&items))?;
+        let waiting = Arc::clone(&queue.waiting);
+        let writer = spawn("writer", move || writer.run(&items, &waiting))?;
         let stop_recovery = Arc::new(AtomicBool::new(false));
         let stop = Arc::clone(&stop_recovery);
         let recoverer =
@@ -95,7 +124,7 @@ impl Recorder {
     }
 
     /// The queue to the writer.
-    pub(crate) fn queue(&self) -> SyncSender<Item> {
+    pub(crate) fn queue(&self) -> Queue {
         self.queue.clone()
     }
 
@@ -169,10 +198,11 @@ impl Writer {
     }
 
     /// Writes until every other end of the queue is gone.
-    fn run(mut self, items: &Receiver<Item>) -> Result<(), RecorderError> {
+    fn run(mut self, items: &Receiver<Item>, waiting: &AtomicUsize) -> Result<(), RecorderError> {
         while let Ok(first) = items.recv() {
-            self.take(first)?;
-            for item in items.try_iter().take(self.settings.queue_length) {
+            let more = items.try_iter().take(self.settings.queue_length);
+            for item in std::iter::once(first).chain(more) {
+                waiting.fetch_sub(1, Ordering::Relaxed);
                 self.take(item)?;
             }
             self.flush()?;

@@ -165,7 +165,7 @@ pub(super) async fn flood(session: &mut Session, rate_hz: f64, for_s: f64) -> an
     observed.figures.insert("answered_hz", answered_hz);
     observed.figures.insert("not_answered", f64::from(tally.failed));
     observed.measures.insert("answer", tally.answered);
-    observed.measures.insert("permit", std::mem::take(&mut watcher.jitter.samples));
+    observed.measures.insert("permit late", watcher.jitter.late(for_s));
     Ok(observed)
 }
 

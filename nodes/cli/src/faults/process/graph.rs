@@ -55,7 +55,9 @@ impl Graph {
         let mut recipes = plan.recipes()?;
         let shim = if shimmed { Some(Shim::build(&folder)?) } else { None };
         if let Some(shim) = &shim {
-            recipes.iter_mut().for_each(|recipe| shim.wrap(recipe));
+            // The printer's firmware has a clock of its own.
+            let ours = recipes.iter_mut().filter(|recipe| recipe.replaceable);
+            ours.for_each(|recipe| shim.wrap(recipe));
         }
         Ok((Self { fleets: Vec::new(), hearing: Hearing::default(), folder, plan, shim }, recipes))
     }

@@ -27,7 +27,7 @@ const HOUR_S: f64 = 3600.0;
 fn seen_of(watcher: &mut Watcher) -> Observed {
     let mut observed = Observed::of(watcher);
     observed.figures.insert("printer_state_gap_s", watcher.gap_s);
-    observed.measures.insert("permit", std::mem::take(&mut watcher.jitter.samples));
+    observed.measures.insert("permit", watcher.jitter.off());
     observed
 }
 

@@ -219,7 +219,7 @@ async fn one(setting: &Setting, bench: &mut Running, due: &Due<'_>, wish: &Wish)
         Act::Soak { for_s, slope_mib_h } => load::soak(session, soak_s(*for_s), *slope_mib_h).await,
         Act::Memory { node, for_s } => limits::memory(session, node, *for_s).await,
         Act::Files { for_s } => limits::files(session, *for_s).await,
-        Act::StepClock { to_s, each_s } => storage::step_clock(session, to_s, *each_s).await,
+        Act::StepClock { to_s, each_s } => storage::step_clock(session, reaction(due), (to_s, *each_s)).await,
         Act::SlowDisk { delay_s, for_s } => storage::slow(session, *delay_s, *for_s).await,
         Act::FullDisk { for_s } => storage::full(session, *for_s).await,
         Act::Orders { .. } => bail!("this trial has graphs of its own"),

@@ -15,7 +15,7 @@ const TEND_S: f64 = 0.05;
 /// Longest time from the start to a closed loop on a warm printer `[s]`.
 const START_S: f64 = 45.0;
 /// Longest wait for a graph that is whole, later `[s]`.
-const PATIENCE_S: f64 = 15.0;
+const PATIENCE_S: f64 = 30.0;
 /// Longest orderly end of the nodes, and then of the recorder `[s]`: every node promises 2 s.
 const END_S: f64 = 3.0;
 /// How long a graph is listened for before the first one starts `[s]`.

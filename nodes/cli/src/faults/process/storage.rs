@@ -4,6 +4,7 @@ use super::observer::Seen;
 use super::outcome::Observed;
 use super::session::Session;
 use super::shim::Shim;
+use crate::faults::catalogue::Reaction;
 use crate::up::fleet::Happening;
 use anyhow::Context;
 use fdm_loop_msgs::DiagnosticArray;
@@ -103,9 +104,15 @@ fn note_dropped(dropped: &mut BTreeMap<String, f64>, seen: &Seen) {
     }
 }
 
-/// T3: the wall clock of all nodes is set to one offset after the other. Then the bag has to be whole.
-pub(super) async fn step_clock(session: &mut Session, to_s: &[f64], each_s: f64) -> anyhow::Result<Observed> {
+/// T3: the wall clock of all nodes is set to one offset after the other, and stays there. Where that may not pass
+/// unnoticed, the time until all is whole again counts.
+pub(super) async fn step_clock(
+    session: &mut Session,
+    reaction: Reaction,
+    (to_s, each_s): (&[f64], f64),
+) -> anyhow::Result<Observed> {
     let mut watcher = session.watcher();
+    let begin = session.observer.now();
     for offset_s in to_s {
         shim(session)?.set_wall(*offset_s)?;
         session.watch(&mut watcher, each_s).await?;
@@ -115,7 +122,11 @@ pub(super) async fn step_clock(session: &mut Session, to_s: &[f64], each_s: f64)
     if watcher.gap_s > STALL_S {
         observed.wrong.push(format!("the printer was not heard for {:.2} s", watcher.gap_s));
     }
-    if !watcher.fallen.is_empty() {
+    if reaction != Reaction::None {
+        session.whole().await?;
+        observed.reaction_s = watcher.neutral;
+        observed.recovered_s = Some((session.observer.now() - begin).0);
+    } else if !watcher.fallen.is_empty() {
         observed.wrong.push(format!("ended or fell silent: {}", watcher.fallen.join(" ")));
     }
     Ok(observed)

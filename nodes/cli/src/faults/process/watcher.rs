@@ -18,8 +18,8 @@ const ALARM: &str = "irregular";
 #[derive(Debug, Default)]
 pub(super) struct Jitter {
     last: Option<(Gid, i64, i64)>,
-    /// Differences of the intervals from 20 ms `[s]`.
-    pub(super) samples: Vec<f64>,
+    /// Differences of the intervals from 20 ms, longer ones positive `[s]`.
+    samples: Vec<f64>,
 }
 
 impl Jitter {
@@ -32,8 +32,24 @@ impl Jitter {
         {
             #[allow(clippy::cast_precision_loss, reason = "an interval, not a date")]
             let interval_s = (sent_ns - before_ns) as f64 / NANOS_PER_S;
-            self.samples.push((interval_s - topics::PERMIT_PERIOD.0).abs());
+            self.samples.push(interval_s - topics::PERMIT_PERIOD.0);
         }
+    }
+
+    /// How far the intervals are from 20 ms `[s]`.
+    pub(super) fn off(&mut self) -> Vec<f64> {
+        std::mem::take(&mut self.samples).into_iter().map(f64::abs).collect()
+    }
+
+    /// How late permits come in `for_s`, one number for each period of it `[s]`: where a request is answered with a
+    /// permit of its own, the intervals in between are short, and no fault.
+    pub(super) fn late(&mut self, for_s: f64) -> Vec<f64> {
+        let mut late: Vec<f64> =
+            std::mem::take(&mut self.samples).into_iter().map(|off_s| off_s.max(0.0)).collect();
+        late.sort_by(|a, b| b.total_cmp(a));
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "thousands")]
+        late.truncate((for_s / topics::PERMIT_PERIOD.0) as usize);
+        late
     }
 }
 
