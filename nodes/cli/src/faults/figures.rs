@@ -23,6 +23,18 @@ pub struct TrialFigures {
     pub reaction_max_s: Option<f64>,
     /// Longest that is allowed `[s]`.
     pub limit_s: Option<f64>,
+    /// What the motor may push before that time begins `[mm]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_mm: Option<f64>,
+    /// Most that it pushed between onset and reaction `[mm]`, where it is limited.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pushed_max_mm: Option<f64>,
+    /// Layers that may be begun before the reaction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_layers: Option<u32>,
+    /// Most that were, where they are limited.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layers_max: Option<u32>,
     /// Every run did what is asked for.
     pub within_limit: bool,
     /// How the supervisor called it, every name once.
@@ -37,6 +49,15 @@ pub struct TrialFigures {
     pub recovered_max_s: Option<f64>,
     /// Runs in which something was found before the fault.
     pub false_trips: usize,
+    /// Where a limit may be missed with an alarm: whether one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alarmed: Option<bool>,
+    /// Further figures by name and unit, the largest of all runs.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub figures: BTreeMap<String, f64>,
+    /// What was measured many times.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub measures: Vec<Measure>,
 }
 
 /// One ID of the catalogue.
@@ -49,15 +70,6 @@ pub struct FaultFigures {
     /// `virtual` or `process`.
     pub level: &'static str,
     /// What has to follow.
-    /// Where a limit may be missed with an alarm: whether one was given.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub alarmed: Option<bool>,
-    /// Further figures by name and unit, the largest of all runs.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub figures: BTreeMap<String, f64>,
-    /// What was measured many times.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub measures: Vec<Measure>,
     pub action: &'static str,
     /// Runs of all trials.
     pub runs: usize,
@@ -89,6 +101,8 @@ pub struct FaultFigures {
 /// Everything that ran.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figures {
+    /// `virtual` or `process`.
+    pub level: &'static str,
     /// By ID.
     pub faults: Vec<FaultFigures>,
     /// How often something was found with nothing wrong: before a fault, or in sound prints.
@@ -101,8 +115,6 @@ pub struct Figures {
 
 impl TrialFigures {
     /// Sums up the runs of a trial.
-    /// `virtual` or `process`.
-    pub level: &'static str,
     #[must_use]
     pub fn of(id: &str, spec: &TrialSpec, reaction: Reaction, outcomes: &[Outcome]) -> Self {
         let mut times: Vec<f64> = outcomes.iter().filter_map(|outcome| outcome.reaction_s).collect();
@@ -123,19 +135,37 @@ impl TrialFigures {
             reaction_p50_s: times.get(times.len().saturating_sub(1) / 2).copied(),
             reaction_max_s: times.last().copied(),
             limit_s: spec.limit_s,
+            limit_mm: spec.limit_mm,
+            pushed_max_mm: spec.limit_mm.and_then(|_| most(|outcome| Some(outcome.pushed_mm))),
+            limit_layers: spec.limit_layers,
+            layers_max: spec.limit_layers.and_then(|_| outcomes.iter().map(|outcome| outcome.layers).max()),
             within_limit: misses.is_empty(),
             found_as,
             misses,
             overshoot_max_k: spec.overshoot_max_k.and_then(|_| most(|outcome| Some(outcome.overshoot_k))),
             recovered_max_s: spec.recover_s.and_then(|_| most(|outcome| outcome.recovered_s)),
             false_trips: outcomes.iter().filter(|outcome| outcome.early.is_some()).count(),
+            alarmed: None,
+            figures: BTreeMap::new(),
+            measures: Vec::new(),
+        }
+    }
+
+    /// The limit as it is printed: seconds, or layers, filament in words.
+    #[must_use]
+    pub fn limit(&self) -> Option<String> {
+        match (self.limit_s, self.limit_mm, self.limit_layers) {
+            (Some(limit_s), None, _) => Some(format!("{limit_s}")),
+            (Some(limit_s), Some(limit_mm), _) => Some(format!("{limit_mm}mm+{limit_s}")),
+            (None, _, Some(layers)) => Some(format!("layers {layers}")),
+            (None, _, None) => None,
         }
     }
 
     /// Share of its limit that the slowest run took; without a reaction, more than any.
     fn strain(&self) -> f64 {
         match (self.reaction_max_s, self.limit_s) {
-            (Some(most_s), Some(limit_s)) => most_s / limit_s,
+            (Some(most_s), Some(limit_s)) if self.limit_mm.is_none() => most_s / limit_s,
             (None, Some(_)) => f64::INFINITY,
             _ => 0.0,
         }
@@ -154,10 +184,13 @@ fn miss((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: &Outcome) -
         "no reaction".to_owned()
     } else if let Some(found) = outcome.found_as.as_ref().filter(|found| !may_be(id, spec, found)) {
         format!("found as {found}")
-    } else if let (Some(took_s), Some(limit_s)) = (outcome.reaction_s, spec.limit_s)
+    } else if let (Some(took_s), Some(limit_s)) = (counted_s(spec, outcome), spec.limit_s)
         && took_s > limit_s
     {
-        format!("{took_s:.2} s")
+        let after = spec.limit_mm.map_or(String::new(), |way_mm| format!(" after {way_mm} mm"));
+        format!("{took_s:.2} s{after}")
+    } else if let Some(most) = spec.limit_layers.filter(|most| outcome.layers > *most) {
+        format!("{} layers begun, allowed {most}", outcome.layers)
     } else if let Some(most_k) = spec.overshoot_max_k.filter(|most_k| outcome.overshoot_k > *most_k) {
         format!("{:.1} K above the set-point, allowed {most_k}", outcome.overshoot_k)
     } else if let Some(recover_s) = spec.recover_s
@@ -170,6 +203,15 @@ fn miss((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: &Outcome) -
         return None;
     };
     Some(format!("seed {}: {what}", outcome.seed))
+}
+
+/// The part of a reaction that its limit in seconds is about.
+fn counted_s(spec: &TrialSpec, outcome: &Outcome) -> Option<f64> {
+    let reaction_s = outcome.reaction_s?;
+    match spec.limit_mm {
+        None => Some(reaction_s),
+        Some(_) => outcome.pushed_s.map(|pushed_s| reaction_s - pushed_s),
+    }
 }
 
 /// Whether a fault may be found under this name; an empty one where the printer acted by itself.
@@ -203,12 +245,6 @@ impl FaultFigures {
 }
 
 impl Figures {
-    /// Whether nothing was missed and nothing tripped without a cause.
-    #[must_use]
-    pub fn is_sound(&self) -> bool {
-        self.false_trips == 0 && self.faults.iter().all(|fault| fault.within_limit != Some(false))
-    }
-}
     /// On what it ran, in words.
     #[must_use]
     pub fn title(&self) -> &'static str {
@@ -219,3 +255,9 @@ impl Figures {
         }
     }
 
+    /// Whether nothing was missed and nothing tripped without a cause.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        self.false_trips == 0 && self.faults.iter().all(|fault| fault.within_limit != Some(false))
+    }
+}

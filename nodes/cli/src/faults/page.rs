@@ -48,9 +48,9 @@ pub fn page(figures: &Figures) -> String {
 
 fn row(fault: &FaultFigures, trial: &TrialFigures) -> Markup {
     let time = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2} s"));
-    let limit = trial.limit_s.map_or_else(
+    let limit = trial.limit().map_or_else(
         || fault.limit.clone().unwrap_or_else(|| "-".to_owned()),
-        |limit_s| format!("{limit_s} s"),
+        |limit| format!("{limit} s"),
     );
     html! {
         tr {
@@ -93,7 +93,7 @@ fn bar(fault: &FaultFigures, trial: &TrialFigures) -> Markup {
         @if let (Some(middle), Some(worst)) = (middle, worst) {
             rect x=(middle) y="7" width=((worst - middle).max(3.0)) height="8" fill=(colour) {}
         }
-        @if let Some(limit_s) = trial.limit_s {
+        @if let Some(limit_s) = trial.limit_s.filter(|_| trial.limit_mm.is_none()) {
             line x1=(place(limit_s)) x2=(place(limit_s)) y1="2" y2="20" stroke="#1b2430" stroke-width="2" {}
         }
         @for (letter, seconds, fill) in

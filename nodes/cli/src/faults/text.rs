@@ -51,11 +51,8 @@ pub fn table(figures: &Figures) -> String {
 
 fn row(text: &mut String, fault: &FaultFigures, trial: &TrialFigures) {
     let time = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
-    let limit = match (trial.limit_s, &fault.limit) {
-        (Some(limit_s), _) => format!("{limit_s}"),
-        (None, Some(_)) => "text".to_owned(),
-        (None, None) => "-".to_owned(),
-    };
+    let in_words = || if fault.limit.is_some() { "text" } else { "-" }.to_owned();
+    let limit = trial.limit().unwrap_or_else(in_words);
     _ = writeln!(
         text,
         "{:<4} {:<34} {:>9} {:>7} {:>9} {:>8} {:>8} {:>8}  {:<5} {}",

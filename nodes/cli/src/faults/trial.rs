@@ -4,7 +4,7 @@ use super::catalogue::{Mark, Reaction, TrialSpec};
 use crate::config::Setup;
 use crate::job::GcodeFile;
 use crate::sim::printing::Printing;
-use crate::sim::relay::Relay;
+use crate::sim::relay::{RIVAL_FLOW, Relay};
 use models::command::{Mode, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Kelvin};
@@ -15,6 +15,8 @@ use serde::Serialize;
 const OVERSHOOT_S: f64 = 20.0;
 /// How long a run waits for a reaction that has no limit in seconds `[s]`.
 const PATIENCE_S: f64 = 20.0;
+/// How long a run waits for a reaction whose limit is one of filament or layers `[s]`.
+const WORDS_S: f64 = 300.0;
 /// Part of a run after the limit in which a late reaction is still measured `[s]`.
 const LATE_S: f64 = 10.0;
 
@@ -27,6 +29,12 @@ pub struct Outcome {
     pub onset_s: Option<f64>,
     /// From the onset until the printer did what is asked for `[s]`; `null` if it never did.
     pub reaction_s: Option<f64>,
+    /// From the onset until the motor had pushed what the limit allows first `[s]`; `null` if it never did.
+    pub pushed_s: Option<f64>,
+    /// What the motor pushed between onset and reaction `[mm]`.
+    pub pushed_mm: f64,
+    /// Layers begun between onset and reaction.
+    pub layers: u32,
     /// How the supervisor called it.
     pub found_as: Option<String>,
     /// Something was found before the onset.
@@ -57,6 +65,8 @@ pub struct Trial<'a> {
 struct Run {
     printing: Printing,
     mark_s: Option<f64>,
+    /// Farthest position of the motor, and layer, at the onset.
+    from: Option<(f64, u32)>,
     ended: bool,
     outcome: Outcome,
 }
@@ -78,13 +88,16 @@ impl Trial<'_> {
             seed,
             onset_s: None,
             reaction_s: None,
+            pushed_s: None,
+            pushed_mm: 0.0,
+            layers: 0,
             found_as: None,
             early: None,
             too_much: None,
             recovered_s: None,
             overshoot_k: 0.0,
         };
-        let mut run = Run { printing, mark_s: None, ended: false, outcome };
+        let mut run = Run { printing, mark_s: None, from: None, ended: false, outcome };
         while run.printing.step() || run.outcome.onset_s.is_some() {
             if self.is_over(&mut run)? {
                 break;
@@ -108,6 +121,7 @@ impl Trial<'_> {
             run.ended = true;
             run.printing.relay().into_iter().for_each(|relay| relay.set_active(false));
         }
+        self.measure(run, since_s);
         self.look(run, since_s);
         let Some(reaction_s) = run.outcome.reaction_s else {
             return Ok(since_s > self.patience_s());
@@ -122,7 +136,9 @@ impl Trial<'_> {
 
     /// How long a reaction is waited for `[s]`.
     fn patience_s(&self) -> f64 {
-        self.spec.limit_s.map_or(PATIENCE_S, |limit_s| limit_s + LATE_S)
+        let limit_s = self.spec.limit_s.map_or(PATIENCE_S, |limit_s| limit_s + LATE_S);
+        let in_words = self.spec.limit_mm.is_some() || self.spec.limit_layers.is_some();
+        if in_words { limit_s.max(WORDS_S) } else { limit_s }
     }
 
     fn await_onset(&self, run: &mut Run, now_s: f64) -> anyhow::Result<()> {
@@ -151,6 +167,22 @@ impl Trial<'_> {
         Ok(())
     }
 
+    /// What was pushed and begun since the onset, until the reaction.
+    fn measure(&self, run: &mut Run, since_s: f64) {
+        let status = run.printing.simulator().status();
+        let (motor_m, layer) = (status.motor_position_m, status.layer.unwrap_or(0));
+        let (from_m, from_layer) = *run.from.get_or_insert((motor_m, layer));
+        if run.outcome.reaction_s.is_some() {
+            return;
+        }
+        let outcome = &mut run.outcome;
+        outcome.pushed_mm = outcome.pushed_mm.max((motor_m - from_m) * 1e3);
+        outcome.layers = layer.saturating_sub(from_layer);
+        if self.spec.limit_mm.is_some_and(|limit_mm| outcome.pushed_mm >= limit_mm) {
+            outcome.pushed_s.get_or_insert(since_s);
+        }
+    }
+
     fn look(&self, run: &mut Run, since_s: f64) {
         let printing = &run.printing;
         let simulator = printing.simulator();
@@ -167,7 +199,7 @@ impl Trial<'_> {
                 printing.safety.and_then(|state| state.cause).map(|cause| cause.id().to_owned());
         }
         let most = self.spec.at_most.unwrap_or(self.reaction);
-        if let Some(worse) = worse_than(most, printing) {
+        if let Some(worse) = worse_than(most, printing).or_else(|| taken_from_a_rival(printing)) {
             run.outcome.too_much.get_or_insert(worse);
         }
         let acting = simulator.in_force().mode == Mode::Act && !simulator.in_force().lapsed;
@@ -191,6 +223,13 @@ impl Trial<'_> {
             Reaction::Estop => !simulator.mains_on(),
         }
     }
+}
+
+/// What nobody but a second publisher asks for, in force at the printer.
+fn taken_from_a_rival(printing: &Printing) -> Option<String> {
+    let in_force = printing.simulator().in_force();
+    let taken = !in_force.lapsed && (in_force.trims.flow - RIVAL_FLOW).abs() < f64::EPSILON;
+    taken.then(|| "the flow of a second publisher in force".to_owned())
 }
 
 /// What the supervisor does beyond `most`.

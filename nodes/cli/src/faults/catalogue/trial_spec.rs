@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 
 /// Longest time that a trial may name `[s]`.
 const LONGEST_S: f64 = 3600.0;
+/// Longest way that a trial may name `[mm]`.
+const LONGEST_MM: f64 = 1000.0;
 /// Nodes whose parameters a trial may set.
 const NODES: [&str; 4] = ["state_estimator", "mpc_controller", "safety_supervisor", "printer_sim"];
 
@@ -27,6 +29,12 @@ pub struct TrialSpec {
     /// Longest time from injection to actuation `[s]`; where it is missing, none is asked for.
     #[serde(default)]
     pub limit_s: Option<f64>,
+    /// The limit counts from when the motor has pushed this much after the onset `[mm]`.
+    #[serde(default)]
+    pub limit_mm: Option<f64>,
+    /// Layers that may be begun between the onset and the reaction.
+    #[serde(default)]
+    pub limit_layers: Option<u32>,
     /// Instead of the entry's.
     #[serde(default)]
     pub reaction: Option<Reaction>,
@@ -166,6 +174,11 @@ impl TrialSpec {
         some("watch_s", Some(self.watch_s), 0.0)?;
         some("onset.time_s", Some(self.onset.time_s), 0.0)?;
         some("onset.spread_s", Some(self.onset.spread_s), 0.0)?;
+        if let Some(way_mm) = self.limit_mm
+            && (self.limit_s.is_none() || !(0.1..=LONGEST_MM).contains(&way_mm))
+        {
+            bail!("limit_mm = {way_mm} mm: must be in [0.1, {LONGEST_MM}], beside a limit_s");
+        }
         if let Some(node) = self.set.keys().find(|node| !NODES.contains(&node.as_str())) {
             bail!("set: there is no node {node} in this loop; there are {}", NODES.join(", "));
         }
