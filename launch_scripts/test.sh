@@ -10,7 +10,7 @@ if [ -n "${CI:-}" ]; then export CARGO_INCREMENTAL=0; fi
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
 
 step "Python readers of bags (PyPI, in target/venv); a browser that looks at reports"
-need_packages python3 python3-venv chromium fonts-dejavu-core
+need_packages python3 python3-venv iproute2 chromium fonts-dejavu-core
 if [ ! -x target/venv/bin/python ] || ! target/venv/bin/python -c 'import rosbags, mcap_ros2' 2>/dev/null; then
   mkdir -p target
   python3 -m venv target/venv
@@ -36,13 +36,22 @@ if [ -n "$long" ]; then
   step "long: the catalogue of faults with twenty seeds, 300 hours of sound prints"
   cargo run --release --locked -p cli -- faults --seeds 1..20 --hours 300 --html target/faults.html
 
+  step "long: 10^6 datagrams of garbage to the ports of a printing graph"
+  FDM_RTPS_DATAGRAMS=1000000 cargo test -p system_tests --locked --test rtps_garbage -- --nocapture
+
+  step "long: the faults of processes over DDS with twenty seeds, a soak of 50 minutes"
+  cargo build --release --workspace --bins --locked
+  target/release/fdm faults --process --seeds 1..20 --html target/process_faults.html
+  target/release/fdm faults --process --only L5 --soak-s 3000
+
   step "long: the tests over DDS, 20 times"
   for _ in $(seq 20); do
-    cargo test -p system_tests --locked --test process_faults --test refusals --test bag --test orphans -- --include-ignored
+    cargo test -p system_tests --locked --test refusals --test bag --test orphans -- --include-ignored
   done
 
   step "long: 10^5 malformed payloads a type, 10^6 orders to a firmware, 5000 poisoned prints"
   FDM_MALFORMED_PAYLOADS=100000 cargo test -p runtime --locked --test malformed
+  FDM_MALFORMED_PAYLOADS=100000 cargo test --locked --lib -p thermistor -p filament_encoder -p imu -p mpc_controller -p advance_predictor malformed
   FDM_GCODE_CASES=1000000 cargo test -p models --locked --lib gcode::order
   FDM_POISON_CASES=5000 cargo test -p safety_supervisor --locked --no-default-features --test poison
 

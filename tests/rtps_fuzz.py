@@ -5,8 +5,9 @@
 
 Each datagram is made of seed, kind and number alone, so that a failure can be made again. The ports are those that the
 named programs hold, looked up anew while it runs: who was ended and started again is hit again. With `--multicast` the
-groups in which participants announce themselves and data is sent to all are hit too. Standard library only. The last
-line of the output is a JSON object: what was sent, and in what time.
+groups in which participants announce themselves and data is sent to all are hit too; with `--each` every datagram goes to
+the discovery port of every participant, one after the other. Standard library only. The last line of the output is a
+JSON object: what was sent, and in what time.
 """
 import argparse
 import json
@@ -276,6 +277,7 @@ def main():
     arguments.add_argument("--domain", type=int, default=0)
     arguments.add_argument("--nodes", required=True, help="programs that are hit, separated by commas")
     arguments.add_argument("--multicast", action="store_true")
+    arguments.add_argument("--each", action="store_true")
     options = arguments.parse_args()
     make, nodes = KINDS[options.kind], set(options.nodes.split(","))
     out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -293,12 +295,19 @@ def main():
         wait = begin + index / options.rate - now
         if wait > 0:
             time.sleep(wait)
-        random_ = random.Random(f"{options.seed} {options.kind} {index}")
-        datagram = make(random_, index, ports or [DISCARD])
         # Who is nowhere gets nothing, and what was to be sent is sent all the same.
-        targets = [("127.0.0.1", port) for port in ports or [DISCARD]] + groups
-        # A fake participant says all it has to say to one of them.
-        chosen = index // TALK % len(targets) if make in (acknack, known_writer) else random_.randrange(len(targets))
+        heard = [port for port in ports if not options.each or port % 2 == 0] or [DISCARD]
+        targets = [("127.0.0.1", port) for port in heard] + groups
+        made_of = index // len(targets) if options.each else index
+        random_ = random.Random(f"{options.seed} {options.kind} {made_of}")
+        datagram = make(random_, made_of, heard)
+        if options.each:
+            chosen = index % len(targets)
+        elif make in (acknack, known_writer):
+            # A fake participant says all it has to say to one of them.
+            chosen = index // TALK % len(targets)
+        else:
+            chosen = random_.randrange(len(targets))
         try:
             size += out.sendto(datagram, targets[chosen])
         except OSError:

@@ -12,8 +12,7 @@
     reason = "helpers of tests: a failure is the test's failure; the figures are for people"
 )]
 
-#[path = "process_faults/graph.rs"]
-#[allow(dead_code, reason = "shared with the test of single nodes, which asks for more")]
+#[path = "rtps_garbage/graph.rs"]
 mod graph;
 #[path = "rtps_garbage/judge.rs"]
 mod judge;
@@ -50,10 +49,11 @@ fn datagrams() -> u32 {
 /// started again. (The simulated printer is none of them, as its firmware is on no network.)
 fn kinds() -> [Kind; 8] {
     let all = datagrams();
-    // As many participants as the one that made the middleware deaf for 9 s; one datagram of a kind that ends processes
-    // does what many others do.
-    let (fakes, fragments, known) = (all.min(2000), all / 100, all / 20);
-    let rest = (all - fakes - fragments - 2 * known) / 4;
+    // Two participants a node, and as many fakes to each as once made the middleware deaf for 9 s in the long form; one
+    // datagram of a kind that ends processes does what many others do.
+    let fakes = 2 * u32::try_from(storm::NODES.len()).unwrap() * (all / 20).min(2000);
+    let (fragments, known) = (all / 100, all / 20);
+    let rest = (all - fragments - 2 * known) / 4;
     let kind = |name, count, targets| Kind { name, count, targets };
     [
         kind("garbage", rest, Targets::Everyone),
@@ -62,7 +62,7 @@ fn kinds() -> [Kind; 8] {
         kind("heartbeats", rest, Targets::Everyone),
         kind("known_writer", known, Targets::Replaceable),
         kind("acknack", known, Targets::Replaceable),
-        kind("participants", fakes, Targets::Replaceable),
+        kind("participants", fakes, Targets::EachReplaceable),
         kind("data_frag", fragments, Targets::Replaceable),
     ]
 }

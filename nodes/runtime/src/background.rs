@@ -3,6 +3,7 @@
 use crate::clock::Clock;
 use crate::diagnostics::Diagnostics;
 use crate::heartbeat::Work;
+use crate::logging;
 use crate::publisher::Publisher;
 use crate::self_loop::SelfLoopAge;
 use crate::subscription::Subscription;
@@ -79,6 +80,7 @@ impl Reporter {
     /// The message now.
     fn report(&self) -> DiagnosticArray {
         self.diagnostics.set("work_counter", self.work.count());
+        self.diagnostics.set("middleware_lines_left_out", logging::lines_left_out());
         match self.self_loop.age() {
             Some(age) => self.diagnostics.set("self_loop_age_s", format_args!("{:.2}", age.0)),
             None => self.diagnostics.set("self_loop_age_s", "not established"),

@@ -21,7 +21,23 @@ const MEMORY_MIN_MIB: u64 = 64;
 
 /// Exit code of a process that the network has driven out: its memory was used up, or it had gone deaf. "Temporary
 /// failure" of `sysexits.h`: it is to be started again, however often that happens.
-pub const DRIVEN_OUT: i32 = 75;
+pub const DRIVEN_OUT: u8 = 75;
+
+/// Set in the environment of a process that is started again when it ends. Who is not stays where it is too crowded.
+pub const STARTED_AGAIN: &str = "FDM_STARTED_AGAIN";
+
+/// Whether this process has left a domain with too many participants.
+static LEFT: AtomicBool = AtomicBool::new(false);
+
+/// Whether this process leaves now: once, and if it comes back.
+pub(crate) fn leave_the_crowd() -> bool {
+    std::env::var_os(STARTED_AGAIN).is_some() && !LEFT.swap(true, Ordering::SeqCst)
+}
+
+/// Whether an orderly end was that of a process which left the crowd.
+pub(crate) fn left_the_crowd() -> bool {
+    LEFT.load(Ordering::SeqCst)
+}
 
 /// Whether an abort would be the network's doing. An allocation that is refused aborts without a word; a panic says so
 /// first.
@@ -38,7 +54,7 @@ pub(crate) fn set() -> Result<(), RuntimeError> {
     setrlimit(Resource::Data, Rlimit { current: Some(bytes), maximum: Some(bytes) })
         .map_err(|error| system("cannot bound the memory")(error.into()))?;
     let aborts = Signal::ABORT.as_raw();
-    signal_hook::flag::register_conditional_shutdown(aborts, DRIVEN_OUT, Arc::clone(&NOT_OURS))
+    signal_hook::flag::register_conditional_shutdown(aborts, DRIVEN_OUT.into(), Arc::clone(&NOT_OURS))
         .map_err(system("cannot tell an abort"))?;
     let told = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {

@@ -54,6 +54,7 @@ mod background;
 mod bounds;
 mod build;
 mod clock;
+mod crowd;
 mod diagnostics;
 mod environment;
 mod error;
@@ -80,7 +81,7 @@ pub mod topics;
 pub mod wire;
 
 pub use args::{Args, ArgsError, LogLevel};
-pub use bounds::{DRIVEN_OUT, MEMORY_LIMIT};
+pub use bounds::{DRIVEN_OUT, MEMORY_LIMIT, STARTED_AGAIN};
 pub use build::build;
 pub use clock::{Clock, ClockDriver, Timer};
 pub use diagnostics::{Diagnostics, Level};

@@ -1,10 +1,13 @@
 //! Log lines to standard error and to `/rosout`.
 
 use crate::args::{Args, LogLevel};
+use crate::clock::monotonic;
 use fdm_loop_msgs::Log;
+use models::units::Seconds;
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Subscriber};
@@ -22,6 +25,9 @@ const MIDDLEWARE: &str = "rustdds=warn,ros2_client=warn,rustdds::network::udp_se
                           rustdds::network::udp_listener=off,rustdds::rtps::writer=error,rustdds::rtps::rtps_reader_proxy=error,\
                           rustdds::dds::pubsub=off,\
                           ros2_client::distributions=error,ros2_client::service::wrappers=error";
+/// Lines of the middleware a second; more are counted in `/diagnostics` and left out. RustDDS writes one for each
+/// datagram that it cannot read: whoever sends garbage would fill the disk (X1).
+const MIDDLEWARE_LINES_1_S: u64 = 20;
 /// Lines that wait for `/rosout`; more are dropped (they are on standard error all the same).
 const WAITING_LINES: usize = 256;
 
@@ -55,7 +61,63 @@ pub(crate) fn start(args: &Args) {
     let console = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal());
-    _ = tracing_subscriber::registry().with(filter(args)).with(console).with(Rosout).try_init();
+    _ = tracing_subscriber::registry()
+        .with(filter(args))
+        .with(Throttle)
+        .with(console)
+        .with(Rosout)
+        .try_init();
+}
+
+/// Lines of the middleware that were left out so far.
+pub(crate) fn lines_left_out() -> u64 {
+    BUDGET.left_out.load(Ordering::Relaxed)
+}
+
+/// Whether a line comes from the middleware, directly or by way of the `log` crate.
+fn is_of_middleware(target: &str) -> bool {
+    target.starts_with("rustdds") || target.starts_with("ros2_client") || target == "log"
+}
+
+/// What the middleware may write.
+static BUDGET: Budget = Budget::new();
+
+/// So many lines in each second.
+struct Budget {
+    second: AtomicU64,
+    written: AtomicU64,
+    left_out: AtomicU64,
+}
+
+impl Budget {
+    const fn new() -> Self {
+        Self { second: AtomicU64::new(0), written: AtomicU64::new(0), left_out: AtomicU64::new(0) }
+    }
+
+    /// Whether there is room for one more line; threads that meet at the end of a second may write one each too many.
+    fn takes(&self, now: Seconds) -> bool {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "seconds since the host's start"
+        )]
+        let second = now.0 as u64;
+        if self.second.swap(second, Ordering::Relaxed) != second {
+            self.written.store(0, Ordering::Relaxed);
+        }
+        let fits = self.written.fetch_add(1, Ordering::Relaxed) < MIDDLEWARE_LINES_1_S;
+        self.left_out.fetch_add(u64::from(!fits), Ordering::Relaxed);
+        fits
+    }
+}
+
+/// Keeps the middleware from writing more than its budget.
+struct Throttle;
+
+impl<S: Subscriber> Layer<S> for Throttle {
+    fn event_enabled(&self, event: &Event<'_>, _: Context<'_, S>) -> bool {
+        !is_of_middleware(event.metadata().target()) || BUDGET.takes(monotonic())
+    }
 }
 
 /// The lines to be published; `None` where another node of this process has them.
@@ -72,7 +134,7 @@ impl<S: Subscriber> Layer<S> for Rosout {
         let metadata = event.metadata();
         let target = metadata.target();
         // A line about sending a line would never end.
-        if target.starts_with("rustdds") || target.starts_with("ros2_client") || target == "log" {
+        if is_of_middleware(target) {
             return;
         }
         let Some(sender) = ROSOUT.get() else { return };
@@ -119,6 +181,18 @@ impl Visit for Text {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// X1: a datagram that cannot be read is a line; a million of them are twenty lines a second and a number.
+    #[test]
+    fn the_middleware_fills_no_disk() {
+        let budget = Budget::new();
+        let written = |from: u32| {
+            (from..from + 1000).filter(|i| budget.takes(Seconds(7.0 + 1e-3 * f64::from(*i)))).count()
+        };
+        assert_eq!(written(0), 20);
+        assert_eq!(written(1000), 20);
+        assert_eq!(budget.left_out.load(Ordering::Relaxed), 2 * 980);
+    }
 
     #[test]
     fn a_level_for_all_leaves_the_middleware_quiet() {

@@ -62,6 +62,25 @@ fn random_session() -> u64 {
     std::collections::hash_map::RandomState::new().build_hasher().finish()
 }
 
+/// Watches over this process's middleware: what happens where it is deaf is told, and where it is overcrowded the process
+/// leaves the graph.
+fn watch_middleware(
+    participants: Participants,
+    session: u64,
+    on_silence: impl FnOnce() + Send + 'static,
+    leave: ShutdownSender,
+) -> Result<SelfLoop, RuntimeError> {
+    let on_crowd = move |count| {
+        if bounds::leave_the_crowd() {
+            tracing::error!(
+                "{count} participants in the domain: leaving, to come back without those that are none"
+            );
+            leave.demand();
+        }
+    };
+    SelfLoop::start(participants, session, on_silence, on_crowd)
+}
+
 impl Node {
     /// Starts the node from the arguments and the environment of this process. Needs a tokio executor.
     ///
@@ -76,6 +95,22 @@ impl Node {
     /// # Errors
     /// [`RuntimeError`]
     pub fn start_with(name: &str, args: Args) -> Result<Self, RuntimeError> {
+        Self::start_or(name, args, || {
+            tracing::error!("hears nothing through DDS any more: ending the process to be started again");
+            bounds::end_deaf();
+        })
+    }
+
+    /// As [`Node::start_with`], for a process that nobody starts again: where the node hears nothing any more, `on_deaf` is
+    /// called once, from another thread, and the node is to be replaced by a new one.
+    ///
+    /// # Errors
+    /// [`RuntimeError`]
+    pub fn start_or(
+        name: &str,
+        args: Args,
+        on_deaf: impl FnOnce() + Send + 'static,
+    ) -> Result<Self, RuntimeError> {
         logging::start(&args);
         let environment = Environment::from_env()?;
         let names = Names::new(name, &args)?;
@@ -86,19 +121,14 @@ impl Node {
         let participants = Participants::join(&environment)?;
         let participant = participants.own.clone();
         let session = random_session();
-        let self_loop = SelfLoop::start(participants, session, || {
-            tracing::error!(
-                "own messages do not come back through DDS: ending the process to be started again"
-            );
-            bounds::end_deaf();
-        })?;
+        let (shutdown_sender, shutdown) = Shutdown::channel();
+        let self_loop = watch_middleware(participants, session, on_deaf, shutdown_sender.clone())?;
         let context = Context::from_domain_participant(participant)
             .map_err(|error| RuntimeError::create("context", &error))?;
         let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
         let ros = context
             .new_node(names.node().clone(), options)
             .map_err(|error| RuntimeError::create(format!("node {}", path.qualified), &error))?;
-        let (shutdown_sender, shutdown) = Shutdown::channel();
         shutdown::follow_signals(shutdown_sender.clone())?;
         shutdown::abort_when_continued(shutdown.clone())?;
         let mut node = Self {

@@ -9,11 +9,16 @@
 //!
 //! Nothing heard for [`LIMIT`] ends the process; whoever started it starts it again. The limit counts time in which this
 //! watchdog itself ran: a process that was stopped or starved of the processor is not ended for that alone.
+//!
+//! A wall clock that is set back deafens a participant of RustDDS 0.15.1 for as long (T3): readers that ask for best
+//! effort look for samples up to the present by that clock, and the newest lie beyond. That is seen at once.
 
 use crate::clock::monotonic;
+use crate::crowd::Crowd;
 use crate::error::RuntimeError;
 use crate::participants::Participants;
 use crate::self_ack::SelfAck;
+use crate::subscription::wall_ns;
 use models::units::Seconds;
 use rustdds::no_key::{DataWriterCdr, SimpleDataReaderCdr};
 use rustdds::policy::{History, Reliability};
@@ -35,6 +40,8 @@ const ACK_AT_FIRST: u64 = 10;
 const ACK: u64 = 100;
 /// Silence that ends the process `[s]` (C5).
 const LIMIT: Seconds = Seconds(1.0);
+/// A wall clock that is set back by more deafens for longer than anybody is patient with a stream `[ns]`.
+const SET_BACK_NS: i64 = 500_000_000;
 /// Silence allowed before the first number came back: many participants discover each other in 5 s `[s]`.
 const START_LIMIT: Seconds = Seconds(15.0);
 
@@ -65,12 +72,15 @@ pub(crate) struct SelfLoop {
 }
 
 impl SelfLoop {
-    /// Starts the watchdog over the process's own participant; `on_silence` is called once, from its thread.
+    /// Starts the watchdog over the process's own participant; `on_silence` is called once, from its thread, `on_crowd`
+    /// with the number of participants as often as they are too many.
     pub(crate) fn start(
         participants: Participants,
         session: u64,
         on_silence: impl FnOnce() + Send + 'static,
+        on_crowd: impl Fn(usize) + Send + 'static,
     ) -> Result<Self, RuntimeError> {
+        let crowd = Crowd::around([&participants.own, &participants.echo]);
         let ring = Ring::new(&participants.own, participants.echo, session)
             .map_err(|error| RuntimeError::create("self loop", &error))?;
         let acks = [&participants.own, &ring.echo].map(SelfAck::of);
@@ -80,7 +90,7 @@ impl SelfLoop {
         let thread = std::thread::Builder::new()
             .name("self_loop".to_owned())
             .spawn(move || {
-                if watch((&ring, acks), &shared, &stopped) {
+                if watch((&ring, acks), (crowd, &on_crowd), &shared, &stopped) {
                     on_silence();
                 }
             })
@@ -104,8 +114,14 @@ impl Drop for SelfLoop {
 }
 
 /// Sends and listens until stopped (false) or silent for too long (true).
-fn watch((ring, mut acks): (&Ring, [Option<SelfAck>; 2]), age: &SelfLoopAge, stopped: &Receiver<()>) -> bool {
+fn watch(
+    (ring, mut acks): (&Ring, [Option<SelfAck>; 2]),
+    (mut crowd, on_crowd): (Crowd, &impl Fn(usize)),
+    age: &SelfLoopAge,
+    stopped: &Receiver<()>,
+) -> bool {
     let mut silence = Silence::new(monotonic());
+    let mut newest_ns = wall_ns();
     let mut number = 0_u64;
     loop {
         match stopped.recv_timeout(TICK) {
@@ -116,14 +132,17 @@ fn watch((ring, mut acks): (&Ring, [Option<SelfAck>; 2]), age: &SelfLoopAge, sto
         if number.is_multiple_of(if number < ANNOUNCING { ACK_AT_FIRST } else { ACK }) {
             acks.iter_mut().flatten().for_each(SelfAck::send);
         }
+        crowd.look().into_iter().for_each(on_crowd);
         let heard = ring.turn(number);
         let now = monotonic();
         if heard {
             age.heard(now);
         }
-        if silence.pass(now, heard) {
+        let wall_ns = wall_ns();
+        if silence.pass(now, heard) || wall_ns < newest_ns - SET_BACK_NS {
             return true;
         }
+        newest_ns = newest_ns.max(wall_ns);
     }
 }
 

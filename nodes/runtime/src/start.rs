@@ -26,6 +26,7 @@ where
     // A shell may wrap a refused parameter in an error of its own: the node remembers it.
     let refused = Arc::new(AtomicBool::new(false));
     match start(name, main, &refused) {
+        Ok(()) if bounds::left_the_crowd() => ExitCode::from(bounds::DRIVEN_OUT),
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let usage = refused.load(Ordering::Relaxed)

@@ -38,6 +38,8 @@ pub(crate) enum Targets {
     Everyone,
     /// The nodes that are started again, each by its own ports.
     Replaceable,
+    /// The same, each of them by every datagram.
+    EachReplaceable,
 }
 
 /// One kind of datagram of `tests/rtps_fuzz.py`.
@@ -212,6 +214,7 @@ fn sender(kind: &Kind) -> Child {
         .args(["--kind", kind.name, "--count", &kind.count.to_string(), "--rate", RATE])
         .args(["--domain", &domain, "--nodes", &nodes.join(",")])
         .args(everyone.then_some("--multicast"))
+        .args((kind.targets == Targets::EachReplaceable).then_some("--each"))
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::inherit());

@@ -181,7 +181,7 @@ impl Member {
     fn plan_restart(&mut self, now: Seconds, status: ExitStatus) -> Happening {
         let name = self.recipe.name;
         self.restarts.retain(|at| (now - *at).0 < RESTART_WINDOW_S);
-        let driven_out = status.code() == Some(runtime::DRIVEN_OUT);
+        let driven_out = status.code() == Some(runtime::DRIVEN_OUT.into());
         if !self.recipe.replaceable || (!driven_out && self.restarts.len() >= RESTARTS_MAX) {
             self.given_up = true;
             return Happening::GivenUp { name };
@@ -241,6 +241,7 @@ fn spawn(recipe: &Recipe, logs: &Path) -> io::Result<Child> {
     Command::new(&recipe.program)
         .args(&recipe.arguments)
         .env(runtime::STOP_WITH_PARENT, std::process::id().to_string())
+        .envs(recipe.replaceable.then_some((runtime::STARTED_AGAIN, "1")))
         .stdin(Stdio::null())
         .stdout(log.try_clone()?)
         .stderr(log)
