@@ -152,6 +152,8 @@ pub enum Bench {
     Plain,
     /// On one whose disk and wall clock are in the harness's hand.
     Shimmed,
+    /// On one that prints for long.
+    Long,
     /// On graphs of its own.
     Own,
 }

@@ -2,6 +2,7 @@
 
 use super::shim::Shim;
 use crate::config::ConfigDir;
+use crate::faults::catalogue::Bench;
 use crate::up::UpArgs;
 use crate::up::fleet::{Fleet, Happening, Recipe};
 use crate::up::hearing::Hearing;
@@ -24,6 +25,8 @@ pub(super) struct Setting {
     pub(super) config: ConfigDir,
     /// What is printed.
     pub(super) gcode: PathBuf,
+    /// What is printed for a soak.
+    pub(super) long_gcode: PathBuf,
 }
 
 /// The processes of one graph; none outlives this value.
@@ -39,21 +42,18 @@ pub(super) struct Graph {
 
 impl Graph {
     /// Prepares a graph of which nothing runs yet, and how its nodes are started.
-    pub(super) fn prepare(
-        setting: &Setting,
-        seed: u64,
-        shimmed: bool,
-    ) -> anyhow::Result<(Self, Vec<Recipe>)> {
+    pub(super) fn prepare(setting: &Setting, seed: u64, bench: Bench) -> anyhow::Result<(Self, Vec<Recipe>)> {
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("fdm_faults_{}_{number}", std::process::id()));
         _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        let args = arguments(setting, &folder, seed);
+        let gcode = if bench == Bench::Long { &setting.long_gcode } else { &setting.gcode };
+        let args = arguments(gcode, &folder, seed);
         let material = crate::job::GcodeFile::read(&args.gcode, &setting.config.motion()?, None)?.material();
         let plan = Plan::new(&args, &setting.config, &material, "mpc")?;
         plan.check()?;
         let mut recipes = plan.recipes()?;
-        let shim = if shimmed { Some(Shim::build(&folder)?) } else { None };
+        let shim = if bench == Bench::Shimmed { Some(Shim::build(&folder)?) } else { None };
         if let Some(shim) = &shim {
             // The printer's firmware has a clock of its own.
             let ours = recipes.iter_mut().filter(|recipe| recipe.replaceable);
@@ -148,9 +148,9 @@ impl Graph {
 }
 
 /// `fdm up --warm --stay`, in a folder of its own.
-fn arguments(setting: &Setting, folder: &Path, seed: u64) -> UpArgs {
+fn arguments(gcode: &Path, folder: &Path, seed: u64) -> UpArgs {
     UpArgs {
-        gcode: setting.gcode.clone(),
+        gcode: gcode.to_owned(),
         config: None,
         bag: Some(folder.join("bag")),
         speed: 1.0,

@@ -31,8 +31,8 @@ use std::collections::BTreeMap;
 
 /// Namespace of the printer in these trials.
 const NAMESPACE: &str = "/printer";
-/// Job of these trials among those of the catalogue.
-const JOB: &str = "process";
+/// Jobs of these trials among those of the catalogue: one, and a longer one for a soak.
+const JOBS: [&str; 2] = ["process", "soak"];
 /// Each seed adds a share of this before its fault `[s]`.
 const SPREAD_S: f64 = 1.0;
 
@@ -50,8 +50,18 @@ pub struct Wish {
     pub seeds: Vec<u64>,
     /// How long a soak lasts instead of what the catalogue says `[s]`.
     pub soak_s: Option<f64>,
-    /// Temperatures, frames and everything else stay where they are after a trial that failed.
+    /// Bags and logs stay where they are.
     pub keep: bool,
+}
+
+impl Wish {
+    /// On what a trial runs: a soak whose length is asked for has a graph and a job of its own.
+    fn bench(&self, spec: &ProcessSpec) -> Bench {
+        match spec.act {
+            Act::Soak { .. } if self.soak_s.is_some() => Bench::Long,
+            _ => spec.act.bench(),
+        }
+    }
 }
 
 /// Runs all trials of the chosen faults.
@@ -64,15 +74,20 @@ pub fn run(
     chosen: &[&FaultSpec],
     wish: &Wish,
 ) -> anyhow::Result<Figures> {
-    let job = catalogue.jobs.get(JOB).with_context(|| format!("jobs: there is no job '{JOB}'"))?;
-    let file = job.file.as_ref().with_context(|| format!("job '{JOB}': needs a file"))?;
-    let setting = Setting { config: config.clone(), gcode: config.file(file) };
+    let [gcode, long_gcode] = JOBS.map(|name| {
+        let file = catalogue.jobs.get(name).and_then(|job| job.file.as_ref());
+        file.map(|file| config.file(file)).with_context(|| format!("jobs: there is no file for '{name}'"))
+    });
+    let setting = Setting { config: config.clone(), gcode: gcode?, long_gcode: long_gcode? };
     let mut dues: Vec<Due<'_>> = Vec::new();
     for &fault in chosen {
         dues.extend(fault.process.iter().map(|spec| Due { fault, spec, runs: Vec::new() }));
     }
+    if dues.is_empty() {
+        bail!("none of these IDs is tried with processes: without --process they run in virtual time");
+    }
     // What can share a graph comes first, what ends its print last.
-    dues.sort_by_key(|due| (due.spec.act.bench(), due.spec.ends_print()));
+    dues.sort_by_key(|due| (wish.bench(due.spec), due.spec.ends_print()));
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     executor.block_on(async {
         session::refuse_second_graph().await?;
@@ -111,7 +126,7 @@ async fn one_seed(setting: &Setting, dues: &mut [Due<'_>], seed: u64, wish: &Wis
     let mut newest: Option<usize> = None;
     for index in 0..dues.len() {
         let due = &mut dues[index];
-        if bench.session.is_some() && !bench.serves(due.spec) {
+        if bench.session.is_some() && !bench.serves(wish.bench(due.spec)) {
             let complaints = bench.end(wish.keep).await?;
             blame(dues, newest, complaints);
         }
@@ -161,14 +176,14 @@ struct Running {
 
 impl Running {
     /// Whether a trial can run on it.
-    fn serves(&self, spec: &ProcessSpec) -> bool {
-        self.session.as_ref().is_some_and(|(_, bench)| *bench == spec.act.bench())
+    fn serves(&self, wanted: Bench) -> bool {
+        self.session.as_ref().is_some_and(|(_, bench)| *bench == wanted)
     }
 
     /// The graph, started where there is none.
     async fn session(&mut self, setting: &Setting, bench: Bench) -> anyhow::Result<&mut Session> {
         if self.session.is_none() {
-            let session = Session::start(setting, self.seed, bench == Bench::Shimmed).await?;
+            let session = Session::start(setting, self.seed, bench).await?;
             self.session = Some((session, bench));
         }
         match &mut self.session {
@@ -204,7 +219,7 @@ async fn one(setting: &Setting, bench: &mut Running, due: &Due<'_>, wish: &Wish)
     if let Act::Orders { count, gap_s } = spec.act {
         return orders::run(setting, seed, count, gap_s).await;
     }
-    let session = bench.session(setting, spec.act.bench()).await?;
+    let session = bench.session(setting, wish.bench(spec)).await?;
     session.whole().await?;
     session.until(SPREAD_S * share_of(seed), |_, _| false).await?;
     let soak_s = |for_s: f64| wish.soak_s.unwrap_or(for_s);

@@ -4,6 +4,7 @@ use super::graph::{Graph, Setting};
 use super::observer::Seen;
 use super::outcome::Observed;
 use super::session::Session;
+use crate::faults::catalogue::Bench;
 use fdm_loop_msgs::SafetyState;
 use models::units::Seconds;
 use rand::rngs::StdRng;
@@ -19,7 +20,7 @@ pub(super) async fn run(setting: &Setting, seed: u64, count: u32, gap_s: f64) ->
     let mut observed = Observed { seed, ..Observed::default() };
     let mut times = Vec::new();
     for _ in 0..count {
-        let (mut graph, mut recipes) = Graph::prepare(setting, seed, false)?;
+        let (mut graph, mut recipes) = Graph::prepare(setting, seed, Bench::Own)?;
         recipes.shuffle(&mut random);
         let order: Vec<&str> = recipes.iter().map(|recipe| recipe.name).collect();
         let first = recipes.remove(0);

@@ -87,7 +87,8 @@ impl Observed {
         for (name, samples) in &self.measures {
             let bound = spec.bounds.get(*name).copied().unwrap_or_default();
             let measure = Measure::of(name, samples.clone(), bound);
-            if !measure.within_limit && !(spec.or_alarm && self.alarmed) {
+            let told = spec.or_alarm && self.alarmed;
+            if !measure.within_limit && !told {
                 wrong.push(measure.text());
             }
         }
@@ -123,6 +124,9 @@ pub(super) fn sum_up(spec: &ProcessSpec, reaction: Reaction, runs: &[Observed]) 
         for (name, measured) in &run.measures {
             samples.entry(name).or_default().extend(measured);
         }
+    }
+    if let Some(recovered_s) = recovered {
+        figures.insert("whole_s".to_owned(), recovered_s);
     }
     let bound = |name: &str| spec.bounds.get(name).copied().unwrap_or(Bound::default());
     TrialFigures {

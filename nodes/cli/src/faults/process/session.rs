@@ -3,6 +3,7 @@
 use super::graph::{Graph, Setting};
 use super::observer::{Hand, Observer, Seen};
 use super::watcher::Watcher;
+use crate::faults::catalogue::Bench;
 use crate::up::recipes::NODES;
 use anyhow::{Context, bail};
 use fdm_loop_msgs::SafetyState;
@@ -47,8 +48,8 @@ impl Session {
     }
 
     /// Starts all nodes and waits for the closed loop.
-    pub(super) async fn start(setting: &Setting, seed: u64, shimmed: bool) -> anyhow::Result<Self> {
-        let (graph, recipes) = Graph::prepare(setting, seed, shimmed)?;
+    pub(super) async fn start(setting: &Setting, seed: u64, bench: Bench) -> anyhow::Result<Self> {
+        let (graph, recipes) = Graph::prepare(setting, seed, bench)?;
         let mut session = Self::around(graph)?;
         for recipe in recipes {
             session.graph.launch(recipe)?;
