@@ -1,5 +1,6 @@
 //! `fdm up`: every node its own process, a print from start to end, an orderly stop, figures at the end.
 
+mod ears;
 pub mod fleet;
 pub mod hearing;
 pub mod recipes;

@@ -1,17 +1,17 @@
 //! `fdm` as a participant of the graph: follows the print, shows progress, notes what happens.
 
+use super::ears::Ears;
 use super::fleet::{Fleet, Happening};
 use super::hearing::Hearing;
 use super::recipes::{NODES, Plan};
 use super::words::{mode_name, text};
 use crate::output;
 use anyhow::bail;
-use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, SimTruth};
+use fdm_loop_msgs::{PrinterState, SafetyState, SimTruth};
 use indicatif::ProgressBar;
 use models::status::JobPhase;
 use models::units::Seconds;
 use printer_sim::score::Integrals;
-use runtime::{Args, Node, Subscription, topics};
 use std::io::IsTerminal;
 
 /// How often processes and topics are looked at `[s]`.
@@ -54,11 +54,8 @@ pub struct Marks {
 
 /// The graph as `fdm` sees it.
 pub struct Watch {
-    node: Node,
-    state: Subscription<PrinterState>,
-    safety: Subscription<SafetyState>,
-    truth: Subscription<SimTruth>,
-    heartbeats: Subscription<Heartbeat>,
+    ears: Ears,
+    namespace: String,
     hearing: Hearing,
     bar: ProgressBar,
     /// When progress was told last, where no terminal shows a bar.
@@ -81,17 +78,13 @@ impl Watch {
     /// # Errors
     /// What keeps the participant from starting.
     pub fn start(plan: &Plan, quiet: bool) -> anyhow::Result<Self> {
-        let namespace = Some(plan.namespace.clone());
-        let mut node = Node::start_with("fdm", Args { namespace, ..Args::default() })?;
+        let ears = Ears::join(&plan.namespace)?;
         let bar = if quiet { ProgressBar::hidden() } else { output::bar(1000, "permille") };
         Ok(Self {
-            state: node.subscribe(&topics::PRINTER_STATE)?,
-            safety: node.subscribe(&topics::SAFETY_STATE)?,
-            truth: node.subscribe(&topics::SIM_TRUTH)?,
-            heartbeats: node.subscribe(&topics::HEARTBEAT)?,
             hearing: Hearing::default(),
-            started: node.clock().now(),
-            node,
+            started: ears.node.clock().now(),
+            ears,
+            namespace: plan.namespace.clone(),
             bar,
             told: (!quiet && !std::io::stderr().is_terminal()).then_some(Seconds(0.0)),
             newest_state: None,
@@ -108,10 +101,10 @@ impl Watch {
     /// # Errors
     /// Names a node that is already there.
     pub async fn refuse_second_graph(&mut self) -> anyhow::Result<()> {
-        let mut ticks = self.node.timer(Seconds(LOOK_S));
+        let mut ticks = self.ears.node.timer(Seconds(LOOK_S));
         while self.elapsed_s() < LISTEN_S {
             _ = ticks.next().await;
-            while let Some(beat) = self.heartbeats.try_recv() {
+            while let Some(beat) = self.ears.heartbeats.try_recv() {
                 let name = beat.message.node.rsplit('/').next().unwrap_or_default().to_owned();
                 if NODES.contains(&name.as_str()) {
                     let node = beat.message.node;
@@ -121,18 +114,18 @@ impl Watch {
                 }
             }
         }
-        self.started = self.node.clock().now();
+        self.started = self.ears.node.clock().now();
         Ok(())
     }
 
     /// Follows the print to its end.
     pub async fn follow(&mut self, fleet: &mut Fleet) -> Ended {
-        let mut ticks = self.node.timer(Seconds(LOOK_S));
-        let mut heard = self.node.clock().now();
+        let mut ticks = self.ears.node.timer(Seconds(LOOK_S));
+        let mut heard = self.ears.node.clock().now();
         loop {
             let now = tokio::select! {
                 now = ticks.next() => now,
-                () = self.node.shutdown() => return self.finish(Ended::Interrupted),
+                () = self.ears.node.shutdown() => return self.finish(Ended::Interrupted),
             };
             for happening in fleet.tend(now) {
                 if let Happening::Ended { name, .. } | Happening::GivenUp { name } = happening {
@@ -140,8 +133,9 @@ impl Watch {
                 }
                 self.tell(happening);
             }
+            let hears = self.rejoin_if_deaf();
             self.hear();
-            if fleet.has_lost("printer_sim") {
+            if !hears || fleet.has_lost("printer_sim") {
                 return self.finish(Ended::Lost);
             }
             if self.listen() {
@@ -166,11 +160,11 @@ impl Watch {
     /// Ends the nodes in order, the recorder last, by force what does not end by itself.
     pub async fn stop(&mut self, fleet: &mut Fleet) {
         const LAST: &str = "bag_recorder";
-        let mut ticks = self.node.timer(Seconds(LOOK_S));
+        let mut ticks = self.ears.node.timer(Seconds(LOOK_S));
         for except in [Some(LAST), None] {
             fleet.ask_to_end(except);
-            let asked = self.node.clock().now();
-            while !fleet.all_ended(except) && (self.node.clock().now() - asked).0 < END_S {
+            let asked = self.ears.node.clock().now();
+            while !fleet.all_ended(except) && (self.ears.node.clock().now() - asked).0 < END_S {
                 _ = ticks.next().await;
             }
         }
@@ -182,7 +176,7 @@ impl Watch {
     /// Wall time since the processes were started `[s]`.
     #[must_use]
     pub fn elapsed_s(&self) -> f64 {
-        (self.node.clock().now() - self.started).0
+        (self.ears.node.clock().now() - self.started).0
     }
 
     fn finish(&mut self, ended: Ended) -> Ended {
@@ -195,11 +189,20 @@ impl Watch {
         self.happenings.push(happening);
     }
 
+    /// Joins anew where nothing is heard any more; whether that is possible.
+    fn rejoin_if_deaf(&mut self) -> bool {
+        if self.ears.are_deaf() {
+            self.bar.suspend(|| output::note("fdm hears nothing any more: it joins the graph anew"));
+            return Ears::join(&self.namespace).map(|ears| self.ears = ears).is_ok();
+        }
+        true
+    }
+
     /// Takes the heartbeats that came in, and looks who is missing.
     fn hear(&mut self) {
-        let now = self.node.clock().now();
+        let now = self.ears.node.clock().now();
         let mut happenings = Vec::new();
-        while let Some(beat) = self.heartbeats.try_recv() {
+        while let Some(beat) = self.ears.heartbeats.try_recv() {
             let name = beat.message.node.rsplit('/').next().unwrap_or_default();
             happenings.extend(self.hearing.beat(beat.received, name, beat.message.session_id));
         }
@@ -211,14 +214,14 @@ impl Watch {
 
     /// Takes everything that came in; whether the printer was heard.
     fn listen(&mut self) -> bool {
-        while let Some(safety) = self.safety.try_recv() {
+        while let Some(safety) = self.ears.safety.try_recv() {
             self.note_mode(&safety.message);
             self.newest_safety = Some(safety.message);
         }
-        while let Some(truth) = self.truth.try_recv() {
+        while let Some(truth) = self.ears.truth.try_recv() {
             self.mark(&truth.message);
         }
-        let newest = self.state.drain_newest();
+        let newest = self.ears.state.drain_newest();
         let heard = newest.is_some();
         if let Some(state) = newest {
             self.newest_state = Some(state.message);
