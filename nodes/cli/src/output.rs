@@ -1,9 +1,12 @@
 //! The one writer of the command: text for people, JSON for programs, progress on standard error.
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use std::ffi::OsString;
 use std::io::Write;
+use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 /// Writes a line, or several, to standard output.
@@ -48,7 +51,7 @@ impl Json {
     /// Tells before long work that its figures could not be written.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// A file that cannot be written, or that the command line names as something else too.
     pub fn check(&self) -> anyhow::Result<()> {
         self.0.as_deref().filter(|_| !self.is_stdout()).map_or(Ok(()), check_writable)
     }
@@ -59,6 +62,7 @@ impl Json {
     /// A file that cannot be written.
     pub fn write<T: Serialize>(&self, figures: &T) -> anyhow::Result<()> {
         let Some(path) = &self.0 else { return Ok(()) };
+        self.check()?;
         let text = serde_json::to_string_pretty(figures)?;
         if self.is_stdout() {
             line(&text)
@@ -68,11 +72,62 @@ impl Json {
     }
 }
 
-/// Tells before long work that a file could not be written.
+/// Refuses an output that this command line names a second time, as an input or as another output.
 ///
 /// # Errors
-/// The file, and what the system says.
+/// The file under both names.
+pub fn check_named_once(output: &Path) -> anyhow::Result<()> {
+    let files: Vec<PathBuf> =
+        others(output, std::env::args_os().skip(1)).into_iter().filter(|path| path.is_file()).collect();
+    check_apart(output, &files)
+}
+
+/// What arguments name beside one mention of `output`: words, and values behind `--name=`.
+fn others(output: &Path, arguments: impl Iterator<Item = OsString>) -> Vec<PathBuf> {
+    let value = |word: OsString| {
+        let bytes = word.as_bytes();
+        let behind = bytes.iter().position(|byte| *byte == b'=').filter(|_| bytes.starts_with(b"--"));
+        behind.map_or_else(
+            || PathBuf::from(&word),
+            |at| PathBuf::from(std::ffi::OsStr::from_bytes(&bytes[at + 1..])),
+        )
+    };
+    let mut words: Vec<PathBuf> = arguments.map(value).collect();
+    if let Some(own) = words.iter().position(|word| word == output) {
+        words.remove(own);
+    }
+    words
+}
+
+/// Refuses an output that is one of `inputs`, under whatever name, or lies in a folder among them.
+///
+/// # Errors
+/// The output and the input.
+pub fn check_apart(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
+    let identity = |path: &Path| std::fs::metadata(path).ok().map(|found| (found.dev(), found.ino()));
+    let whole = std::fs::canonicalize(output).ok().or_else(|| {
+        let absolute = std::path::absolute(output).ok()?;
+        Some(std::fs::canonicalize(absolute.parent()?).ok()?.join(absolute.file_name()?))
+    });
+    let parts: Vec<_> = whole.iter().flat_map(|path| path.ancestors()).filter_map(identity).collect();
+    match inputs.iter().find(|input| identity(input).is_some_and(|input| parts.contains(&input))) {
+        None => Ok(()),
+        Some(input) if input.is_dir() => {
+            bail!("{} lies in {}, which is read: choose another file", output.display(), input.display())
+        }
+        Some(input) => {
+            let (output, input) = (output.display(), input.display());
+            bail!("{output} would replace {input}, which this command names as well: choose another file")
+        }
+    }
+}
+
+/// Tells before long work that a file could not be written, or that it is an input.
+///
+/// # Errors
+/// The file, and what the system says; a file that the command line names as something else too.
 pub fn check_writable(path: &Path) -> anyhow::Result<()> {
+    check_named_once(path)?;
     let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
     file.map(drop).with_context(|| path.display().to_string())
 }
@@ -86,4 +141,51 @@ pub fn complain(error: &anyhow::Error) {
 /// One line on standard error: what happens meanwhile.
 pub fn note(text: &str) {
     _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("fdm-output-{name}-{}", std::process::id()));
+        _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(folder.join("bag")).unwrap();
+        std::fs::write(folder.join("bag/a.mcap"), "x").unwrap();
+        std::fs::write(folder.join("other"), "x").unwrap();
+        folder
+    }
+
+    /// By its name, by a detour, through a link of either kind, in a folder that is read; what stands beside is free.
+    #[test]
+    fn an_output_that_is_read_is_refused_under_any_name() {
+        let folder = folder("apart");
+        let (bag, file) = (folder.join("bag"), folder.join("bag/a.mcap"));
+        std::os::unix::fs::symlink(&file, folder.join("soft")).unwrap();
+        std::os::unix::fs::symlink(&bag, folder.join("door")).unwrap();
+        std::fs::hard_link(&file, folder.join("hard")).unwrap();
+        let clashes = |output: &str, input: &Path| {
+            check_apart(&folder.join(output), &[folder.join("other"), input.to_path_buf()]).is_err()
+        };
+        for output in ["bag/a.mcap", "bag/../bag/a.mcap", "soft", "hard", "door/a.mcap"] {
+            assert!(clashes(output, &file), "{output}");
+        }
+        for output in ["bag/new.html", "bag/a.mcap", "soft", "door/new.html"] {
+            assert!(clashes(output, &bag), "{output}");
+        }
+        assert!(!clashes("bag/new.html", &file) && !clashes("new.html", &bag) && !clashes("bag.html", &bag));
+        assert_eq!(std::fs::read(&file).unwrap(), b"x");
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn a_file_named_twice_is_found_among_the_arguments() {
+        let words = |line: &str| others(Path::new("a.stl"), line.split(' ').map(OsString::from)).len();
+        let named = |line: &str| {
+            others(Path::new("a.stl"), line.split(' ').map(OsString::from)).contains(&PathBuf::from("a.stl"))
+        };
+        assert!(named("map --stl a.stl --json a.stl") && named("map --stl=a.stl --json=a.stl"));
+        assert!(!named("map --stl b.stl --json a.stl") && !named("map --stl b.stl --json=a.stl"));
+        assert_eq!(words("map --stl b.stl --json a.stl"), 4);
+    }
 }

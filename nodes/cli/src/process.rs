@@ -43,8 +43,9 @@ impl Picture {
     /// Chooses the form by the name's ending, before the work begins.
     ///
     /// # Errors
-    /// An ending that is neither `.svg` nor `.html`.
+    /// An ending that is neither `.svg` nor `.html`; a file that the command line names as something else too.
     pub fn new(path: &Path) -> anyhow::Result<Self> {
+        crate::output::check_named_once(path)?;
         match path.extension().and_then(|ending| ending.to_str()) {
             Some("svg") => Ok(Self { path: path.to_path_buf(), page: false }),
             Some("html") => Ok(Self { path: path.to_path_buf(), page: true }),

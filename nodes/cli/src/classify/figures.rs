@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// Classes of loose strands, and the label of pictures that show one or the other.
-const STRAND: [&str; 3] = ["spaghetti", "stringing", "spaghetti_or_stringing"];
+pub(super) const STRAND: [&str; 3] = ["spaghetti", "stringing", "spaghetti_or_stringing"];
 /// Defects of the surface.
 const SURFACE: [&str; 2] = ["under_extrusion", "over_extrusion"];
 /// Five defects that photographs have labels for.
@@ -35,6 +35,8 @@ pub(super) struct PhotographFigures {
     merged: usize,
     /// Pictures with a label that the network does not have.
     other_labels: usize,
+    /// Labels that nothing here knows, with their files; those left out among them.
+    unknown_labels: BTreeMap<String, usize>,
     classes: BTreeMap<String, ClassFigures>,
     auroc_strand_vs_other: Option<Interval>,
     accuracy_5: Option<Interval>,
@@ -183,6 +185,7 @@ pub(super) fn of_photographs(
         left_out: set.left_out,
         merged: set.merged,
         other_labels: all.len() - known.len(),
+        unknown_labels: set.unknown_labels(network.classes()),
         classes: by_class(&known, network, draw),
         auroc_strand_vs_other: if complete { bootstrap(&defects, draw, &strand) } else { None },
         accuracy_5: share(right_5, in_five.len()),
@@ -240,6 +243,7 @@ impl PhotographFigures {
             "photographs  {} judged, {} trained with and left out, {} rows merged, {} with other labels\n",
             self.images, self.left_out, self.merged, self.other_labels
         );
+        text += &super::photographs::labels_text(&self.unknown_labels);
         text += &classes_text(&self.classes);
         text += &lines(&[
             ("AUROC strand against other", self.auroc_strand_vs_other),

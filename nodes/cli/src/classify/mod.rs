@@ -51,6 +51,10 @@ pub struct ClassifyArgs {
     json: Option<PathBuf>,
 }
 
+/// Said wherever a network speaks for itself: what it reaches stands with its file.
+const CAUTION: &str = "Caution: far from reliable by itself; of pictures it was not trained with it names about every second one \
+                       wrong (config/models/README.md has the figures). Look at the picture before acting on this.";
+
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum View {
@@ -92,11 +96,12 @@ pub fn run(args: &ClassifyArgs) -> anyhow::Result<()> {
     if let Some(manifest) = &args.manifest {
         let seen = if args.all { Vec::new() } else { photographs::seen(&config.file("models"))? };
         let set = photographs::read(manifest, network.hidden(), &seen)?;
+        set.check_labels(network.classes()).with_context(|| manifest.display().to_string())?;
         let figures = figures::of_photographs(&network, &set, &settings::load(&config)?)?;
-        return report(&json, &figures, &figures.text());
+        return report(&json, &figures, &format!("{}{CAUTION}", figures.text()));
     }
     let judged = args.images.iter().map(|path| judge(&network, path)).collect::<anyhow::Result<Vec<_>>>()?;
-    let text: Vec<String> = judged.iter().map(Judged::text).collect();
+    let text: Vec<String> = judged.iter().map(Judged::text).chain([CAUTION.to_owned()]).collect();
     report(&json, &judged, &text.join("\n"))
 }
 
@@ -141,6 +146,9 @@ const PICTURE_BYTES_MAX: u64 = 64 << 20;
 /// A picture file, not larger than anything sensible.
 fn read_picture(path: &Path) -> anyhow::Result<Vec<u8>> {
     let length = std::fs::metadata(path).with_context(|| path.display().to_string())?.len();
+    if length == 0 {
+        bail!("{}: an empty file is no picture", path.display());
+    }
     if length > PICTURE_BYTES_MAX {
         bail!("{}: {length} bytes, a picture has at most {PICTURE_BYTES_MAX}", path.display());
     }

@@ -1,6 +1,7 @@
 //! Photographs with labels: read where they lie, never copied.
 
 use super::chance::digest;
+use super::figures::STRAND;
 use super::read_picture;
 use anyhow::{Context, bail};
 use defect_classifier::features::{self, Hidden, Measured};
@@ -31,8 +32,47 @@ pub(super) struct Set {
     pub(super) photographs: Vec<Photograph>,
     /// Files of the manifest that the network had been trained with.
     pub(super) left_out: usize,
-    /// Rows that name a file that an earlier row named.
+    /// Rows that name a file or a picture that an earlier row named.
     pub(super) merged: usize,
+    /// Files of each label, those left out among them.
+    pub(super) labels: BTreeMap<String, usize>,
+}
+
+impl Set {
+    /// Labels that are neither a class nor one of two classes that look alike, with their files.
+    pub(super) fn unknown_labels(&self, classes: &[String]) -> BTreeMap<String, usize> {
+        let known = |label: &String| classes.contains(label) || STRAND.contains(&label.as_str());
+        self.labels
+            .iter()
+            .filter(|(label, _)| !known(label))
+            .map(|(label, files)| (label.clone(), *files))
+            .collect()
+    }
+
+    /// Refuses a set of which a network with these classes can say nothing.
+    ///
+    /// # Errors
+    /// The labels that there are beside those that are known.
+    pub(super) fn check_labels(&self, classes: &[String]) -> anyhow::Result<()> {
+        if self.unknown_labels(classes).len() < self.labels.len() {
+            return Ok(());
+        }
+        let there: Vec<&str> = self.labels.keys().map(String::as_str).collect();
+        bail!(
+            "no picture has a class of the network: there are {}; it knows {}",
+            there.join(", "),
+            classes.join(", ")
+        )
+    }
+}
+
+/// A line for people; none where every label is known.
+pub(super) fn labels_text(unknown: &BTreeMap<String, usize>) -> String {
+    if unknown.is_empty() {
+        return String::new();
+    }
+    let named: Vec<String> = unknown.iter().map(|(label, files)| format!("{label} {files}")).collect();
+    format!("labels that the network does not know, by files: {}\n", named.join(", "))
 }
 
 /// A row of a manifest; other columns are left alone.
@@ -77,7 +117,7 @@ pub(super) fn write_seen(folder: &Path, digests: BTreeSet<u64>) -> anyhow::Resul
 /// Features of every picture of a manifest but those whose digest is among `seen`.
 ///
 /// # Errors
-/// A manifest or a picture that is missing or cannot be read, two labels for one file.
+/// A manifest or a picture that is missing or cannot be read, two labels for one picture, a manifest without rows.
 pub(super) fn read(manifest: &Path, hidden: Hidden, seen: &[u64]) -> anyhow::Result<Set> {
     let context = || manifest.display().to_string();
     if !manifest.is_file() {
@@ -87,6 +127,7 @@ pub(super) fn read(manifest: &Path, hidden: Hidden, seen: &[u64]) -> anyhow::Res
     let mut table = csv::Reader::from_path(manifest).with_context(context)?;
     let mut set = Set::default();
     let mut labels: BTreeMap<String, String> = BTreeMap::new();
+    let mut pictures: BTreeMap<u64, (String, String)> = BTreeMap::new();
     for row in table.deserialize() {
         let Row { file, class, group, source_repo, licence } = row.with_context(context)?;
         if let Some(before) = labels.insert(file.clone(), class.clone()) {
@@ -98,6 +139,14 @@ pub(super) fn read(manifest: &Path, hidden: Hidden, seen: &[u64]) -> anyhow::Res
         }
         let bytes = read_picture(&folder.join(&file))?;
         let digest = digest(&bytes);
+        if let Some((name, label)) = pictures.insert(digest, (file.clone(), class.clone())) {
+            if label != class {
+                bail!("{}: {name} and {file} are one picture, labelled {label} and {class}", context());
+            }
+            set.merged += 1;
+            continue;
+        }
+        *set.labels.entry(class.clone()).or_default() += 1;
         if seen.contains(&digest) {
             set.left_out += 1;
             continue;
@@ -114,6 +163,9 @@ pub(super) fn read(manifest: &Path, hidden: Hidden, seen: &[u64]) -> anyhow::Res
             values,
             took: start.elapsed(),
         });
+    }
+    if labels.is_empty() {
+        bail!("{}: there is no row below its head", context());
     }
     Ok(set)
 }

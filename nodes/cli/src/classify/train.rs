@@ -170,7 +170,7 @@ fn photograph(manifest: &Path, settings: &Settings, out: &Path) -> anyhow::Resul
     };
     let strands =
         test.iter().filter(|picture| unseen(picture)).chain(test.iter().filter(other)).cloned().collect();
-    let held_out = Set { photographs: test, left_out: train.len(), merged: set.merged };
+    let held_out = Set { photographs: test, left_out: train.len(), merged: set.merged, labels: set.labels };
     Ok(PhotographTraining {
         trained_with: train.len(),
         trained_groups: groups(&train),

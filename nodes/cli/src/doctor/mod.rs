@@ -4,7 +4,9 @@ mod devices;
 mod finding;
 mod graph;
 mod machine;
+mod netlink;
 mod network;
+mod parameters;
 mod software;
 
 use crate::output::{self, Json};
@@ -81,14 +83,14 @@ fn findings(args: &DoctorArgs) -> Vec<Finding> {
         software::system(&here),
         software::nodes(),
         software::build_tools(),
-        software::config(args.config.as_deref()),
+        parameters::config(args.config.as_deref()),
         software::processors(&here),
         software::memory(&here),
         software::disk(&args.bags),
     ];
     findings.extend(software::clock(&here));
     findings.extend(network::environment());
-    findings.extend(network::interfaces(&here));
+    findings.extend(network::interfaces());
     findings.push(network::participants(&here));
     findings.push(graph::pair());
     findings.push(devices::cameras(&here));

@@ -2,6 +2,7 @@
 
 use super::finding::Finding;
 use super::machine::Machine;
+use super::netlink;
 use runtime::{Environment, Range};
 
 /// Flags of an interface, `linux/if.h`.
@@ -34,17 +35,12 @@ pub(super) fn environment() -> Vec<Finding> {
     vec![Finding::ok(NAME, format!("ROS_DOMAIN_ID {}, discovery on {range}", environment.domain_id))]
 }
 
-/// Loopback, and the interfaces that lead out.
-pub(super) fn interfaces(machine: &Machine) -> Vec<Finding> {
-    let flags = |name: &str| {
-        let text = machine.text(&format!("sys/class/net/{name}/flags"))?;
-        u32::from_str_radix(text.strip_prefix("0x")?, 16).ok()
+/// Loopback, and the interfaces that lead out, of the network namespace that this runs in.
+pub(super) fn interfaces() -> Vec<Finding> {
+    let all = match netlink::interfaces() {
+        Ok(all) => all,
+        Err(error) => return vec![Finding::warn("loopback", format!("not known: {error}"), "")],
     };
-    let all: Vec<(String, u32)> = machine
-        .names("sys/class/net")
-        .into_iter()
-        .filter_map(|name| Some((name.clone(), flags(&name)?)))
-        .collect();
     let out: Vec<&str> = all
         .iter()
         .filter(|(_, flags)| flags & UP != 0 && flags & LOOPBACK == 0)

@@ -1,8 +1,7 @@
-//! System, nodes, parameters, processors, memory, disk, clock.
+//! System, nodes, processors, memory, disk, clock.
 
 use super::finding::Finding;
 use super::machine::{Machine, nearest};
-use crate::config::ConfigDir;
 use crate::up::recipes::NODES;
 use rustix::fs::{Access, access, statvfs};
 use std::path::Path;
@@ -11,6 +10,8 @@ use std::time::Duration;
 
 /// Oldest Debian that the binaries are built for and tested on.
 const DEBIAN_MIN: u32 = 12;
+/// Exit code of a node that refuses its arguments.
+const REFUSED: i32 = 2;
 /// Exit code of the loader where a library is missing.
 const NOT_LOADED: i32 = 127;
 /// The recorder keeps this much free (faults.md, T1) `[byte]`.
@@ -60,28 +61,50 @@ pub(super) fn nodes() -> Finding {
         let found = format!("missing in {}: {}", folder.display(), missing.join(", "));
         return Finding::fail(NAME, found, "cargo build --release --workspace --bins");
     }
-    let complaints: Vec<String> =
-        NODES.into_iter().filter_map(|name| loads(&folder.join(name)).err()).collect();
-    match complaints.first() {
-        None => Finding::ok(NAME, format!("all {} load with their libraries", NODES.len())),
-        Some(first) => Finding::fail(
+    judged(NODES.into_iter().filter_map(|name| loads(&folder.join(name)).err()).collect())
+}
+
+/// Why a program does not come as far as to refuse an argument.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Trouble {
+    /// The loader misses a library.
+    Library(String),
+    /// It ended in some other way.
+    Other(String),
+}
+
+fn judged(troubles: Vec<Trouble>) -> Finding {
+    const NAME: &str = "nodes";
+    let count = NODES.len();
+    match troubles.first() {
+        None => Finding::ok(NAME, format!("all {count} load with their libraries")),
+        Some(Trouble::Library(first)) => Finding::fail(
             NAME,
-            format!("{} of {} do not load: {first}", complaints.len(), NODES.len()),
+            format!("{} of {count} do not load: {first}", troubles.len()),
             "apt-get install --no-install-recommends libopencv-videoio406 (OpenCV of Debian 12; it brings core, \
              imgproc and imgcodecs)",
+        ),
+        Some(Trouble::Other(first)) => Finding::fail(
+            NAME,
+            format!("{} of {count} do not start: {first}", troubles.len()),
+            "start that program by itself to see why; cargo build --release --workspace --bins makes all anew",
         ),
     }
 }
 
 /// Starts a node with an argument that no node takes.
-fn loads(program: &Path) -> Result<(), String> {
+fn loads(program: &Path) -> Result<(), Trouble> {
+    let name = program.file_name().unwrap_or_default().to_string_lossy();
     let ended = Command::new(program).arg("--doctor").stdin(Stdio::null()).output();
-    match ended {
-        Ok(ended) if ended.status.code() == Some(NOT_LOADED) => {
-            Err(String::from_utf8_lossy(&ended.stderr).lines().next().unwrap_or_default().to_owned())
+    let ended = ended.map_err(|error| Trouble::Other(format!("{name}: {error}")))?;
+    match ended.status.code() {
+        Some(REFUSED) => Ok(()),
+        Some(NOT_LOADED) => {
+            let said = String::from_utf8_lossy(&ended.stderr);
+            Err(Trouble::Library(said.lines().next().unwrap_or_default().to_owned()))
         }
-        Ok(_) => Ok(()),
-        Err(error) => Err(format!("{}: {error}", program.display())),
+        // Of a signal the system says number and name.
+        _ => Err(Trouble::Other(format!("{name} ended by itself ({})", ended.status))),
     }
 }
 
@@ -95,17 +118,6 @@ pub(super) fn build_tools() -> Finding {
         ["cargo", "g++", "clang"].into_iter().partition(|name| there(name));
     let list = |names: Vec<&str>| if names.is_empty() { "none".to_owned() } else { names.join(", ") };
     Finding::ok("build tools", format!("not needed to run; here: {}, not here: {}", list(has), list(lacks)))
-}
-
-/// The parameter files.
-pub(super) fn config(given: Option<&Path>) -> Finding {
-    const NAME: &str = "configuration";
-    match ConfigDir::find(given).and_then(|config| Ok((config.motion()?, config))) {
-        Ok((_, config)) => Finding::ok(NAME, config.file("").display().to_string()),
-        Err(error) => {
-            Finding::fail(NAME, format!("{error:#}"), "call fdm in the repository, or set FDM_CONFIG")
-        }
-    }
 }
 
 /// Count and load of the processors.
@@ -170,7 +182,7 @@ pub(super) fn disk(bags: &Path) -> Finding {
     };
     let free = disk.f_bavail.saturating_mul(disk.f_frsize);
     let found = format!("{:.1} GB free at {place}", gb(free));
-    if access(&folder, Access::WRITE_OK).is_err() {
+    if !folder.is_dir() || access(&folder, Access::WRITE_OK).is_err() {
         return Finding::fail(
             NAME,
             format!("{place} cannot be written"),

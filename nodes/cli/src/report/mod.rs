@@ -12,11 +12,11 @@ mod timeline;
 mod view;
 
 use crate::output;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use bag::Bag;
 use clap::Args;
 use record::Record;
-use scan::{Ended, scan};
+use scan::{Ended, Sum, scan};
 use std::path::{Path, PathBuf};
 
 /// Makes a page with plots, events, pictures and layer maps out of a bag.
@@ -35,28 +35,54 @@ pub struct ReportArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// A bag that is not there or holds nothing, a page that cannot be written.
+/// What is no bag, a bag that holds nothing, a page that cannot be written or would replace what is read.
 pub fn run(args: &ReportArgs) -> anyhow::Result<()> {
-    let text = page(&args.bag, args.namespace.as_deref())?;
     let path = args.out.clone().unwrap_or_else(|| beside(&args.bag));
+    check_out(&path, &args.bag)?;
+    let text = page(&args.bag, args.namespace.as_deref())?;
     std::fs::write(&path, &text).with_context(|| path.display().to_string())?;
     output::line(&format!("{} ({})", path.display(), view::words::bytes(text.len() as u64)))
+}
+
+/// A page replaces nothing of a bag: neither a file of it nor what lies beside them.
+fn check_out(out: &Path, bag: &Path) -> anyhow::Result<()> {
+    output::check_apart(out, &[bag.to_path_buf()])?;
+    let is_page = out.extension().is_some_and(|ending| ending == "html");
+    match std::fs::canonicalize(bag).ok().as_deref().and_then(Path::parent) {
+        Some(folder) if bag.is_file() && !is_page => output::check_apart(out, &[folder.to_path_buf()]),
+        _ => Ok(()),
+    }
 }
 
 /// The page of a bag as text.
 ///
 /// # Errors
-/// A bag that is not there or cannot be read at all.
+/// What is no bag, cannot be read at all, or holds nothing of the namespace.
 pub fn page(path: &Path, namespace: Option<&str>) -> anyhow::Result<String> {
     let bag = Bag::find(path)?;
     let namespace = namespace.map(|name| name.trim_end_matches('/').to_owned());
-    let mut record = Record { namespace, ..Record::default() };
-    let mut torn = Vec::new();
+    let mut record = Record { namespace: namespace.clone(), ..Record::default() };
+    let (mut torn, mut strangers) = (Vec::new(), 0);
     for file in &bag.files {
         let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        if let Ended::Torn(how) = scan(file, &mut record)? {
-            torn.push(format!("{name} ends in {how}"));
+        match scan(file, &mut record)? {
+            Ended::Whole(Sum::Fits) => record.tally.sums_fit += 1,
+            Ended::Whole(Sum::Absent) => {}
+            Ended::Torn(how) => torn.push(format!("{name} {how}")),
+            Ended::NoBag => {
+                torn.push(format!("{name} does not begin as a file of a bag does"));
+                strangers += 1;
+            }
         }
+    }
+    if strangers == bag.files.len() {
+        bail!(
+            "{}: no bag: it does not begin as an MCAP file does; give a bag's folder or an .mcap file",
+            path.display()
+        );
+    }
+    if let Some(namespace) = namespace.filter(|_| record.tally.messages > 0) {
+        record.check_namespace(&namespace)?;
     }
     if record.tally.messages == 0 {
         torn.push("no message could be read".to_owned());

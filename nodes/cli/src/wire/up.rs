@@ -168,3 +168,22 @@ fn logs(bag: Option<&Path>) -> PathBuf {
     name.push("_logs");
     bag.with_file_name(name)
 }
+
+/// Parses the parameters of all nodes of a wall, for `fdm doctor`.
+///
+/// # Errors
+/// File, line, field, value and range of what is refused; executables that are missing.
+pub(crate) fn check_config(config: &ConfigDir) -> anyhow::Result<()> {
+    let args = UpArgs {
+        layers: 1,
+        speed: 1.0,
+        seed: 1,
+        mode: "act".into(),
+        bag: None,
+        namespace: "/printer".into(),
+        config: None,
+        dry_run: true,
+        json: None,
+    };
+    members(&args, None).iter().try_for_each(|member| recipe(&args, config, member).map(drop))
+}

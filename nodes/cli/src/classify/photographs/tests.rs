@@ -22,6 +22,8 @@ impl Folder {
         for (file, period) in [("a.jpg", 8), ("b.jpg", 16)] {
             std::fs::write(path.join(file), picture(period)).unwrap();
         }
+        std::fs::copy(path.join("a.jpg"), path.join("a2.jpg")).unwrap();
+        std::fs::write(path.join("nothing.jpg"), "").unwrap();
         Self(path)
     }
 
@@ -65,6 +67,22 @@ fn a_file_counts_once_and_has_one_label() {
     assert!(said.ends_with("a.jpg is labelled strand and clean"), "{said}");
 }
 
+/// A copy under another name is the same picture; labels are counted with what is left out.
+#[test]
+fn a_picture_under_two_names_counts_once() {
+    let manifest = "file,class\na.jpg,strand\na2.jpg,strand\nb.jpg,dragon\n";
+    let set = Folder::new("copies", manifest).read(&[digest(&picture(16))]).unwrap();
+    assert_eq!((set.merged, set.photographs.len(), set.left_out), (1, 1, 1));
+    assert_eq!(set.labels, BTreeMap::from([("strand".to_owned(), 1), ("dragon".to_owned(), 1)]));
+    let classes = ["ok", "strand"].map(str::to_owned);
+    assert_eq!(set.unknown_labels(&classes), BTreeMap::from([("dragon".to_owned(), 1)]));
+    assert!(set.check_labels(&classes).is_ok());
+    let said = set.check_labels(&classes[..1]).unwrap_err().to_string();
+    assert!(said.contains("dragon, strand") && said.ends_with("it knows ok"), "{said}");
+    let said = refusal("copy", "file,class\na.jpg,strand\na2.jpg,clean\n");
+    assert!(said.ends_with("a.jpg and a2.jpg are one picture, labelled strand and clean"), "{said}");
+}
+
 #[test]
 fn what_cannot_be_read_is_named() {
     for (name, manifest, part) in [
@@ -72,6 +90,8 @@ fn what_cannot_be_read_is_named() {
         ("column", "file,kind\na.jpg,strand\n", "missing field `class`"),
         ("picture", "file,class\nc.jpg,strand\n", "c.jpg"),
         ("itself", "file,class\nlabels.csv,strand\n", "labels.csv"),
+        ("empty", "file,class\nnothing.jpg,strand\n", "nothing.jpg: an empty file"),
+        ("head", "file,class\n", "no row"),
     ] {
         let said = refusal(name, manifest);
         assert!(said.contains(part), "{name}: {said}");

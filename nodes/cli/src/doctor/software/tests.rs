@@ -44,10 +44,44 @@ fn the_disk_of_a_new_folder_is_that_of_its_parent() {
     assert!(found.found.contains(&std::env::temp_dir().display().to_string()), "{found}");
 }
 
-/// `/proc` takes no files, whoever asks.
+/// A file stands in the way: nobody, whoever he is, makes files below it.
 #[test]
 fn a_folder_that_takes_no_files_fails() {
-    if access("/proc/sys/kernel", Access::WRITE_OK).is_err() {
-        assert_eq!(disk(Path::new("/proc/sys/kernel")).level, Level::Fail);
-    }
+    use std::os::unix::fs::PermissionsExt;
+    let folder = std::env::temp_dir().join(format!("fdm-doctor-locked-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::set_permissions(&folder, std::fs::Permissions::from_mode(0o555)).unwrap();
+    // The superuser may write there all the same: the check is of what this user can do.
+    let may = std::fs::write(folder.join("x"), "x").is_ok();
+    assert_eq!(disk(&folder.join("bags")).level == Level::Fail, !may);
+    std::fs::write(folder.with_extension("file"), "x").unwrap();
+    assert_eq!(disk(&folder.with_extension("file").join("bags")).level, Level::Fail);
+}
+
+/// A program of this test: a shell script.
+fn program(name: &str, script: &str) -> std::path::PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = std::env::temp_dir().join(format!("fdm-doctor-programs-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(name);
+    std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    path
+}
+
+/// A node refuses the argument with 2; a missing library is 127 of the loader; whatever else happens is told.
+#[test]
+fn a_program_that_does_not_come_to_refuse_an_argument_is_told() {
+    assert_eq!(loads(&program("sound", "exit 2")), Ok(()));
+    let missing = loads(&program("missing", "echo libx.so: not found >&2; exit 127"));
+    assert_eq!(missing, Err(Trouble::Library("libx.so: not found".to_owned())));
+    let Err(Trouble::Other(said)) = loads(&program("crashes", "kill -SEGV $$")) else {
+        panic!("it is ended")
+    };
+    assert!(said.contains("crashes") && said.contains("signal: 11"), "{said}");
+    assert!(matches!(loads(&program("silent", "exit 0")), Err(Trouble::Other(_))));
+    assert!(matches!(loads(Path::new("/nowhere/node")), Err(Trouble::Other(_))));
+    assert_eq!(judged(vec![]).level, Level::Ok);
+    let finding = judged(vec![Trouble::Other("camera ended".to_owned())]);
+    assert!(finding.level == Level::Fail && !finding.what_to_do.contains("apt-get"), "{finding}");
 }

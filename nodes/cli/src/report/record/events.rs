@@ -2,6 +2,8 @@
 
 use super::super::decode::short;
 use fdm_loop_msgs::PrintEvent;
+use safety_supervisor::Cause;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Different lines that are kept; a hostile bag may hold millions.
@@ -71,6 +73,14 @@ pub(crate) struct Events {
     pub(crate) beyond: u64,
 }
 
+/// A cause of the supervisor behind its code: an event carries the words alone.
+pub(crate) fn coded(why: &str) -> Cow<'_, str> {
+    match Cause::ALL.iter().find(|cause| cause.text() == why) {
+        Some(cause) => Cow::Owned(format!("{}: {why}", cause.id())),
+        None => Cow::Borrowed(why),
+    }
+}
+
 impl Events {
     /// Takes an event in.
     pub(crate) fn take(&mut self, at: f64, event: &PrintEvent) {
@@ -80,7 +90,7 @@ impl Events {
         let text = Text {
             who: cut(&event.who),
             what: cut(&event.what),
-            why: cut(&event.why),
+            why: cut(&coded(&event.why)),
             before: cut(&event.before),
             after: cut(&event.after),
         };

@@ -74,6 +74,7 @@ impl Record {
             else {
                 continue;
             };
+            self.tally.namespace(namespace);
             match &self.namespace {
                 Some(ours) if ours == namespace => return Some(known.name),
                 Some(_) => {}
@@ -85,6 +86,20 @@ impl Record {
         }
         self.tally.foreign(topic);
         None
+    }
+
+    /// Refuses a namespace that was asked for and has no topic.
+    ///
+    /// # Errors
+    /// Names those that there are.
+    pub(crate) fn check_namespace(&self, asked: &str) -> anyhow::Result<()> {
+        let there = &self.tally.namespaces;
+        if there.contains(asked) {
+            return Ok(());
+        }
+        let names: Vec<&str> = there.iter().map(String::as_str).collect();
+        let names = if names.is_empty() { "none of a printer".to_owned() } else { names.join(", ") };
+        anyhow::bail!("--namespace {asked}: the bag holds nothing of it; there are {names}")
     }
 
     /// Takes a message of a declared topic in.

@@ -1,6 +1,7 @@
 //! Pictures of what was flagged and of what led to decisions: few, small, checked before they go into a page.
 
 use super::super::decode::short;
+use super::events::coded;
 use fdm_loop_msgs::{CompressedImage, DefectReport, PrintEvent};
 use std::collections::VecDeque;
 
@@ -55,6 +56,8 @@ pub(crate) struct Pictures {
     frames: VecDeque<Frame>,
     wanted: VecDeque<Wanted>,
     episode: Option<(String, f64)>,
+    /// What the camera's judge said of the newest frames.
+    said: VecDeque<(f64, String)>,
     /// Frames that were seen.
     pub(crate) seen: u64,
     /// Frames that are no picture, or too large.
@@ -96,6 +99,10 @@ impl Pictures {
 
     /// A report: the first frame of each episode with one cause is wanted, and its surest one.
     pub(crate) fn report(&mut self, at: f64, report: DefectReport) {
+        self.said.push_back((at, said_of(&report)));
+        if self.said.len() > WAIT * 2 {
+            self.said.pop_front();
+        }
         let flagged = report.usable && report.cause != "ok" && (report.confirmed || report.confidence >= 0.5);
         if !flagged || !report.confidence.is_finite() {
             self.episode = None;
@@ -109,15 +116,15 @@ impl Pictures {
             return;
         }
         let cause = short(&report.cause, 60);
-        self.episode = Some((report.cause, report.confidence));
-        let mut detail = format!(
-            "confidence c_k {:.2}, detection {:.2}, {} of {} frames in favour",
-            report.confidence, report.detection, report.in_favour, report.window
+        self.episode = Some((report.cause.clone(), report.confidence));
+        let detail = format!(
+            "confidence c_k {:.2}, detection {:.2}, {} of {} frames in favour{}",
+            report.confidence,
+            report.detection,
+            report.in_favour,
+            report.window,
+            beside(&report)
         );
-        if report.offset_known {
-            let [x, y] = report.offset_m.map(|m| m * 1e3);
-            detail.push_str(&format!(", layers lie {x:+.2} mm, {y:+.2} mm beside"));
-        }
         let weight = report.confidence + if report.confirmed { 1.0 } else { 0.0 };
         self.want(Wanted { at, title: cause, detail, weight, exact: true });
     }
@@ -133,7 +140,7 @@ impl Pictures {
             format!("{} → {}", short(&event.before, 40), short(&event.after, 40))
         };
         let weight = 2.0 + f64::from(event.severity.min(2));
-        self.want(Wanted { at, title, detail: short(&event.why, 160), weight, exact: false });
+        self.want(Wanted { at, title, detail: short(&coded(&event.why), 160), weight, exact: false });
     }
 
     fn want(&mut self, wanted: Wanted) {
@@ -152,7 +159,7 @@ impl Pictures {
             let (before, after) = if wanted.exact { (1e-3, 1e-3) } else { (-0.0, AFTER_S) };
             let fits = |frame: &&Frame| (-before..=after).contains(&(frame.at - wanted.at));
             if let Some(frame) = self.frames.iter().find(fits) {
-                let picture = shown(frame, wanted);
+                let picture = self.shown(frame, wanted);
                 self.choose(picture);
                 return false;
             }
@@ -165,7 +172,7 @@ impl Pictures {
     fn settle(&mut self, wanted: &Wanted) -> bool {
         let before = |frame: &&Frame| (0.0..BEFORE_S).contains(&(wanted.at - frame.at));
         if let Some(frame) = self.frames.iter().rev().find(before).filter(|_| !wanted.exact) {
-            let picture = shown(frame, wanted);
+            let picture = self.shown(frame, wanted);
             self.choose(picture);
         }
         false
@@ -183,6 +190,19 @@ impl Pictures {
         }
     }
 
+    fn shown(&self, frame: &Frame, wanted: &Wanted) -> Picture {
+        let mut detail = wanted.detail.clone();
+        let said = self.said.iter().rev().find(|(at, _)| (at - frame.at).abs() < 1e-3);
+        if let Some((_, said)) = said.filter(|_| !wanted.exact) {
+            detail = format!("{detail}; {said}");
+        }
+        if !frame.annotated {
+            detail.push_str(" (frame of the camera, nothing drawn in)");
+        }
+        let (title, weight) = (wanted.title.clone(), wanted.weight);
+        Picture { at: wanted.at, media: frame.media, data: frame.data.clone(), title, detail, weight }
+    }
+
     /// After the last message: what still waits, and the last frame where nothing was flagged.
     pub(crate) fn finish(&mut self) {
         for wanted in std::mem::take(&mut self.wanted) {
@@ -194,7 +214,7 @@ impl Pictures {
             let title = "last frame".to_owned();
             let detail = "no frame was flagged".to_owned();
             let wanted = Wanted { at: frame.at, title, detail, weight: 0.0, exact: true };
-            self.chosen.push(shown(frame, &wanted));
+            self.chosen.push(self.shown(frame, &wanted));
         }
         self.frames.clear();
     }
@@ -207,19 +227,22 @@ impl Pictures {
     }
 }
 
-fn shown(frame: &Frame, wanted: &Wanted) -> Picture {
-    let mut detail = wanted.detail.clone();
-    if !frame.annotated {
-        detail.push_str(" (frame of the camera, nothing drawn in)");
+/// What the camera's judge says of a frame; the line in the picture is the same in short.
+fn said_of(report: &DefectReport) -> String {
+    if !report.usable {
+        return "the camera's judge could not use this frame".to_owned();
     }
-    Picture {
-        at: wanted.at,
-        media: frame.media,
-        data: frame.data.clone(),
-        title: wanted.title.clone(),
-        detail,
-        weight: wanted.weight,
+    let (cause, sure) = (short(&report.cause, 60), report.confidence);
+    format!("the camera's judge calls this frame {cause}, confidence c_k {sure:.2}{}", beside(report))
+}
+
+/// Offset of the layers in a frame, where it is known.
+fn beside(report: &DefectReport) -> String {
+    if !report.offset_known {
+        return String::new();
     }
+    let [x, y] = report.offset_m.map(|m| m * 1e3);
+    format!(", layers lie {x:+.2} mm, {y:+.2} mm beside")
 }
 
 /// Kind of a picture by its first bytes; a name in the message is not believed.

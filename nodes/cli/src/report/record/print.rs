@@ -3,7 +3,7 @@
 use super::super::decode::short;
 use crate::up::words::mode_name;
 use fdm_loop_msgs::{PrintInfo, PrinterState, SafetyState};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Longest text of a field.
 const TEXT_MAX: usize = 200;
@@ -11,8 +11,20 @@ const TEXT_MAX: usize = 200;
 const CONFIG_MAX: usize = 80_000;
 /// Changes of mode that are kept.
 const MODES_MAX: usize = 400;
+/// Prints that are told apart in one bag.
+const PRINTS_MAX: usize = 100;
 /// Filament where the configuration does not say `[m]`.
 const FILAMENT_DIAMETER_M: f64 = 1.75e-3;
+
+/// What held a print up.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct HeldUp {
+    pub(crate) at: f64,
+    pub(crate) mode: u8,
+    /// Code and words.
+    pub(crate) cause: String,
+    pub(crate) what_to_do: String,
+}
 
 /// The print as a whole.
 #[derive(Debug, Default)]
@@ -33,7 +45,10 @@ pub(crate) struct Print {
     /// Modes of the supervisor with the time each was entered.
     pub(crate) modes: Vec<(f64, u8)>,
     pub(crate) safety: Option<SafetyState>,
-    pub(crate) descriptions: u64,
+    /// What held the print up first and was not resumed from.
+    pub(crate) held_up: Option<HeldUp>,
+    /// Prints by their names.
+    pub(crate) prints: BTreeSet<String>,
 }
 
 /// Fields of a description by their names in the recorder's note.
@@ -51,12 +66,13 @@ impl Print {
             &info.scenario,
         ];
         self.described = DESCRIBED.into_iter().zip(values.map(|value| short(value, TEXT_MAX))).collect();
-        self.descriptions += 1;
+        self.named(&info.print_id);
         self.configuration(&info.config);
     }
 
     /// Takes a note of the recorder in.
     pub(crate) fn note(&mut self, values: &BTreeMap<String, String>) {
+        self.named(values.get("print_id").map_or("", String::as_str));
         for name in DESCRIBED {
             if let Some(value) = values.get(name) {
                 self.described.entry(name).or_insert_with(|| short(value, TEXT_MAX));
@@ -69,6 +85,12 @@ impl Print {
         }
         let wall_ns = values.get("start_wall_ns").and_then(|text| text.parse::<u64>().ok());
         self.began_wall_s = self.began_wall_s.or(wall_ns.map(|ns| ns / 1_000_000_000));
+    }
+
+    fn named(&mut self, print_id: &str) {
+        if !print_id.is_empty() && self.prints.len() < PRINTS_MAX {
+            self.prints.insert(short(print_id, TEXT_MAX));
+        }
     }
 
     fn configuration(&mut self, text: &str) {
@@ -119,6 +141,13 @@ impl Print {
         let changed = self.modes.last().is_none_or(|(_, mode)| *mode != state.mode);
         if changed && self.modes.len() < MODES_MAX {
             self.modes.push((at, state.mode));
+        }
+        let goes_on = self.last.as_ref().is_some_and(|last| last.phase == PrinterState::PHASE_PRINTING);
+        if state.mode < SafetyState::MODE_PAUSED {
+            self.held_up.take_if(|_| goes_on);
+        } else if self.held_up.is_none() && !state.cause.is_empty() {
+            let (cause, what_to_do) = (short(&state.cause, TEXT_MAX), short(&state.what_to_do, TEXT_MAX));
+            self.held_up = Some(HeldUp { at, mode: state.mode, cause, what_to_do });
         }
         self.safety = Some(state.clone());
     }

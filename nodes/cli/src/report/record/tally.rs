@@ -5,6 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Topics that are told apart; a bag may name any number.
 const TOPICS_MAX: usize = 400;
+/// Namespaces that are named.
+const NAMESPACES_MAX: usize = 20;
 /// Longest name that is kept.
 const NAME_MAX: usize = 120;
 
@@ -28,6 +30,10 @@ pub(crate) struct Tally {
     /// Messages of topics beyond the ones told apart.
     pub(crate) beyond: u64,
     pub(crate) messages: u64,
+    /// Files whose data fit their checksum.
+    pub(crate) sums_fit: u64,
+    /// Namespaces with a topic that a printer has.
+    pub(crate) namespaces: BTreeSet<String>,
     /// Topics that are none of this printer's.
     pub(crate) foreign: BTreeSet<String>,
 }
@@ -53,6 +59,13 @@ impl Tally {
         }
     }
 
+    /// A namespace with a printer's topic.
+    pub(crate) fn namespace(&mut self, name: &str) {
+        if self.namespaces.len() < NAMESPACES_MAX && !self.namespaces.contains(name) {
+            self.namespaces.insert(short(name, NAME_MAX));
+        }
+    }
+
     /// A message that is none of its type.
     pub(crate) fn undecodable(&mut self, topic: &str) {
         self.change(topic, |counts| counts.undecodable += 1);
@@ -72,6 +85,13 @@ impl Tally {
         if let Some(counts) = self.topics.get_mut(topic) {
             how(counts);
         }
+    }
+
+    /// Whether messages of a topic came and none could be read.
+    pub(crate) fn unreadable(&self, ending: &str) -> bool {
+        let mut of_it = self.topics.iter().filter(|(topic, _)| topic.ends_with(ending)).peekable();
+        of_it.peek().is_some()
+            && of_it.all(|(_, counts)| counts.undecodable + counts.other_type == counts.messages)
     }
 
     /// Messages that could not be read.

@@ -9,6 +9,8 @@ pub(crate) struct Wall {
     pub(crate) measured_mm: Series,
     pub(crate) height_mm: Series,
     pub(crate) layer_rms_mm: Series,
+    /// Highest number of a layer that was measured.
+    highest: Option<u32>,
     /// Newest truth, for its sums.
     pub(crate) last: Option<SimWire>,
 }
@@ -17,6 +19,13 @@ impl Wall {
     /// Takes a measured height in.
     pub(crate) fn measured(&mut self, at: f64, height: &LayerHeight) {
         self.measured_mm.add(at, height.height_m * 1e3);
+        self.highest = self.highest.max(Some(height.layer));
+    }
+
+    /// Layers that are complete, or that were begun where only measurements tell; `None` where there is no wall.
+    pub(crate) fn layers(&self) -> Option<u64> {
+        let complete = self.last.as_ref().map(|truth| u64::from(truth.layers_complete));
+        complete.or(self.highest.map(|layer| u64::from(layer) + 1))
     }
 
     /// Takes the truth in.

@@ -145,6 +145,7 @@ impl Plot<'_> {
         highs.sort_by(f64::total_cmp);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a part of a length
         let cut = (lows.len() as f64 * BEYOND) as usize;
+        let cut = if traces.iter().any(|trace| trace.is_of_extremes()) { 0 } else { cut };
         let mut low = lows.get(cut).copied().unwrap_or(0.0);
         let mut high = highs.iter().rev().nth(cut).copied().unwrap_or(1.0);
         if let Some((from, to)) = self.shows {

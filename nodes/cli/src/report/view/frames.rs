@@ -22,12 +22,13 @@ pub(crate) fn pictures(view: &View) -> Markup {
         } @else {
             p.note {
                 "Frames that were flagged, and what the camera saw at warnings and errors: " (chosen.len()) " of "
-                (pictures.seen) " frames."
+                (pictures.seen) " frames. The line in a picture is what the camera's judge makes of that frame by its looks; \
+                 what the supervisor decided, and why, stands below it."
                 @if pictures.left_out > 0 { " " (pictures.left_out) " lighter ones were left out." }
                 @if pictures.refused > 0 { " " (pictures.refused) " are no JPEG or PNG, or too large to be shown here." }
             }
         }
-        div.grid {
+        div.grid.pictures {
             @for picture in chosen {
                 figure {
                     img alt=(picture.title) src=(format!("data:{};base64,{}", picture.media, BASE64_STANDARD.encode(&picture.data)));

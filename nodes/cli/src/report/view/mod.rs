@@ -75,6 +75,7 @@ fn sections(view: &View) -> Vec<(&'static str, &'static str, Markup)> {
         ("vibration", "Vibration", plots::vibration(view)),
     ];
     if let Some(wall) = wall::wall(view) {
+        sections.retain(|(id, ..)| !wall::is_foreign(view, id));
         sections.push(("wall", "Wall", wall));
     }
     if let Some(truth) = plots::truth(view) {

@@ -111,9 +111,13 @@ pub(crate) fn width(view: &View) -> Markup {
     }
 }
 
+/// Plots of commands that a wire machine knows: flow and speed.
+const WALL_PLOTS: usize = 2;
+
 /// What the controller wished and what the supervisor permitted.
 pub(crate) fn commands(view: &View) -> Markup {
     let (wish, permit) = (&view.record.signals.wish, &view.record.signals.permit);
+    let of_wall = view.record.wall.layers().is_some();
     let pair = |wished, permitted| {
         vec![
             Trace::broad("permitted", Ink::Estimated, permitted),
@@ -132,10 +136,10 @@ pub(crate) fn commands(view: &View) -> Markup {
             (&wish.flow_percent, "Wishes of the controller", topics::CONTROL_COMMAND.name()),
             (&permit.flow_percent, "Permits of the supervisor", topics::SAFETY_COMMAND.name()),
         ]))
-        @for (title, unit, traces, shows) in plots {
+        @for (title, unit, traces, shows) in plots.into_iter().take(if of_wall { WALL_PLOTS } else { usize::MAX }) {
             (Plot { shows: Some(shows), ..view.plot(title, unit, traces) }.draw())
         }
-        @if !wish.flow_percent.is_empty() && wish.advance_s.is_empty() && permit.advance_s.is_empty() {
+        @if !of_wall && !wish.flow_percent.is_empty() && wish.advance_s.is_empty() && permit.advance_s.is_empty() {
             p.note { "No pressure advance was commanded: the file's own was in force." }
         }
     }
@@ -151,6 +155,8 @@ pub(crate) fn quality(view: &View) -> Markup {
     let refused = view.record.layers.qualities_refused;
     html! {
         (bars::draw(&qualities))
+        p.note { "What the loop could know of a layer: widths where the camera could measure one, noise taken off, the porosity of \
+            the layer as a whole, and the estimated nozzle beside the temperature that the file's set-point means." }
         @if refused > 0 { p.note { (refused) " messages have numbers that cannot be." } }
     }
 }
@@ -217,7 +223,7 @@ pub(crate) fn vibration(view: &View) -> Markup {
     if imu.peak_m_s2.is_empty() {
         return absent("Accelerations", topics::IMU_BATCH.name());
     }
-    let traces = vec![Trace::line("largest of each batch", Ink::Measured, &imu.peak_m_s2)];
+    let traces = vec![Trace::peaks("largest of each batch", Ink::Measured, &imu.peak_m_s2)];
     html! {
         (Plot { shows: Some((0.0, 1.0)), ..view.plot("Acceleration beside the mean", "m/s²", traces) }.draw())
         p.note { (imu.samples) " samples, " (imu.saturated) " at the range of the sensor, " (imu.refused) " batches refused." }
@@ -250,6 +256,9 @@ pub(crate) fn truth(view: &View) -> Option<Markup> {
     Some(html! {
         div.simulated {
             p { "The printer was simulated. This is what it really did; no node of the loop was told." }
+            p.note { "Width error and Q count every moment here, starts, corners and ends of roads too, and the porosity of \
+                each moment by itself: they are larger than those by layer, which know a layer's measured widths and its mean \
+                porosity alone. A nozzle beside \u{201c}right by the file\u{201d} all along is chosen by the controller: see Commands." }
             dl.cards {
                 div { dt { "Feed error" } dd { (figure(truth.feed_error_rel())) } }
                 div { dt { "Width error, RMS" } dd { (figure(truth.width_rms_rel())) } }

@@ -2,6 +2,7 @@
 
 use super::View;
 use super::words::{breakable, bytes, clock, counted, date, percent};
+use crate::report::decode::short;
 use crate::report::record::events::Severity;
 use crate::up::words::mode_name;
 use fdm_loop_msgs::{PrinterState, SafetyState};
@@ -31,19 +32,47 @@ pub(crate) fn head(view: &View) -> Markup {
                 ul { @for line in view.torn { li { (line) } } }
             } }
         }
+        @for (what, more) in doubts(view) { div.verdict.warn { div { b { (what) } " " (more) } } }
         div class=(format!("verdict {class}")) { div { b { (verdict) } " " (why) } }
     }
+}
+
+/// What a reader has to know before the figures: what could not be read, what does not belong together.
+fn doubts(view: &View) -> Vec<(String, String)> {
+    let (tally, prints) = (&view.record.tally, &view.record.print.prints);
+    let (unread, all) = (tally.unread(), tally.messages);
+    let mut doubts = Vec::new();
+    if unread > 0 {
+        let share = percent(unread as f64 / all.max(1) as f64, 1);
+        let what = format!("{unread} of {all} messages ({share}) could not be decoded.");
+        let more = "They are of another version, or damaged: the report is of the others. The recorder's section names them.";
+        doubts.push((what, more.to_owned()));
+    }
+    if prints.len() > 1 || !view.record.time.jumps.is_empty() {
+        let what = format!("{} went into this bag.", counted(prints.len().max(2) as u64, "print"));
+        let more = "They stand one after the other on one time axis, and layers of one number share a line; \
+                    single files of the bag can be reported by themselves.";
+        doubts.push((what, more.to_owned()));
+    }
+    doubts
 }
 
 /// Class, verdict and its reason.
 fn verdict(view: &View) -> (&'static str, &'static str, String) {
     let print = &view.record.print;
     let Some(state) = &print.last else {
-        return ("warn", "Unknown.", "The bag does not say what the printer did.".to_owned());
+        let (wall, unread) = (view.record.wall.layers(), view.record.tally.unreadable("/printer/state"));
+        return match wall {
+            Some(layers) => {
+                ("info", "A wall of metal wire,", format!("{} of it in the bag.", counted(layers, "layer")))
+            }
+            None if unread => {
+                ("warn", "Unknown.", "None of the printer's states could be decoded.".to_owned())
+            }
+            None => ("warn", "Unknown.", "The bag does not say what the printer did.".to_owned()),
+        };
     };
-    let cause = print.safety.as_ref().map(|safety| safety.cause.as_str()).filter(|cause| !cause.is_empty());
-    let because =
-        cause.map_or(String::new(), |cause| format!(" {}", super::super::decode::short(cause, 200)));
+    let because = because(view);
     let stopped = print.safety.as_ref().is_some_and(|safety| safety.mode >= SafetyState::MODE_SAFE_OFF);
     let [_, warnings, errors] = view.record.events.counts;
     let far = percent(state.progress, 0);
@@ -59,6 +88,36 @@ fn verdict(view: &View) -> (&'static str, &'static str, String) {
         }
         PrinterState::PHASE_DONE => ("ok", "Printed to its end", "without a warning.".to_owned()),
         _ => ("info", "Not ended", format!("where the bag ends: {far} of the filament.{because}")),
+    }
+}
+
+/// Why the print does not go on: what held it up, and what ended it where that is something else.
+fn because(view: &View) -> String {
+    let print = &view.record.print;
+    let last = print.safety.as_ref().map(|safety| short(&safety.cause, 200)).unwrap_or_default();
+    match &print.held_up {
+        Some(first) if first.cause != last => {
+            let then = if last.is_empty() { String::new() } else { format!(", then {last}") };
+            format!(" {} ({} at {}){then}", first.cause, mode_name(first.mode), clock(first.at))
+        }
+        _ if last.is_empty() => String::new(),
+        _ => format!(" {last}"),
+    }
+}
+
+/// The next steps for a person: those of what held the print up first.
+fn todo(view: &View) -> String {
+    let print = &view.record.print;
+    let last = print.safety.as_ref();
+    let now = last.map(|safety| short(&safety.what_to_do, 300)).unwrap_or_default();
+    let cause = last.map_or("", |safety| safety.cause.as_str());
+    match &print.held_up {
+        Some(first) if first.cause != cause && !first.what_to_do.is_empty() => {
+            let code = first.cause.split(':').next().unwrap_or_default();
+            let then = if now.is_empty() { String::new() } else { format!("; then {now}") };
+            format!("{code}: {}{then}", first.what_to_do)
+        }
+        _ => now,
     }
 }
 
@@ -86,9 +145,8 @@ pub(crate) fn cards(view: &View) -> Markup {
                 }
             }
         }
-        @if let Some(todo) = view.record.print.safety.as_ref().map(|safety| &safety.what_to_do).filter(|todo| !todo.is_empty()) {
-            p { b { "What to do: " } (super::super::decode::short(todo, 300)) }
-        }
+        @let todo = todo(view);
+        @if !todo.is_empty() { p { b { "What to do: " } (todo) } }
     }
 }
 
@@ -97,7 +155,8 @@ fn figures(view: &View) -> Vec<(&'static str, String, String)> {
     let print = &view.record.print;
     let unknown = || "not known".to_owned();
     let configured = |name: &str| print.configured.get(name).cloned().unwrap_or_else(unknown);
-    let layers = view.record.layers.layers.len();
+    let wall = view.record.wall.layers();
+    let layers = wall.unwrap_or(view.record.layers.layers.len() as u64);
     let modes = print.time_in_modes(view.span_s);
     let set = print.safety.as_ref().map_or_else(unknown, |safety| mode_name(safety.set_mode).to_owned());
     let in_modes: Vec<String> =
@@ -131,6 +190,11 @@ fn figures(view: &View) -> Vec<(&'static str, String, String)> {
         ("Messages", recorder, lost),
         ("Bag", bytes(view.bag.bytes()), counted(view.bag.files.len() as u64, "file")),
     ];
+    if wall.is_some() {
+        // Of a wall's process neither a filament nor a level of control is known.
+        figures.retain(|(name, value, _)| !(matches!(*name, "Material" | "Control") && *value == unknown()));
+        figures.insert(1, ("Mode as set", set, String::new()));
+    }
     if let Some(scenario) = described(view, "scenario") {
         figures.push(("Scenario", scenario, "simulated printer".to_owned()));
     }

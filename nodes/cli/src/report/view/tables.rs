@@ -37,7 +37,7 @@ fn event(number: usize, line: &Line) -> Markup {
             td { (number) }
             td.nowrap {
                 (clock(first))
-                @if line.count > 1 { br; small { (line.count) " times, last " (clock(line.last_s)) } }
+                @if line.count > 1 { " " br; small { (line.count) " times, last " (clock(line.last_s)) } }
             }
             td { span class=(format!("tag {}", line.severity.name())) { (line.severity.name()) } }
             td { (who) }
@@ -67,6 +67,8 @@ pub(crate) fn recorder(view: &View) -> Markup {
             p.absent { "Counts of the recorder: there is no counts.json beside the files." }
         }
         p {
+            @if tally.sums_fit > 0 { "The data of " (tally.sums_fit) " of " (view.bag.files.len()) " files fit the checksum that was written with them. " }
+            @else { "No file carries a checksum of its data that fits. " }
             (tally.messages) " messages were read, " (tally.unread()) " of them could not be decoded, "
             (view.record.time.strange) " have a stamp that does not fit to the others."
             @if differing > 0 { " " b { (differing) " topics hold another number of messages than the recorder counted." } }

@@ -2,7 +2,7 @@
 
 use super::ink::Ink;
 use crate::report::record::signals::Estimated;
-use crate::report::series::{Column, Series};
+use crate::report::series::{Cell, Column, Series};
 use plotters::prelude::*;
 
 /// Size of letters, as the library counts.
@@ -33,6 +33,8 @@ enum Form {
     /// Seen beside a line on top of it.
     Broad,
     Dots,
+    /// A line of the largest values.
+    Peaks,
 }
 
 impl<'a> Trace<'a> {
@@ -47,6 +49,11 @@ impl<'a> Trace<'a> {
         Self { name, ink, series: &estimated.value, band, form: Form::Line }
     }
 
+    /// A line of the largest values: what lasts for one sample is seen in a plot of hours.
+    pub(crate) fn peaks(name: &'a str, ink: Ink, series: &'a Series) -> Self {
+        Self { name, ink, series, band: None, form: Form::Peaks }
+    }
+
     /// Single values.
     pub(crate) fn dots(name: &'a str, ink: Ink, series: &'a Series) -> Self {
         Self { name, ink, series, band: None, form: Form::Dots }
@@ -59,6 +66,11 @@ impl<'a> Trace<'a> {
 }
 
 impl Trace<'_> {
+    /// Each of its extremes is wanted on the value axis, however few they are.
+    pub(super) fn is_of_extremes(&self) -> bool {
+        self.form == Form::Peaks
+    }
+
     /// Everything of it that takes room on the value axis.
     pub(super) fn drawn(&self) -> impl Iterator<Item = &Series> {
         let (low, high) = self.band.unzip();
@@ -89,7 +101,8 @@ impl Trace<'_> {
         }
         let thickness = if self.form == Form::Broad { 6 } else { 2 };
         for run in self.series.runs(columns, span_s) {
-            let line: Vec<_> = run.iter().map(|column| place(column, column.cell.mean())).collect();
+            let value = |cell: &Cell| if self.form == Form::Peaks { cell.high } else { cell.mean() };
+            let line: Vec<_> = run.iter().map(|column| place(column, value(&column.cell))).collect();
             match line[..] {
                 [_] => into.push(Shape::Dots(self.ink, line)),
                 _ => into.push(Shape::Line(self.ink, thickness, line)),
