@@ -8,6 +8,8 @@ use fdm_loop_msgs::{
 };
 use models::units::Seconds;
 use runtime::{Args, Client, Gid, Node, RawMessage, RawSubscription, Shutdown, Subscription, Timer, topics};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How often it looks up where nothing comes `[s]`.
 const LOOK_S: f64 = 0.01;
@@ -54,6 +56,8 @@ pub(super) struct Observer {
     clock: Subscription<ClockMessage>,
     permits: RawSubscription,
     shutdown: Shutdown,
+    /// Nothing is heard through DDS any more.
+    deaf: Arc<AtomicBool>,
     ticks: Timer,
     node: Node,
 }
@@ -62,8 +66,11 @@ impl Observer {
     /// Joins the graph.
     pub(super) fn join() -> anyhow::Result<Self> {
         let args = Args { namespace: Some(super::NAMESPACE.to_owned()), ..Args::default() };
-        let mut node = Node::start_with("observer", args)?;
+        let deaf = Arc::new(AtomicBool::new(false));
+        let told = Arc::clone(&deaf);
+        let mut node = Node::start_or("observer", args, move || told.store(true, Ordering::Relaxed))?;
         Ok(Self {
+            deaf,
             printer: node.subscribe(&topics::PRINTER_STATE)?,
             safety: node.subscribe(&topics::SAFETY_STATE)?,
             hearts: node.subscribe(&topics::HEARTBEAT)?,
@@ -90,6 +97,11 @@ impl Observer {
     /// Whether a person wants an end.
     pub(super) fn interrupted(&self) -> bool {
         self.shutdown.is_demanded()
+    }
+
+    /// Whether nothing is heard through DDS any more, as on a machine that has far too much to do.
+    pub(super) fn is_deaf(&self) -> bool {
+        self.deaf.load(Ordering::Relaxed)
     }
 
     /// What comes next with its time of arrival, at most 10 ms later.

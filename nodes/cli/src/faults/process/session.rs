@@ -66,6 +66,9 @@ impl Session {
         if self.observer.interrupted() {
             bail!("interrupted");
         }
+        if self.observer.is_deaf() {
+            bail!("the observer hears nothing any more: the machine has too much to do");
+        }
         let (at, seen) = self.observer.next().await?;
         let now = self.observer.now();
         if (now - self.tended).0 >= TEND_S {
