@@ -125,6 +125,7 @@ def nodes(context):
                 output="screen",
                 respawn=not printer,
                 respawn_delay=0.5,
+                additional_env={} if printer else {"FDM_STARTED_AGAIN": "1"},
                 on_exit=Shutdown(reason="the simulated printer has ended") if printer else None,
             )
         )

@@ -57,7 +57,12 @@ class Shutdown:
 
 
 class Node:
-    def __init__(self, *, executable, name, namespace, parameters, ros_arguments, output, respawn, respawn_delay, on_exit):
+    def __init__(
+        self, *, executable, name, namespace, parameters, ros_arguments, output, respawn, respawn_delay, additional_env,
+        on_exit
+    ):
+        if respawn != ("FDM_STARTED_AGAIN" in additional_env):
+            raise ValueError(f"{name} is not told whether it is started again")
         self.executable, self.name, self.namespace = executable, name, namespace
         self.parameters, self.ros_arguments, self.respawn, self.on_exit = parameters, ros_arguments, respawn, on_exit
 
