@@ -10,6 +10,8 @@
 
 #[path = "report/browser.rs"]
 mod browser;
+#[path = "report/ending.rs"]
+mod ending;
 #[path = "report/hostile.rs"]
 mod hostile;
 #[path = "report/messages.rs"]
@@ -168,7 +170,11 @@ fn a_wall_of_wire_is_shown() {
         truth.contains("0.350 mm") && truth.contains("0.310 mm") && truth.contains("<dd>3</dd>"),
         "{truth}"
     );
-    assert!(!wall.contains("holds no usable message"), "{wall}");
+    assert!(!page.contains("holds no usable message of <code>sensors") && !page.contains(">Hot end</b>"));
+    for id in ["temperatures", "slip", "width", "quality", "pictures", "layers", "vibration"] {
+        assert!(!page.contains(&format!("<h2 id=\"{id}\"")), "{id}: a wire machine has none");
+    }
+    assert!(page.contains("<dt>Layers</dt><dd>3</dd>"), "{}", section(&page, "summary"));
 }
 
 /// An hour with a frame of 150 kB each 30 s: the page stays below 3 MB.
