@@ -174,7 +174,7 @@ fn a_wall_of_wire_is_shown() {
     for id in ["temperatures", "slip", "width", "quality", "pictures", "layers", "vibration"] {
         assert!(!page.contains(&format!("<h2 id=\"{id}\"")), "{id}: a wire machine has none");
     }
-    assert!(page.contains("<dt>Layers</dt><dd>3</dd>"), "{}", section(&page, "summary"));
+    assert!(page.contains("<dt>Layers</dt><dd>3<wbr></dd>"), "{}", section(&page, "summary"));
 }
 
 /// An hour with a frame of 150 kB each 30 s: the page stays below 3 MB.

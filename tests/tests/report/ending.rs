@@ -12,7 +12,8 @@ const SHIFT: &str = "what was laid lies elsewhere than it was laid";
 
 /// A print that was paused for P8 and stopped by a person, with the frame that led to it.
 fn stopped(bag: &mut BagFile) {
-    let state = |phase, at| PrinterState { header: Header::at(at), phase, progress: 0.53, ..Default::default() };
+    let state =
+        |phase, at| PrinterState { header: Header::at(at), phase, progress: 0.53, ..Default::default() };
     let safety = |mode, cause: &str, what_to_do: &str, at| SafetyState {
         header: Header::at(at),
         mode,
@@ -39,7 +40,11 @@ fn stopped(bag: &mut BagFile) {
     bag.put(&topics::ANNOTATED, 10.0, &image);
     bag.put(&topics::EVENTS, 10.0, &event(SHIFT, ("act", "paused"), 10.0));
     let cause = format!("P8: {SHIFT}");
-    bag.put(&topics::SAFETY_STATE, 10.0, &safety(SafetyState::MODE_PAUSED, &cause, "stop and print anew", 10.0));
+    bag.put(
+        &topics::SAFETY_STATE,
+        10.0,
+        &safety(SafetyState::MODE_PAUSED, &cause, "stop and print anew", 10.0),
+    );
     bag.put(&topics::PRINTER_STATE, 10.5, &state(PrinterState::PHASE_PAUSED, 10.5));
     bag.put(&topics::EVENTS, 20.0, &event("stopped by a person", ("paused", "safe_off"), 20.0));
     let last = safety(SafetyState::MODE_SAFE_OFF, "P13: stopped by a person", "acknowledge", 20.0);
@@ -73,7 +78,10 @@ fn a_stop_by_a_person_does_not_hide_why_the_print_was_held_up() {
     assert!(page.contains(&head), "{}", section(&page, "summary"));
     assert!(page.contains("P8: stop and print anew; then acknowledge"));
     let events = section(&page, "events");
-    assert!(events.contains(&format!("P8: {SHIFT}")) && events.contains("P13: stopped by a person"), "{events}");
+    assert!(
+        events.contains(&format!("P8: {SHIFT}")) && events.contains("P13: stopped by a person"),
+        "{events}"
+    );
     assert!(!page.contains("P7: no filament (paused"), "that pause was resumed from");
     let pictures = section(&page, "pictures");
     let caption = format!("P8: {SHIFT}; the camera&#39;s judge calls this frame ok, confidence c_k 0.32");
@@ -122,7 +130,9 @@ fn what_could_not_be_decoded_is_said_at_the_top() {
     let page = page(&folder, None).unwrap();
     let (head, _) = page.split_once("<h2 ").unwrap();
     assert!(head.contains("1 of 2 messages (50.0 %) could not be decoded"), "{head:.3000}");
-    assert!(head.contains("None of the printer&#39;s states") || head.contains("None of the printer's states"));
+    assert!(
+        head.contains("None of the printer&#39;s states") || head.contains("None of the printer's states")
+    );
 }
 
 /// A knock of one sample in an hour of quiet: its 9 m/s2 are on the axis and in the line.
@@ -170,7 +180,8 @@ fn a_page_never_replaces_what_it_is_made_of() {
     std::fs::write(folder.join("counts.json"), "{}").unwrap();
     let before = std::fs::read(&file).unwrap();
     let refused = |bag: &Path, out: &Path| {
-        let args = cli::report::ReportArgs { bag: bag.to_owned(), out: Some(out.to_owned()), namespace: None };
+        let args =
+            cli::report::ReportArgs { bag: bag.to_owned(), out: Some(out.to_owned()), namespace: None };
         cli::report::run(&args).is_err()
     };
     for out in [&file, &folder.join("counts.json"), &folder.join("new.html")] {

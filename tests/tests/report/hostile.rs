@@ -7,6 +7,7 @@ use cli::report::page;
 use fdm_loop_msgs::RosType;
 use proptest::prelude::*;
 use std::path::Path;
+use std::process::Command;
 use std::sync::OnceLock;
 
 #[test]
@@ -77,7 +78,7 @@ fn data_of(bytes: &[u8]) -> usize {
 }
 
 /// Lengths that claim 4 GB: of the record, and of a text in each kind of record that has one. Nothing is set aside for
-/// them, so an address space of 4 GB is enough (a process of its own holds the limit).
+/// them: the command, held to an address space of 4 GB, makes a page of the last of them.
 #[test]
 fn a_length_of_four_gigabytes_breaks_the_bag_alone() {
     let whole = small(false);
@@ -101,6 +102,21 @@ fn a_length_of_four_gigabytes_breaks_the_bag_alone() {
             break;
         }
     }
+    let place = folder("huge_page");
+    let page = place.join("page.html");
+    let bag = folder("huge").with_extension("mcap");
+    let schema = whole.windows(11).position(|bytes| bytes[0] == 3 && bytes[3..9] == [0; 6]).unwrap();
+    let mut bytes = whole;
+    bytes[schema + 11..schema + 15].copy_from_slice(&huge);
+    std::fs::write(&bag, bytes).unwrap();
+    let fdm = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    assert!(fdm.is_file(), "{} is missing: cargo build --workspace --bins", fdm.display());
+    let held = Command::new("sh")
+        .args(["-c", "ulimit -v 4000000; exec \"$0\" report \"$1\" --out \"$2\""])
+        .args([&fdm, &bag, &page])
+        .output()
+        .unwrap();
+    assert!(held.status.success() && page.is_file(), "{}", String::from_utf8_lossy(&held.stderr));
 }
 
 fn page_of(bytes: &[u8], name: &str) -> String {

@@ -256,9 +256,11 @@ pub(crate) fn truth(view: &View) -> Option<Markup> {
     Some(html! {
         div.simulated {
             p { "The printer was simulated. This is what it really did; no node of the loop was told." }
-            p.note { "Width error and Q count every moment here, starts, corners and ends of roads too, and the porosity of \
-                each moment by itself: they are larger than those by layer, which know a layer's measured widths and its mean \
-                porosity alone. A nozzle beside \u{201c}right by the file\u{201d} all along is chosen by the controller: see Commands." }
+            p.note { "Q counts every moment here, starts, corners and ends of roads too, and the porosity of each moment by \
+                itself: it is larger than Q by layer, which knows a layer's measured widths and its porosity as a whole. Of \
+                the width error there are three figures: the true one here, the measured one under Width, of places where \
+                the camera could measure, and the estimated one beside each map, by flow over path speed. A nozzle beside \
+                \u{201c}right by the file\u{201d} all along is the controller's choice: see Commands." }
             dl.cards {
                 div { dt { "Feed error" } dd { (figure(truth.feed_error_rel())) } }
                 div { dt { "Width error, RMS" } dd { (figure(truth.width_rms_rel())) } }
