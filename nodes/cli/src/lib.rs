@@ -93,11 +93,13 @@ pub fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if output::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             output::complain(&error);
             let failed = error.is::<up::PrintFailed>()
                 || error.is::<doctor::Unfit>()
-                || error.is::<faults::LimitsMissed>();
+                || error.is::<faults::LimitsMissed>()
+                || error.is::<wire::up::Unfinished>();
             ExitCode::from(if failed { FAILED } else { USAGE })
         }
     }

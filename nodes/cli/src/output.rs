@@ -132,6 +132,13 @@ pub fn check_writable(path: &Path) -> anyhow::Result<()> {
     file.map(drop).with_context(|| path.display().to_string())
 }
 
+/// Whether who reads the output has gone, as `head` does after ten lines: nothing is wrong with the command.
+#[must_use]
+pub fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    let closed = |cause: &std::io::Error| cause.kind() == std::io::ErrorKind::BrokenPipe;
+    error.downcast_ref::<std::io::Error>().is_some_and(closed)
+}
+
 /// One line on standard error: what is wrong, where, and why.
 pub fn complain(error: &anyhow::Error) {
     // A closed standard error leaves nobody to tell.

@@ -72,7 +72,9 @@ impl Picture {
         }
         let text = if self.page {
             format!(
-                "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title></head>\n\
+                "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" \
+                 content=\"width=device-width\"><title>{title}</title>\
+                 <style>svg {{ max-width: 100%; height: auto }}</style></head>\n\
                  <body><h1>{title}</h1>\n{svg}\n</body></html>\n"
             )
         } else {

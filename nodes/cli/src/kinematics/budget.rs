@@ -1,12 +1,12 @@
 //! `fdm kinematics budget`: how far a layer may lie off that the machine alone explains, as two parameters.
 
-use super::{MachineArgs, PartArgs};
+use super::{MachineArgs, PartArgs, unlikely_size};
 use crate::options::in_range;
 use crate::output::{self, Json};
 use anyhow::bail;
 use clap::Args;
 use models::hybrid::published::Published;
-use models::hybrid::{AxisError, Geometry, Mesh, SurfacePoint};
+use models::hybrid::{AxisError, Ends, Geometry, Laterals, Mesh, SurfacePoint};
 use models::params;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -54,10 +54,18 @@ pub struct BudgetFigures {
     pub from_height_mm: f64,
     /// Points below it.
     pub below: usize,
-    /// Points that the machine refuses, or where a combination of signs loses the nominal branch.
+    /// Points of the face that the part stands on.
+    pub on_the_table: usize,
+    /// Points above the height that the machine refuses, or where a combination of signs loses the nominal branch.
     pub left_out: usize,
+    /// Share of the surface above the height that these are.
+    pub left_out_share: f64,
     /// Largest lateral error of a point, over all combinations of signs.
     pub lateral_mm: f64,
+    /// Where it lies: `inside`, at the height `cut`, or at the end of the machine's `reach`.
+    pub largest_at: &'static str,
+    /// What does not fit the machine about the part.
+    pub warning: Option<String>,
     /// Block `machine` of `defect_classifier`.
     pub defect_classifier: MachineBlock,
     /// `shift.machine_error_m` of `safety_supervisor`: the same number.
@@ -89,33 +97,41 @@ pub fn run(args: &BudgetArgs) -> anyhow::Result<()> {
     let angle_deg = args.part.step * args.machine.choices(&config)?.motor_error;
     let error = AxisError::of_motors(angle_deg.to_radians(), geometry.lead_m);
     let tables: Published = runtime::params::from_yaml(&config.file("machines/published.yaml"))?;
-    let surface = surface(args, tables.radius_m)?;
-    let laterals = laterals_m(&geometry, &surface.points, &error);
-    let largest_m = laterals.iter().copied().fold(0.0, f64::max);
-    // Of two layers either may be off, in opposite directions: an axis' error changes its sign within a step.
-    let error_m = (2.0 * largest_m / GRAIN_M).ceil() * GRAIN_M;
-    if laterals.len() < FEWEST {
+    let mesh = args.part.mesh()?;
+    let surface = surface(args, (&geometry, mesh.as_ref(), tables.radius_m), &error)?;
+    let found = &surface.found;
+    let Some((largest_m, ends)) = found.largest.filter(|_| found.counted >= FEWEST) else {
         bail!(
             "--from-height {} mm: {} points above it that the machine can work on, must be {FEWEST} or more \
              ({} points lie below it, the machine refuses {})",
             args.from_height,
-            laterals.len(),
-            surface.below,
-            surface.points.len() - laterals.len()
+            found.counted,
+            found.below,
+            found.refused
         );
-    }
+    };
+    // Of two layers either may be off, in opposite directions: an axis' error changes its sign within a step.
+    let error_m = (2.0 * largest_m / GRAIN_M).ceil() * GRAIN_M;
     // What the supervisor takes: a larger budget would hide any shift.
     params::in_range("machine_error_m", error_m, "m", (0.0, 0.01))?;
     let figures = BudgetFigures {
         machine: args.machine.machine.clone(),
         provenance: geometry.provenance.clone(),
         angle_deg,
-        points: surface.points.len(),
+        points: found.counted + found.refused,
         edge_mm: surface.edge_m.map(|edge_m| 1e3 * edge_m),
         from_height_mm: args.from_height,
-        below: surface.below,
-        left_out: surface.points.len() - laterals.len(),
+        below: found.below,
+        on_the_table: found.on_table,
+        left_out: found.refused,
+        left_out_share: found.refused_share,
         lateral_mm: 1e3 * largest_m,
+        largest_at: match ends {
+            Ends::Inside => "inside",
+            Ends::Cut => "cut",
+            Ends::Reach => "reach",
+        },
+        warning: mesh.as_ref().and_then(|mesh| unlikely_size(mesh, &geometry)),
         defect_classifier: MachineBlock { error_known: true, error_m },
         safety_supervisor_machine_error_m: error_m,
     };
@@ -125,38 +141,30 @@ pub fn run(args: &BudgetArgs) -> anyhow::Result<()> {
     json.write(&figures)
 }
 
-/// What is looked at.
+/// What was looked at.
 struct Surface {
-    points: Vec<SurfacePoint>,
+    found: Laterals,
     edge_m: Option<f64>,
-    below: usize,
 }
 
-fn surface(args: &BudgetArgs, radius_m: f64) -> anyhow::Result<Surface> {
+fn surface(
+    args: &BudgetArgs,
+    (geometry, mesh, radius_m): (&Geometry, Option<&Mesh>, f64),
+    error: &AxisError,
+) -> anyhow::Result<Surface> {
     let lowest_m = 1e-3 * args.from_height;
-    if let Some(mesh) = args.part.mesh()? {
-        return Ok(of_mesh(&mesh, lowest_m));
+    if let Some(mesh) = mesh {
+        let sampling = mesh.sampled(EDGE_M, MOST);
+        let found = geometry.laterals(&sampling, lowest_m, error);
+        return Ok(Surface { found, edge_m: Some(sampling.edge_m) });
     }
     in_range("--from-height", args.from_height, "mm", (0.0, 1e3 * radius_m))?;
     // All meridians are alike: heights alone are a surface.
     let height_m = |index| lowest_m + (radius_m - lowest_m) * f64::from(index) / f64::from(HEIGHTS - 1);
     let points =
         (0..HEIGHTS).map(|index| Ok(SurfacePoint::on_hemisphere(radius_m, height_m(index).min(radius_m))?));
-    Ok(Surface { points: points.collect::<anyhow::Result<_>>()?, edge_m: None, below: 0 })
-}
-
-fn of_mesh(mesh: &Mesh, lowest_m: f64) -> Surface {
-    let sampling = mesh.sampled(EDGE_M, MOST);
-    let all = sampling.samples.iter().map(|sample| SurfacePoint::on_triangle(&sample.piece));
-    let points: Vec<SurfacePoint> = all.filter(|point| point.position_m.z >= lowest_m).collect();
-    let below = sampling.samples.len() - points.len();
-    Surface { points, edge_m: Some(sampling.edge_m), below }
-}
-
-/// Lateral errors of the points that the machine can work on.
-fn laterals_m(geometry: &Geometry, points: &[SurfacePoint], error: &AxisError) -> Vec<f64> {
-    let stations = points.iter().filter_map(|point| geometry.station(point).ok());
-    stations.filter_map(|station| station.lateral_m(error)).collect()
+    let points = points.collect::<anyhow::Result<Vec<_>>>()?;
+    Ok(Surface { found: geometry.laterals_of(&points, error), edge_m: None })
 }
 
 fn text(figures: &BudgetFigures) -> String {
@@ -171,17 +179,23 @@ fn text(figures: &BudgetFigures) -> String {
         |_| {
             let all = figures.below + figures.points;
             format!(
-                "{} of {all} points lie below {height_mm} mm and are left out (--from-height)",
-                figures.below
+                "{} of {all} points lie below {height_mm} mm and are left out (--from-height), {} more on the table",
+                figures.below, figures.on_the_table
             )
         },
     );
-    [
+    let warning = figures.warning.as_ref().map(|warning| format!("warning      {warning}"));
+    let lines = [
         format!("machine      {}: geometry {}", figures.machine, figures.provenance),
         format!("motors       each wrong by {:.4} degrees, worst combination of signs", figures.angle_deg),
         format!("height cut   {cut}"),
-        format!("points       {surface}; the machine refuses {}", figures.left_out),
+        format!(
+            "points       {surface}; the machine refuses {}, {:.1} % of that surface",
+            figures.left_out,
+            100.0 * figures.left_out_share
+        ),
         format!("lateral      at most {:.4} mm; between two layers twice that", figures.lateral_mm),
+        format!("             {}", where_it_lies(figures.largest_at)),
         String::new(),
         "# config/defect_classifier.param.yaml: replaces the lines of the block 'machine' there".to_owned(),
         "    machine:".to_owned(),
@@ -189,6 +203,18 @@ fn text(figures: &BudgetFigures) -> String {
         format!("      error_m: {error_m:.6}"),
         "# config/safety_supervisor.param.yaml: replaces the line 'machine_error_m' of the block 'shift' there".to_owned(),
         format!("      machine_error_m: {error_m:.6}"),
-    ]
-    .join("\n")
+    ];
+    warning.into_iter().chain(lines).collect::<Vec<_>>().join("\n")
+}
+
+/// What decides the figure, for people.
+fn where_it_lies(largest_at: &str) -> &'static str {
+    match largest_at {
+        "cut" => "it lies at the height cut: a lower one makes it larger",
+        "reach" => {
+            "it lies where the machine's reach ends: its limits decide it, above all the guard before singular poses \
+             (condition_max, gain_max)"
+        }
+        _ => "it lies inside of the surface",
+    }
 }

@@ -27,8 +27,8 @@ pub struct ErrorArgs {
     /// Radius of the hemisphere `[mm]` for these heights; the paper's if not given.
     #[arg(long)]
     radius: Option<f64>,
-    /// Random draws per height beside the worst combination, each error uniform up to its bound.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Random draws per height beside the worst combination, each error uniform up to its bound; one has no deviation.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
     monte_carlo: Option<u32>,
     /// Seed of the draws; 1 if not given.
     #[arg(long)]

@@ -4,7 +4,7 @@ mod hemisphere;
 
 pub use hemisphere::{HemisphereFigures, Spot};
 
-use super::{MachineArgs, PartArgs, picture};
+use super::{MachineArgs, PartArgs, picture, unlikely_size};
 use crate::options::{needs, significant};
 use crate::output::{self, Json};
 use crate::process::Picture;
@@ -62,8 +62,12 @@ pub struct PartFigures {
     pub mean_mm: f64,
     /// Error that 95 % of that share stay below.
     pub p95_mm: f64,
-    /// Largest error.
+    /// Share of the surface that lies on the table.
+    pub on_the_table_share: f64,
+    /// Largest error, at the end of the machine's reach too.
     pub largest_mm: Option<f64>,
+    /// Whether it lies there: the machine's limits then decide it.
+    pub largest_at_edge: bool,
     /// Where it is, in the part's frame.
     pub largest_at_mm: Option<[f64; 3]>,
     /// Cells with combinations of signs that have no pose on the nominal branch; their error is a lower bound.
@@ -72,6 +76,8 @@ pub struct PartFigures {
     pub refused: BTreeMap<&'static str, usize>,
     /// One refusal of each reason, with value and limit.
     pub refused_examples: BTreeMap<&'static str, String>,
+    /// What does not fit the machine about the part.
+    pub warning: Option<String>,
     /// Time of the map itself on one core.
     pub wall_time_s: f64,
 }
@@ -138,7 +144,7 @@ fn nowhere(figures: &PartFigures) -> String {
         let example = figures.refused_examples.get(kind).map_or("", String::as_str);
         format!("{count} triangles {kind}, one has {example}")
     });
-    let reasons: Vec<String> = reasons.collect();
+    let reasons: Vec<String> = reasons.chain(figures.warning.clone()).collect();
     format!("the machine {} can work on no point of the part: {}", figures.machine, reasons.join("; "))
 }
 
@@ -151,10 +157,18 @@ fn figures(
     let (map, pieces) = (maps.map, maps.pieces);
     let summary = pieces.summary();
     let (mut refused, mut examples) = (BTreeMap::new(), BTreeMap::new());
-    for reason in map.cells.iter().filter_map(|cell| cell.outcome.err()) {
-        *refused.entry(kind(&reason)).or_insert(0) += 1;
-        examples.entry(kind(&reason)).or_insert_with(|| reason.to_string());
+    let mut table_m2 = 0.0;
+    for (cell, triangle) in map.cells.iter().zip(maps.mesh.triangles()) {
+        let Some(reason) = cell.outcome.err() else { continue };
+        let on_the_table = models::hybrid::sampling::on_the_table(triangle);
+        table_m2 += if on_the_table { cell.area_m2 } else { 0.0 };
+        let kind = if on_the_table { ON_THE_TABLE } else { kind(&reason) };
+        *refused.entry(kind).or_insert(0) += 1;
+        examples.entry(kind).or_insert_with(|| reason.to_string());
     }
+    let inside = summary.largest.map(|(error_m, cell)| (error_m, pieces.cells[cell].centre_m));
+    let at_edge = pieces.edge.filter(|(edge_m, _)| inside.is_none_or(|(error_m, _)| *edge_m > error_m));
+    let largest = at_edge.or(inside);
     let left = |cell: &&Cell| cell.outcome.is_ok_and(|at| at.extremal.failed > 0);
     PartFigures {
         machine: args.machine.machine.clone(),
@@ -168,14 +182,20 @@ fn figures(
         workable_share: summary.workable,
         mean_mm: 1e3 * summary.mean_m,
         p95_mm: 1e3 * summary.most_m,
-        largest_mm: summary.largest.map(|(error_m, _)| 1e3 * error_m),
-        largest_at_mm: summary.largest.map(|(_, cell)| (1e3 * pieces.cells[cell].centre_m).into()),
+        on_the_table_share: table_m2 / summary.area_m2,
+        largest_mm: largest.map(|(error_m, _)| 1e3 * error_m),
+        largest_at_edge: at_edge.is_some(),
+        largest_at_mm: largest.map(|(_, at_m)| (1e3 * at_m).into()),
         left_branch: pieces.cells.iter().filter(left).count(),
         refused,
         refused_examples: examples,
+        warning: unlikely_size(maps.mesh, geometry),
         wall_time_s,
     }
 }
+
+/// The face that the part stands on: no nozzle gets there, and none has to.
+const ON_THE_TABLE: &str = "on_the_table";
 
 /// Name of a reason.
 fn kind(reason: &Refused) -> &'static str {
@@ -204,7 +224,11 @@ fn text(figures: &PartFigures) -> String {
             significant(figures.edge_mm, 3)
         ),
         format!("motors       each wrong by {:.5} degrees, worst combination of signs", figures.angle_deg),
-        format!("workable     {:.1} % of the surface", 100.0 * figures.workable_share),
+        format!(
+            "workable     {:.1} % of the surface; {:.1} % more lies on the table",
+            100.0 * figures.workable_share,
+            100.0 * figures.on_the_table_share
+        ),
         format!(
             "error        mean {} mm, 95 % below {} mm",
             significant(figures.mean_mm, 4),
@@ -213,15 +237,25 @@ fn text(figures: &PartFigures) -> String {
     ];
     if let (Some(error_mm), Some([x, y, z])) = (figures.largest_mm, figures.largest_at_mm) {
         let [x, y, z] = [x, y, z].map(|at_mm| significant(at_mm, 3));
-        lines.push(format!("largest      {} mm at ({x}, {y}, {z}) mm", significant(error_mm, 4)));
+        let edge = if figures.largest_at_edge {
+            ", where the machine's reach ends: its limits decide it, above all the guard before singular poses"
+        } else {
+            ""
+        };
+        lines.push(format!("largest      {} mm at ({x}, {y}, {z}) mm{edge}", significant(error_mm, 4)));
     }
     if figures.left_branch > 0 {
         lines.push(format!("branch       {} cells lose their pose in some combination", figures.left_branch));
     }
     for (kind, count) in &figures.refused {
+        if *kind == ON_THE_TABLE {
+            lines.push(format!("not needed   {count} triangles: they lie on the table"));
+            continue;
+        }
         let example = figures.refused_examples.get(kind).map_or("", String::as_str);
         lines.push(format!("refused      {count} triangles: {kind}; one has {example}"));
     }
+    lines.extend(figures.warning.iter().map(|warning| format!("warning      {warning}")));
     lines.push(format!("wall time    {:.3} s on one core", figures.wall_time_s));
     lines.join("\n")
 }

@@ -8,7 +8,7 @@ pub mod stl;
 pub mod synthesize;
 
 use crate::config::ConfigDir;
-use crate::options::{in_range, needs, positive};
+use crate::options::{in_range, needs, positive, significant};
 use crate::process;
 use anyhow::bail;
 use clap::{Args, Subcommand};
@@ -111,6 +111,24 @@ impl PartArgs {
         let unit_mm = in_range("--unit", self.unit.unwrap_or(1.0), "mm", (1e-6, 1e6))?;
         self.stl.as_deref().map(|path| stl::read(path, 1e-3 * unit_mm)).transpose()
     }
+}
+
+/// Parts of this share of a rod's length and up to this many rods are taken as they are.
+const SIZE_IN_RODS: (f64, f64) = (0.01, 2.0);
+
+/// What is to be said of a part whose size does not fit the machine: its file may be in another unit.
+fn unlikely_size(mesh: &Mesh, geometry: &Geometry) -> Option<String> {
+    let (low, high) = mesh.bounds_m();
+    let longest_m = (high - low).max();
+    let (least_m, most_m) = (SIZE_IN_RODS.0 * geometry.rod_m, SIZE_IN_RODS.1 * geometry.rod_m);
+    (!(least_m..=most_m).contains(&longest_m)).then(|| {
+        format!(
+            "the part is {} mm long, the machine's rods are {} mm: is --unit right (1 mm if not given, 1000 for a file in \
+             metres)?",
+            significant(1e3 * longest_m, 3),
+            significant(1e3 * geometry.rod_m, 3)
+        )
+    })
 }
 
 /// Heights on a hemisphere as they were typed `[mm]`.

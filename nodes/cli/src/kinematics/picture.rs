@@ -63,7 +63,7 @@ impl Scale {
     }
 }
 
-/// A part; hidden triangles are painted over by those before them.
+/// A part; triangles that look away are left out, and hidden ones are painted over by those before them.
 pub(super) fn part(picture: &Picture, mesh: &Mesh, map: &ErrorMap) -> anyhow::Result<()> {
     let errors: Vec<Option<f64>> =
         map.cells.iter().map(|cell| cell.outcome.ok().map(|at| 1e3 * at.extremal.largest_m)).collect();
@@ -75,6 +75,7 @@ pub(super) fn part(picture: &Picture, mesh: &Mesh, map: &ErrorMap) -> anyhow::Re
         .iter()
         .zip(errors)
         .map(|(triangle, error)| (triangle.map(|corner| 1e3 * (view * corner)), error))
+        .filter(|(triangle, _)| (triangle[1] - triangle[0]).cross(&(triangle[2] - triangle[0])).z > 0.0)
         .collect();
     let depth = |triangle: &[Vector3<f64>; 3]| triangle.iter().map(|corner| corner.z).sum::<f64>();
     seen.sort_by(|one, other| depth(&one.0).total_cmp(&depth(&other.0)));

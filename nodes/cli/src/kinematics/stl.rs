@@ -11,9 +11,16 @@ use std::path::Path;
 /// Reads a part, binary or ASCII, and places it on the table; `unit_m` is the length of one unit of the file.
 ///
 /// # Errors
-/// A file that cannot be read or is no STL file; a mesh that is not closed.
+/// A file that cannot be read, is larger than is read, or is no STL file; a mesh that is not closed.
 pub fn read(path: &Path, unit_m: f64) -> anyhow::Result<Mesh> {
     let name = || path.display().to_string();
+    let about = std::fs::metadata(path).with_context(name)?;
+    if !about.is_file() {
+        bail!("{}: not a file but a folder, device or pipe: an STL file is read from a file", name());
+    }
+    if about.len() > MOST {
+        bail!("{}: {} bytes: must be at most {MOST}, of an STL file that is read", name(), about.len());
+    }
     let mut file = BufReader::new(File::open(path).with_context(name)?);
     let mesh = match stl_io::read_stl(&mut file) {
         Ok(mesh) => mesh,
@@ -39,6 +46,8 @@ pub fn read(path: &Path, unit_m: f64) -> anyhow::Result<Mesh> {
 
 /// Length of the header of a binary file with the number of its triangles, and of a triangle `[bytes]`.
 const HEADER: u64 = 84;
+/// Longest file that is read `[bytes]`: five million triangles.
+const MOST: u64 = 256 << 20;
 const TRIANGLE: u64 = 50;
 
 /// What a file's size and first bytes tell of the reason; none where they tell nothing.
@@ -74,6 +83,18 @@ mod tests {
         let error = read(&path, 1e-3).unwrap_err();
         std::fs::remove_file(&path).unwrap();
         format!("{error:#}")
+    }
+
+    /// Zeros without end, and a file of zeros longer than is read, which takes no room on the disk.
+    #[test]
+    fn a_device_and_an_endless_file_are_refused_unread() {
+        let zero = read(Path::new("/dev/zero"), 1e-3).unwrap_err().to_string();
+        assert!(zero.contains("/dev/zero: not a file"), "{zero}");
+        let path = std::env::temp_dir().join(format!("fdm_{}_long.stl", std::process::id()));
+        File::create(&path).unwrap().set_len(MOST + 1).unwrap();
+        let long = read(&path, 1e-3).unwrap_err().to_string();
+        std::fs::remove_file(&path).unwrap();
+        assert!(long.contains("268435457 bytes: must be at most 268435456"), "{long}");
     }
 
     #[test]

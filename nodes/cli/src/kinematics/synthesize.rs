@@ -39,13 +39,16 @@ pub struct DesignRow {
     pub step_deg: f64,
     /// Travel per turn.
     pub lead_mm: f64,
-    /// Fewest microsteps that meet the target; absent where the driver's most do not.
+    /// Fewest microsteps that meet the target: with the motors' own error, or with an encoder where one is needed; absent
+    /// where the driver's most do not.
     pub microsteps: Option<u32>,
     /// Worst error of one of them.
     pub microstep_error_mm: Option<f64>,
     /// Worst error of the motors' own.
     pub motor_error_mm: Option<f64>,
-    /// Whether the motors' own error is above the target.
+    /// Worst error of both together, which is what is judged; absent where an encoder is needed.
+    pub sum_error_mm: Option<f64>,
+    /// Whether no microstep keeps the target together with the motors' own error.
     pub encoder_needed: bool,
 }
 
@@ -62,6 +65,8 @@ pub struct SynthesisFigures {
     pub motor_error_share: f64,
     /// Error of a carriage that keeps the target, first order: what a scale on it has to resolve.
     pub carriage_error_mm: Option<f64>,
+    /// Whether some motor with some lead keeps the target, with an encoder or without.
+    pub reachable: bool,
     /// Every motor with every lead.
     pub designs: Vec<DesignRow>,
 }
@@ -95,15 +100,18 @@ pub fn run(args: &SynthesizeArgs) -> anyhow::Result<()> {
         microsteps: design.microsteps.map(|found| found.count),
         microstep_error_mm: design.microsteps.map(|found| 1e3 * found.largest_m),
         motor_error_mm: design.motor_m.map(|error_m| 1e3 * error_m),
+        sum_error_mm: design.sum_m.map(|error_m| 1e3 * error_m),
         encoder_needed: design.encoder,
     });
+    let designs: Vec<DesignRow> = designs.collect();
     let figures = SynthesisFigures {
         machine: args.machine.machine.clone(),
         provenance: geometry.provenance.clone(),
         target_mm: args.target,
         motor_error_share: choices.motor_error,
         carriage_error_mm: carriage_error_m(&stations, target_m).map(|error_m| 1e3 * error_m),
-        designs: designs.collect(),
+        reachable: designs.iter().any(|row| row.microsteps.is_some()),
+        designs,
     };
     if !json.is_stdout() {
         output::line(&text(&figures))?;
@@ -125,20 +133,44 @@ fn text(figures: &SynthesisFigures) -> String {
     );
     _ = writeln!(
         text,
-        "{:>6} {:>8} {:>11} {:>13} {:>10}  encoder",
-        "deg", "lead mm", "microsteps", "microstep mm", "motor mm"
+        "{:>6} {:>8} {:>11} {:>13} {:>10} {:>9}  encoder",
+        "deg", "lead mm", "microsteps", "microstep mm", "motor mm", "sum mm"
     );
     for row in &figures.designs {
         let microsteps = row.microsteps.map_or_else(|| "none".to_owned(), |count| count.to_string());
         _ = writeln!(
             text,
-            "{:>6.2} {:>8.2} {microsteps:>11} {:>13} {:>10}  {}",
+            "{:>6.2} {:>8.2} {microsteps:>11} {:>13} {:>10} {:>9}  {}",
             row.step_deg,
             row.lead_mm,
             cell(row.microstep_error_mm),
             cell(row.motor_error_mm),
-            if row.encoder_needed { "needed: the motors alone exceed the target" } else { "not needed" }
+            cell(row.sum_error_mm),
+            encoder(row, figures.target_mm)
         );
     }
+    if !figures.reachable {
+        _ = writeln!(
+            text,
+            "Not reachable: no motor and lead of the machine's file keeps {} mm, not even with an encoder",
+            significant(figures.target_mm, 4)
+        );
+    }
+    text.push_str(
+        "microstep, motor: worst error of one microstep and of the motors' own; sum: of both together, which must stay \
+         within the target; with an encoder the microstep alone must",
+    );
     text
+}
+
+/// What a row says of its encoder.
+fn encoder(row: &DesignRow, target_mm: f64) -> &'static str {
+    match (row.encoder_needed, row.microsteps, row.motor_error_mm) {
+        (false, ..) => "not needed",
+        (true, None, _) => "not reachable: the finest microstep alone exceeds the target",
+        (true, _, Some(motor_mm)) if motor_mm <= target_mm => {
+            "needed: motor and microstep exceed the target together"
+        }
+        (true, ..) => "needed: the motors alone exceed the target",
+    }
 }

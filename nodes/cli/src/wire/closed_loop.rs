@@ -54,6 +54,8 @@ pub struct Built {
     pub limited_share: f64,
     /// Share of the time of laying without a measurement of the layer below.
     pub neutral_share: f64,
+    /// Samples of the height sensor.
+    pub measured: u64,
     /// Samples that were refused.
     pub refused: u64,
     /// Time of the process.
@@ -61,6 +63,16 @@ pub struct Built {
     /// Height error of the last layer along the wall.
     #[serde(skip)]
     pub profile_mm: Vec<f64>,
+}
+
+impl Built {
+    /// Share of the height samples that were refused.
+    #[must_use]
+    pub fn refused_share(&self) -> f64 {
+        #[allow(clippy::cast_precision_loss, reason = "far below 2^52 samples")]
+        let share = self.refused as f64 / self.measured.max(1) as f64;
+        share
+    }
 }
 
 #[derive(Default)]
@@ -79,10 +91,11 @@ impl Wall {
         // Unchecked, so that a gain beyond 2 can show what it does.
         let mut controller =
             HeightController::unchecked(self.controller, self.process.law, self.process.limits);
-        let mut shares = Shares::default();
+        let (mut shares, mut measured_count) = (Shares::default(), 0);
         let (mut layers, mut profile_mm) = (Vec::new(), Vec::new());
         while plant.layer() <= self.layers {
             while let Some(sample) = plant.sample() {
+                measured_count += 1;
                 // A refused sample is counted in the controller.
                 _ = controller.on_height(measured(&sample));
             }
@@ -105,6 +118,7 @@ impl Wall {
             layers,
             limited_share: share(shares.limited),
             neutral_share: share(shares.neutral),
+            measured: measured_count,
             refused: refused.not_finite + refused.out_of_range + refused.old_layer,
             time_s: plant.now().0,
             profile_mm,

@@ -8,6 +8,7 @@ use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, SimWire};
 use models::status::JobPhase;
 use models::units::Seconds;
 use runtime::{Args, Node, Subscription, topics};
+use safety_supervisor::Cause;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -45,8 +46,8 @@ pub struct Built {
     seed: u64,
     /// Height RMS against the plan, layer by layer.
     layers_rms_mm: Vec<f64>,
-    /// The same over all layers.
-    rms_mm: f64,
+    /// The same over all layers; none before the first layer is laid.
+    rms_mm: Option<f64>,
     /// Time of the process.
     time_s: f64,
     /// Modes of the supervisor in their order.
@@ -66,7 +67,7 @@ impl Built {
         match self.ended {
             WallEnded::Done => "done",
             WallEnded::Failed => "the job was given up",
-            WallEnded::Interrupted => "interrupted",
+            WallEnded::Interrupted => "ended by a person",
             WallEnded::Lost => "the machine went silent",
         }
     }
@@ -82,7 +83,10 @@ impl Built {
         for (index, rms_mm) in self.layers_rms_mm.iter().enumerate() {
             _ = writeln!(text, "layer {:>3}    height RMS {rms_mm:.3} mm", index + 1);
         }
-        _ = write!(text, "all layers   height RMS {:.3} mm (simulated truth)", self.rms_mm);
+        _ = match self.rms_mm {
+            Some(rms_mm) => write!(text, "all layers   height RMS {rms_mm:.3} mm (simulated truth)"),
+            None => write!(text, "all layers   no figure: no layer was laid to its end"),
+        };
         text
     }
 }
@@ -99,6 +103,13 @@ pub struct Follow {
     newest: SimWire,
     layers_rms_mm: Vec<f64>,
     modes: Vec<String>,
+    /// A person ended the job, by `fdm stop` say.
+    stopped: bool,
+}
+
+/// Height RMS over the layers laid; 0 before the first one is no figure of a wall.
+fn rms_mm(truth: &SimWire) -> Option<f64> {
+    (truth.layers_complete > 0).then_some(1e3 * truth.rms_m)
 }
 
 impl Follow {
@@ -120,6 +131,7 @@ impl Follow {
             newest: SimWire::default(),
             layers_rms_mm: Vec::new(),
             modes: Vec::new(),
+            stopped: false,
         })
     }
 
@@ -188,12 +200,14 @@ impl Follow {
     /// The figures.
     #[must_use]
     pub fn built(self, ended: WallEnded, mode: &str, seed: u64) -> Built {
+        // The cause may come after the phase.
+        let by_a_person = ended == WallEnded::Failed && self.stopped;
         Built {
-            ended,
+            ended: if by_a_person { WallEnded::Interrupted } else { ended },
             mode: mode.to_owned(),
             seed,
             layers_rms_mm: self.layers_rms_mm,
-            rms_mm: 1e3 * self.newest.rms_m,
+            rms_mm: rms_mm(&self.newest),
             time_s: self.newest.header.stamp.seconds().unwrap_or(0.0),
             modes: self.modes,
         }
@@ -203,6 +217,7 @@ impl Follow {
     fn listen(&mut self) -> bool {
         while let Some(safety) = self.safety.try_recv() {
             let name = mode_name(safety.message.mode);
+            self.stopped |= safety.message.cause.ends_with(Cause::OperatorStop.text());
             let changed = self.modes.last().is_none_or(|last| !last.starts_with(name));
             if changed {
                 let cause = safety.message.cause;
@@ -227,5 +242,26 @@ impl Follow {
             }
         }
         self.newest = truth;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn built(truth: &SimWire, ended: WallEnded) -> Built {
+        let (layers_rms_mm, modes) = (Vec::new(), Vec::new());
+        let mode = "act".to_owned();
+        Built { ended, mode, seed: 1, layers_rms_mm, rms_mm: rms_mm(truth), time_s: 3.0, modes }
+    }
+
+    #[test]
+    fn a_wall_without_a_layer_has_no_figure() {
+        let none = built(&SimWire::default(), WallEnded::Interrupted);
+        assert!(none.text().contains("no figure") && !none.text().contains("0.000 mm"), "{}", none.text());
+        assert!(serde_json::to_value(&none).unwrap()["rms_mm"].is_null());
+        let one = built(&SimWire { layers_complete: 1, rms_m: 2e-4, ..SimWire::default() }, WallEnded::Lost);
+        assert!(one.text().contains("height RMS 0.200 mm"), "{}", one.text());
+        assert!(none.is_done() && !one.is_done());
     }
 }

@@ -100,8 +100,9 @@ fn unstable(gain: f64, stable: bool) -> String {
         ": height errors stay as they are".to_owned()
     } else {
         format!(
-            ": UNSTABLE, at {GAIN_STABLE_BELOW} and beyond a height error does not fade from layer to layer \
-             (stable above 0 and below {GAIN_STABLE_BELOW})"
+            ": UNSTABLE, a height error grows by |1 - gain| = {:.3} from layer to layer (stable above 0 and below \
+             {GAIN_STABLE_BELOW}), until limits of section and speeds hold it",
+            (1.0 - gain).abs()
         )
     }
 }

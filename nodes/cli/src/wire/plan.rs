@@ -4,6 +4,7 @@ use super::material;
 use crate::config::ConfigDir;
 use crate::options::{in_range, positive, significant};
 use crate::output::{self, Json};
+use anyhow::bail;
 use clap::Args;
 use models::wire::Limits;
 use models::wire::cycle::{Cycle, DIAMETER_RANGE_M, DROP_LENGTH_RANGE_M, Feed, RawFeed};
@@ -59,6 +60,15 @@ pub struct Beyond {
     pub file: String,
 }
 
+/// Powers with which all speeds stay within the limits.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Fitting {
+    /// Least: of the laser where its power was given, else absorbed.
+    pub least_w: f64,
+    /// Most.
+    pub most_w: f64,
+}
+
 /// The figures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Plan {
@@ -92,6 +102,8 @@ pub struct Plan {
     pub head_mm_s: f64,
     /// Speeds beyond the machine's limits; empty where it can do the plan.
     pub beyond_limits: Vec<Beyond>,
+    /// Powers that would fit, where this one does not; absent where none does.
+    pub fitting_power: Option<Fitting>,
 }
 
 /// Runs the command.
@@ -116,13 +128,16 @@ fn plan(args: &PlanArgs, config: &ConfigDir) -> anyhow::Result<Plan> {
     check(args)?;
     let diameter_m = args.diameter.map_or(process.feed.diameter_m, |mm| 1e-3 * mm);
     let drop_length_m = args.drop_length.map_or(diameter_m, |mm| 1e-3 * mm);
-    let absorbed_w = match args.power {
-        None => process.feed.absorbed_w,
+    check_film(args, diameter_m)?;
+    // Without a laser's power the absorbed one is given: all of it is absorbed.
+    let (power_w, share) = match args.power {
+        None => (process.feed.absorbed_w, 1.0),
         Some(power_w) => {
             let share = args.absorptivity.unwrap_or(metal.absorptivity);
-            positive("--power", power_w, "W")? * in_range("--absorptivity", share, "-", (0.001, 1.0))?
+            (positive("--power", power_w, "W")?, in_range("--absorptivity", share, "-", (0.001, 1.0))?)
         }
     };
+    let absorbed_w = power_w * share;
     let feed =
         Feed::try_from(RawFeed { diameter_m, drop_length_m, absorbed_w, spacing: process.feed.spacing })?;
     let film = args.film.map(|mm| Film {
@@ -135,7 +150,9 @@ fn plan(args: &PlanArgs, config: &ConfigDir) -> anyhow::Result<Plan> {
     let cycle = feed.cycle(&metal, film.as_ref())?;
     let file = config.file(PROCESS).display().to_string();
     let beyond_limits = beyond(&process.limits, &cycle, &file);
-    Ok(Plan { beyond_limits, ..figures((name, args.power), &feed, &cycle, drain_s) })
+    let fitting_power = fitting(&process.limits, (&cycle, drop_length_m), (drain_s.unwrap_or(0.0), share))
+        .filter(|_| !beyond_limits.is_empty());
+    Ok(Plan { beyond_limits, fitting_power, ..figures((name, args.power), &feed, &cycle, drain_s) })
 }
 
 /// Where limits of the speeds stand.
@@ -150,12 +167,31 @@ fn check(args: &PlanArgs) -> anyhow::Result<()> {
     if let Some(mm) = args.drop_length {
         in_range("--drop-length", mm, "mm", millimetres(DROP_LENGTH_RANGE_M))?;
     }
-    if let Some(mm) = args.film {
-        positive("--film", mm, "mm")?;
-        positive("--angle", args.angle, "deg")?;
-        in_range("--angle", args.angle, "deg", (0.0, 90.0))?;
+    Ok(())
+}
+
+/// A film is molten from the wire's surface inwards: no thicker than the wire's radius.
+fn check_film(args: &PlanArgs, diameter_m: f64) -> anyhow::Result<()> {
+    let Some(film_mm) = args.film else { return Ok(()) };
+    positive("--film", film_mm, "mm")?;
+    in_range("--film", film_mm, "mm", (0.0, 0.5e3 * diameter_m))?;
+    if !(args.angle > 0.0 && args.angle <= 90.0) {
+        bail!("--angle {} deg: must be in (0, 90] deg", args.angle);
     }
     Ok(())
+}
+
+/// Powers whose drops take as long as the limits of both speeds allow; none where no time suits both.
+fn fitting(
+    limits: &Limits,
+    (cycle, drop_length_m): (&Cycle, f64),
+    (drain_s, share): (f64, f64),
+) -> Option<Fitting> {
+    let shortest_s = (drop_length_m / limits.wire_high_m_s).max(cycle.pitch_m / limits.head_high_m_s);
+    let longest_s = (drop_length_m / limits.wire_low_m_s).min(cycle.pitch_m / limits.head_low_m_s);
+    let power_w = |period_s: f64| cycle.energy_j / (period_s - drain_s) / share;
+    (drain_s < shortest_s && shortest_s <= longest_s)
+        .then(|| Fitting { least_w: power_w(longest_s), most_w: power_w(shortest_s) })
 }
 
 /// Speeds of a drop that the limits do not allow.
@@ -195,6 +231,7 @@ fn figures((name, power_w): (String, Option<f64>), feed: &Feed, cycle: &Cycle, d
         wire_mm_s: 1e3 * cycle.wire_m_s,
         head_mm_s: 1e3 * cycle.head_m_s,
         beyond_limits: Vec::new(),
+        fitting_power: None,
     }
 }
 
@@ -229,36 +266,18 @@ fn text(plan: &Plan) -> String {
             beyond.speed, beyond.planned_mm_s, beyond.side, beyond.limit_mm_s, beyond.file
         )
     };
-    figures + &plan.beyond_limits.iter().map(warning).collect::<String>()
+    let fitting = match plan.fitting_power {
+        _ if plan.beyond_limits.is_empty() => String::new(),
+        None => "\nwarning      no power keeps both speeds within these limits".to_owned(),
+        Some(Fitting { least_w, most_w }) => format!(
+            "\nwarning      {} W to {} W {} would fit",
+            significant(least_w, 4),
+            significant(most_w, 4),
+            if plan.power_w.is_some() { "of laser power" } else { "absorbed" }
+        ),
+    };
+    figures + &plan.beyond_limits.iter().map(warning).collect::<String>() + &fitting
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use models::wire::correction::RawLimits;
-
-    /// 5.4 mm/s is the fastest wire: what the plan of a thin wire gives is named with side and limit.
-    #[test]
-    fn a_speed_beyond_the_machine_is_named() {
-        let raw = RawLimits {
-            wire_low_m_s: 0.5e-3,
-            wire_high_m_s: 5.4e-3,
-            head_low_m_s: 0.5e-3,
-            head_high_m_s: 10e-3,
-        };
-        let limits = Limits::try_from(raw).unwrap();
-        let feed = |diameter_m| {
-            let raw = RawFeed { diameter_m, drop_length_m: diameter_m, absorbed_w: 64.9, spacing: 2.0 / 3.0 };
-            Feed::try_from(raw).unwrap()
-        };
-        let config =
-            ConfigDir::find(Some(std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config"))))
-                .unwrap();
-        let metal = material(&config, "aluminium").unwrap();
-        let of = |diameter_m| beyond(&limits, &feed(diameter_m).cycle(&metal, None).unwrap(), "file");
-        assert!(of(3e-3).is_empty());
-        let thin = of(0.8e-3);
-        assert!(thin.iter().any(|one| one.speed == "wire" && one.side == "above" && one.planned_mm_s > 49.0));
-        assert!(of(0.02).iter().all(|one| one.side == "below"), "{:?}", of(0.02));
-    }
-}
+mod tests;

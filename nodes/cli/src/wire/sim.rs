@@ -3,11 +3,11 @@
 use super::closed_loop::{Built, Wall, mean};
 use super::picture;
 use crate::config::ConfigDir;
-use crate::options::in_range;
+use crate::options::{in_range, significant};
 use crate::output::{self, Json};
 use crate::process::{self, Picture};
 use clap::{Args, ValueEnum};
-use models::wire::correction::GAIN_RANGE;
+use models::wire::correction::{GAIN_RANGE, GAIN_STABLE_BELOW};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ pub struct SimArgs {
     /// Noise of the height sensor in place of the configured one `[mm]`.
     #[arg(long)]
     noise: Option<f64>,
-    /// Which layers get dips and bumps: each, or the first alone (shows the loop's own motion).
+    /// Which layers get dips and bumps: each, or the first alone. Drops scatter in all of them, and the open wall drifts.
     #[arg(long, value_enum, default_value = "every")]
     dips: Dips,
     /// Seeds: A..B, both included.
@@ -79,6 +79,10 @@ pub struct Group {
     pub roughness_mm: Over,
     /// As `last_rms_mm`, about the layer's mean.
     pub last_roughness_mm: Over,
+    /// Share of the time of laying in which a limit held the correction, mean over the seeds.
+    pub limited_share: f64,
+    /// Share of the height samples that were refused.
+    pub refused_share: f64,
 }
 
 /// The figures.
@@ -197,9 +201,42 @@ impl Group {
             last_rms_mm: over(|wall| wall.last_rms_mm),
             roughness_mm: over(|wall| wall.roughness_mm),
             last_roughness_mm: over(|wall| wall.last_roughness_mm),
+            limited_share: over(|wall| wall.limited_share).mean,
+            refused_share: over(Built::refused_share).mean,
             runs,
         }
     }
+}
+
+/// What the figures below do not show by themselves.
+fn caveats(figures: &Figures) -> String {
+    let mut text = String::new();
+    let closed = figures.results.last();
+    let of = |share: fn(&Group) -> f64| 100.0 * closed.map_or(0.0, share);
+    // Writing to a string cannot fail.
+    if !figures.stable {
+        _ = writeln!(text, "gain {:.3}{}", figures.gain, super::unstable(figures.gain, figures.stable));
+    }
+    if !figures.stable && figures.gain > GAIN_STABLE_BELOW {
+        let grown = (figures.gain - 1.0).powf(f64::from(figures.layers) - 1.0);
+        _ = writeln!(
+            text,
+            "without limits an error of the first layer would be {} times as large in layer {}; here limits held the \
+             correction in {:.1} % of the time, so the figures below do not show the growth",
+            significant(grown, 3),
+            figures.layers,
+            of(|group| group.limited_share)
+        );
+    }
+    let refused = of(|group| group.refused_share);
+    if refused > 0.0 {
+        let all = if refused > 99.95 { "; all: closed is open" } else { "" };
+        _ = writeln!(
+            text,
+            "heights: {refused:.1} % refused, farther from the plan than error_max_m of config/wire/controller.yaml{all}"
+        );
+    }
+    text
 }
 
 fn text(figures: &Figures) -> String {
@@ -214,9 +251,7 @@ fn text(figures: &Figures) -> String {
         figures.noise_mm,
         figures.results.first().map_or(0, |group| group.runs.len()),
     );
-    if !figures.stable {
-        _ = writeln!(text, "gain {:.3}{}", figures.gain, super::unstable(figures.gain, figures.stable));
-    }
+    text.push_str(&caveats(figures));
     _ = writeln!(
         text,
         "{:<8} {:>16} {:>16} {:>16} {:>16}",

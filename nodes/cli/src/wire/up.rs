@@ -2,6 +2,7 @@
 
 use super::follow::{Built, Follow};
 use crate::config::ConfigDir;
+use crate::options::in_range;
 use crate::output::{self, Json};
 use crate::up::check_new_bag;
 use crate::up::fleet::{Fleet, Recipe};
@@ -14,7 +15,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 pub struct UpArgs {
     /// Layers of the wall.
-    #[arg(long, default_value_t = 20)]
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     layers: u32,
     /// Simulated over wall time.
     #[arg(long, default_value_t = 5.0)]
@@ -42,6 +43,25 @@ pub struct UpArgs {
     json: Option<PathBuf>,
 }
 
+/// Names of ROS 2: words of letters, digits and underscores that begin with no digit, each after a slash.
+fn check_namespace(namespace: &str) -> anyhow::Result<()> {
+    let word = |word: &str| {
+        word.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
+            && word.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+    };
+    match namespace.strip_prefix('/') {
+        Some(words) if words.split('/').all(word) => Ok(()),
+        _ => bail!(
+            "--namespace '{namespace}': must be words of letters, digits and _ that begin with no digit, each after a /"
+        ),
+    }
+}
+
+/// A wall did not come to its end: nothing was wrong with the command, exit code 1.
+#[derive(Debug, thiserror::Error)]
+#[error("the wall was not finished: {0}")]
+pub struct Unfinished(&'static str);
+
 /// One process to be: name of the node, its parameter files, its overrides.
 struct Member {
     name: &'static str,
@@ -55,6 +75,8 @@ struct Member {
 /// What is refused of parameters, a process that cannot be started, a wall that was not finished.
 pub fn run(args: &UpArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
+    in_range("--speed", args.speed, "-", (0.1, 20.0))?;
+    check_namespace(&args.namespace)?;
     let json = Json::new(args.json.as_deref());
     json.check()?;
     let bag = args.bag.as_deref().map(std::path::absolute).transpose()?;
@@ -75,7 +97,10 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
         output::line(&built.text())?;
     }
     json.write(&built)?;
-    if built.is_done() { Ok(()) } else { bail!("the wall was not finished: {}", built.ended()) }
+    if built.is_done() {
+        return Ok(());
+    }
+    Err(Unfinished(built.ended()).into())
 }
 
 async fn build(args: &UpArgs, recipes: Vec<Recipe>, logs: &Path, quiet: bool) -> anyhow::Result<Built> {

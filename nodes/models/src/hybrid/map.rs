@@ -42,6 +42,9 @@ pub struct At {
 pub struct ErrorMap {
     /// One cell a triangle or piece, in their order.
     pub cells: Vec<Cell>,
+    /// Largest error at the end of what the machine can work on `[m]`, and its place in the part's frame `[m]`; none where
+    /// that end was not looked for, or there is none.
+    pub edge: Option<(f64, Vector3<f64>)>,
 }
 
 /// What a map comes to.
@@ -63,27 +66,34 @@ impl Geometry {
     /// Worst error at the middle of every triangle, with all combinations of signs solved exactly.
     #[must_use]
     pub fn error_map(&self, mesh: &Mesh, error: &AxisError) -> ErrorMap {
-        ErrorMap { cells: mesh.triangles().iter().map(|triangle| self.cell(triangle, error)).collect() }
+        let cell = |triangle| self.cell(&SurfacePoint::on_triangle(triangle), Cell::area_m2(triangle), error);
+        ErrorMap { cells: mesh.triangles().iter().map(cell).collect(), edge: None }
     }
 
-    /// The same at the middle of every piece of a sampling of that mesh; whole triangles are taken from its map.
+    /// The same at the middle of every piece of a sampling of that mesh, and where the machine's reach ends; whole
+    /// triangles are taken from its map.
     #[must_use]
     pub fn error_map_of(&self, sampling: &Sampling, whole: &ErrorMap, error: &AxisError) -> ErrorMap {
         let cells = sampling.samples.iter().map(|sample| match whole.cells.get(sample.triangle) {
             Some(cell) if sample.whole => *cell,
-            _ => self.cell(&sample.piece, error),
+            _ => self.cell(&sample.middle(), sample.area_m2(), error),
         });
-        ErrorMap { cells: cells.collect() }
+        let can = |point: &SurfacePoint| self.station(point).is_ok();
+        let last = sampling.samples.iter().flat_map(|sample| sample.last_points(&can));
+        let errors = last.filter_map(|point| {
+            let worst = self.station(&point).ok()?.extremal(error);
+            Some((worst.largest_m, point.position_m))
+        });
+        ErrorMap { cells: cells.collect(), edge: errors.max_by(|one, other| one.0.total_cmp(&other.0)) }
     }
 
-    fn cell(&self, triangle: &Triangle, error: &AxisError) -> Cell {
-        let point = SurfacePoint::on_triangle(triangle);
-        let outcome = self.station(&point).map(|station| At {
+    fn cell(&self, point: &SurfacePoint, area_m2: f64, error: &AxisError) -> Cell {
+        let outcome = self.station(point).map(|station| At {
             extremal: station.extremal(error),
             gain: station.gain().carriage_sum(),
             tilt_rad: station.target.pose.tilt_rad,
         });
-        Cell { centre_m: point.position_m, area_m2: Cell::area_m2(triangle), outcome }
+        Cell { centre_m: point.position_m, area_m2, outcome }
     }
 }
 

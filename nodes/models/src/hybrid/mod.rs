@@ -11,6 +11,7 @@
 //! | [`kinematics`] | inverse in closed form, forward by Newton, Jacobian, condition number |
 //! | [`error`] | error vector, its part along the normal, linear gains, extremal combinations, random errors |
 //! | [`mesh`] [`sampling`] [`map`] | closed triangle meshes, points spread evenly over them, the error over a real part |
+//! | [`lateral`] | the error across the extruder's axis over a part |
 //! | [`synthesis`] | microsteps, lead, and whether an axis needs an encoder |
 //! | [`published`] | rows of the paper's tables |
 //!
@@ -28,19 +29,23 @@
 //! - (2) lists joints 1, 4, 5, 6 while the text gives all six to carriage 1; A_0i and A_0j are interchanged; e_4 =
 //!   (0, 0, 0, 1) is called a vector of zero length; (6) needs rotation and translation, nominal less actual.
 
+mod bodies;
 pub mod error;
 pub mod geometry;
 pub mod kinematics;
+pub mod lateral;
 pub mod map;
 pub mod mesh;
 pub mod pose;
 pub mod published;
 pub mod sampling;
+mod smooth;
 pub mod synthesis;
 
 pub use error::{AxisError, Extremal, Gain, Shift, Spread};
 pub use geometry::{Geometry, RawGeometry, Refused};
 pub use kinematics::Station;
+pub use lateral::{Ends, Laterals};
 pub use map::{Cell, ErrorMap};
 pub use mesh::{Mesh, MeshError};
 pub use pose::{Pose, SurfacePoint, Target};

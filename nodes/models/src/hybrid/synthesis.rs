@@ -1,8 +1,9 @@
 //! The choice of motor step, microsteps and lead for a wanted accuracy, and whether a carriage needs an encoder.
 //!
-//! Two models of error stand side by side. "One microstep" is what the paper varies: a bound of resolution. A real
-//! stepper is wrong by about 5 % of a full step, whatever its driver divides it into; where that alone exceeds the
-//! target no microstepping helps, only a finer step, a smaller lead or a scale on the carriage.
+//! Two errors add up. "One microstep" is what the paper varies: a bound of resolution. A real stepper is wrong by about
+//! 5 % of a full step besides, whatever its driver divides it into; where both together exceed the target with the finest
+//! microstep, only a finer step, a smaller lead or a scale on the carriage helps. With a scale the motor's own error is
+//! measured, and the microstep alone is left.
 
 use serde::Deserialize;
 
@@ -63,11 +64,16 @@ pub struct Design {
     pub step_rad: f64,
     /// Travel per turn `[m]`.
     pub lead_m: f64,
-    /// Microsteps that meet the target; none where the driver's most do not.
+    /// Microsteps that meet the target: together with the motors' own error, or alone where an encoder is needed. None
+    /// where the driver's most do not: the target is not reachable.
     pub microsteps: Option<Microsteps>,
     /// Worst error of the motors' own `[m]`; none where a combination has no pose.
     pub motor_m: Option<f64>,
-    /// Whether the motors' own error is above the target: a carriage then needs an encoder.
+    /// Worst error of motors that are wrong by their own error and one of these microsteps `[m]`; none where an encoder is
+    /// needed.
+    pub sum_m: Option<f64>,
+    /// Whether no number of microsteps keeps the target together with the motors' own error: a carriage then needs an
+    /// encoder.
     pub encoder: bool,
 }
 
@@ -88,13 +94,24 @@ fn worst_m(stations: &[Station<'_>], error: &AxisError) -> Option<f64> {
 #[must_use]
 pub fn microsteps(
     stations: &[Station<'_>],
+    drive: (f64, f64),
+    target_m: f64,
+    most: u32,
+) -> Option<Microsteps> {
+    microsteps_beside(0.0, stations, drive, target_m, most)
+}
+
+/// The same for motors that are wrong by `own_rad` besides; the error is that of both together.
+fn microsteps_beside(
+    own_rad: f64,
+    stations: &[Station<'_>],
     (step_rad, lead_m): (f64, f64),
     target_m: f64,
     most: u32,
 ) -> Option<Microsteps> {
     let mut count = 1;
     while count <= most {
-        let error = AxisError::of_motors(step_rad / f64::from(count), lead_m);
+        let error = AxisError::of_motors(own_rad + step_rad / f64::from(count), lead_m);
         match worst_m(stations, &error) {
             Some(largest_m) if largest_m <= target_m => return Some(Microsteps { count, largest_m }),
             _ => count *= 2,
@@ -120,18 +137,22 @@ impl Choices {
         positive("target_m", target_m, "m")?;
         let pairs =
             self.steps_rad.iter().flat_map(|step| self.leads_m.iter().map(move |lead| (*step, *lead)));
-        Ok(pairs
-            .map(|(step_rad, lead_m)| {
-                let own = AxisError::of_motors(step_rad * self.motor_error, lead_m);
-                let motor_m = worst_m(stations, &own);
-                Design {
-                    step_rad,
-                    lead_m,
-                    microsteps: microsteps(stations, (step_rad, lead_m), target_m, self.microsteps_max),
-                    motor_m,
-                    encoder: motor_m.is_none_or(|error_m| error_m > target_m),
-                }
-            })
-            .collect())
+        Ok(pairs.map(|drive| self.design(stations, drive, target_m)).collect())
+    }
+
+    fn design(&self, stations: &[Station<'_>], drive: (f64, f64), target_m: f64) -> Design {
+        let (step_rad, lead_m) = drive;
+        let (own_rad, most) = (step_rad * self.motor_error, self.microsteps_max);
+        let motor_m = worst_m(stations, &AxisError::of_motors(own_rad, lead_m));
+        let together = microsteps_beside(own_rad, stations, drive, target_m, most);
+        let microsteps = match together {
+            Some(Microsteps { count, .. }) => {
+                let one = AxisError::of_motors(step_rad / f64::from(count), lead_m);
+                worst_m(stations, &one).map(|largest_m| Microsteps { count, largest_m })
+            }
+            None => microsteps(stations, drive, target_m, most),
+        };
+        let sum_m = together.map(|found| found.largest_m);
+        Design { step_rad, lead_m, microsteps, motor_m, sum_m, encoder: together.is_none() }
     }
 }
