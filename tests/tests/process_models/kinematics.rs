@@ -68,7 +68,10 @@ fn microsteps_do_not_replace_an_encoder() {
             let needed = design["encoder_needed"].as_bool().unwrap();
             let least_mm = motor_mm * (1.0 + 1.0 / (0.05 * 256.0));
             // Not judged where the two lie within the error of 0.19 mm.
-            assert!(needed == (least_mm > target_mm) || (least_mm / target_mm - 1.0).abs() < 0.06, "{design}");
+            assert!(
+                needed == (least_mm > target_mm) || (least_mm / target_mm - 1.0).abs() < 0.06,
+                "{design}"
+            );
             if !needed {
                 let sum_mm = number(design, "sum_error_mm");
                 let parts_mm = number(design, "motor_error_mm") + number(design, "microstep_error_mm");

@@ -94,7 +94,8 @@ fn doubled_and_inverted_bodies_are_refused() {
         let text = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.code() == Some(2) && text.contains(said), "{name}: {text}");
     }
-    for (name, more) in [("cavity.stl", inverted(moved(0.2, 0.0, 10.0))), ("two.stl", moved(0.2, 50.0, 0.0))] {
+    for (name, more) in [("cavity.stl", inverted(moved(0.2, 0.0, 10.0))), ("two.stl", moved(0.2, 50.0, 0.0))]
+    {
         assert!(map(name, more).status.success(), "{name}");
     }
 }
