@@ -9,6 +9,7 @@ mod calls;
 mod graph;
 mod limits;
 mod load;
+mod machine;
 mod node_fault;
 mod observer;
 mod orders;
@@ -25,6 +26,7 @@ use crate::config::ConfigDir;
 use crate::output;
 use anyhow::{Context, bail};
 use graph::Setting;
+use machine::Machine;
 use outcome::Observed;
 use session::Session;
 use std::collections::BTreeMap;
@@ -42,6 +44,9 @@ struct Due<'a> {
     spec: &'a ProcessSpec,
     runs: Vec<Observed>,
 }
+
+/// Where so many processors were busy with something else, what the machine could not keep is excused if it was told.
+const FOREIGN_CORES: f64 = 0.2;
 
 /// What is asked for beside the catalogue.
 #[derive(Debug, Clone)]
@@ -222,9 +227,19 @@ async fn one(setting: &Setting, bench: &mut Running, due: &Due<'_>, wish: &Wish)
     let session = bench.session(setting, wish.bench(spec)).await?;
     session.whole().await?;
     session.until(SPREAD_S * share_of(seed), |_, _| false).await?;
+    let before = Machine::look(session);
+    let mut observed = act(session, due, wish).await?;
+    let foreign = Machine::look(session).foreign_since(&before);
+    observed.figures.insert("foreign_cores", foreign);
+    observed.excused = foreign > FOREIGN_CORES;
+    Ok(observed)
+}
+
+/// What a trial does.
+async fn act(session: &mut Session, due: &Due<'_>, wish: &Wish) -> anyhow::Result<Observed> {
     let soak_s = |for_s: f64| wish.soak_s.unwrap_or(for_s);
-    match &spec.act {
-        Act::Kill(_) | Act::Stop { .. } => node_fault::run(session, spec, reaction(due)).await,
+    match &due.spec.act {
+        Act::Kill(_) | Act::Stop { .. } => node_fault::run(session, due.spec, reaction(due)).await,
         Act::Calls { rate_hz, for_s } => calls::flood(session, *rate_hz, *for_s).await,
         Act::Estop { calls, spinning } => calls::estops(session, *calls, *spinning).await,
         Act::Spin { processes, for_s } => load::spin(session, *processes, *for_s).await,

@@ -27,6 +27,8 @@ pub(super) struct Observed {
     pub(super) affected: Option<String>,
     /// The supervisor told that its permits come irregularly.
     pub(super) alarmed: bool,
+    /// The machine had something else to do.
+    pub(super) excused: bool,
     /// What else was wrong.
     pub(super) wrong: Vec<String>,
     /// Named figures.
@@ -87,7 +89,7 @@ impl Observed {
         for (name, samples) in &self.measures {
             let bound = spec.bounds.get(*name).copied().unwrap_or_default();
             let measure = Measure::of(name, samples.clone(), bound);
-            let told = spec.or_alarm && self.alarmed;
+            let told = self.alarmed && (spec.or_alarm || self.excused);
             if !measure.within_limit && !told {
                 wrong.push(measure.text());
             }
