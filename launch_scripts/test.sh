@@ -46,7 +46,7 @@ if [ -n "$long" ]; then
 
   step "long: the tests over DDS, 20 times"
   for _ in $(seq 20); do
-    cargo test -p system_tests --locked --test refusals --test bag --test orphans -- --include-ignored
+    cargo test -p system_tests --locked --test refusals --test bag --test orphans --test operate -- --include-ignored
   done
 
   step "long: 10^5 malformed payloads a type, 10^6 orders to a firmware, 5000 poisoned prints"

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 mod foresight;
+mod machine;
 
 pub use foresight::Foresight;
 
@@ -250,6 +251,7 @@ impl ConfigDir {
     /// File, line, field, value and range of what is refused.
     pub fn load(&self, choice: &Choice) -> anyhow::Result<Setup> {
         self.check_material(&choice.material)?;
+        self.check_machine_budget(&choice.material)?;
         let read = |node: &str, usual: &[(String, String)]| {
             let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
             let wished = choice.overrides.get(node).into_iter().flatten();

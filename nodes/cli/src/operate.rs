@@ -1,10 +1,10 @@
-//! `fdm status`, and what a person asks of the supervisor: `pause`, `resume`, `stop`, `estop`, `acknowledge`.
+//! `fdm status`, and what a person asks of the supervisor: `pause`, `resume`, `stop`, `estop`, `acknowledge`, `mode`.
 
 use crate::output::{self, Json};
 use crate::up::words::mode_name;
 use anyhow::{Context, bail};
 use clap::Args;
-use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, Trigger, TriggerRequest};
+use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, SetModeRequest, Trigger, TriggerRequest};
 use models::units::Seconds;
 use runtime::topics::Service;
 use runtime::{Node, topics};
@@ -116,6 +116,48 @@ pub fn ask(what: Ask, args: &AskArgs) -> anyhow::Result<()> {
     };
     let answer = answer.with_context(unconfirmed)?;
     if !answer.success {
+        bail!("the supervisor refused {name}: {}", answer.message);
+    }
+    output::line(&format!("{name}: {}", answer.message))
+}
+
+/// Which mode, of which printer.
+#[derive(Debug, Args)]
+pub struct ModeArgs {
+    /// What the loop may do: watch, watch and propose, or correct.
+    #[arg(value_enum)]
+    mode: Wanted,
+    /// Namespace of the printer.
+    #[arg(long, default_value = "/printer")]
+    namespace: String,
+}
+
+/// Modes that a person may ask for.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Wanted {
+    Observe,
+    Advise,
+    Act,
+}
+
+/// Asks the supervisor for another mode.
+///
+/// # Errors
+/// No supervisor, or one that refuses; exit code 2.
+pub fn set_mode(args: &ModeArgs) -> anyhow::Result<()> {
+    let mode = match args.mode {
+        Wanted::Observe => SetModeRequest::MODE_OBSERVE,
+        Wanted::Advise => SetModeRequest::MODE_ADVISE,
+        Wanted::Act => SetModeRequest::MODE_ACT,
+    };
+    let name = topics::SAFETY_SET_MODE.name();
+    let answer = executor()?.block_on(async {
+        let mut node = Node::start_with("fdm", in_namespace(&args.namespace))?;
+        let client = node.client(&topics::SAFETY_SET_MODE)?;
+        anyhow::Ok(client.call(SetModeRequest { mode }, Seconds(CALL_S)).await)
+    })?;
+    let answer = answer.with_context(|| format!("{name} was not confirmed"))?;
+    if !answer.accepted {
         bail!("the supervisor refused {name}: {}", answer.message);
     }
     output::line(&format!("{name}: {}", answer.message))

@@ -89,7 +89,10 @@ impl Classifier {
             usual: Usual::new(params.usual),
             finder: OffsetFinder::new(params.offset, &params.camera),
             surface: Surface::new(params.unexplained),
-            fusion: Fusion::new(params.fusion.clone(), models.network.classes())?,
+            fusion: Fusion::new(
+                params.fusion.clone().with_machine_error(params.machine.error_m.unwrap_or(0.0)),
+                models.network.classes(),
+            )?,
             quality: LayerQuality::new(params.layer, models.nominal),
             network: models.network,
             params,

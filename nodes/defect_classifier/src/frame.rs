@@ -16,6 +16,10 @@ use opencv::core::{
 use opencv::{imgcodecs, imgproc};
 use serde::Deserialize;
 use std::hash::{DefaultHasher, Hasher};
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
 
 /// Bounds of a usable frame. Built only from a valid [`RawChecks`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -126,11 +130,17 @@ impl From<opencv::Error> for Unusable {
     }
 }
 
-/// Whether the end marker is there; decoders draw what is missing in grey and call it well. Some cameras fill up with
-/// zeros behind it.
-fn is_whole(jpeg: &[u8]) -> bool {
+/// The file without the zeros that some cameras fill it up with; none where its end marker is missing.
+fn without_filling(jpeg: &[u8]) -> Option<&[u8]> {
     let filled = jpeg.iter().rev().take_while(|byte| **byte == 0).count();
-    jpeg[..jpeg.len() - filled].ends_with(&[0xff, 0xd9])
+    Some(&jpeg[..jpeg.len() - filled]).filter(|bytes| bytes.ends_with(&[0xff, 0xd9]))
+}
+
+/// Whether every block of the picture is there. OpenCV draws those that are missing in grey and calls it well; this
+/// decoder takes no excuses.
+fn is_whole(jpeg: &[u8]) -> bool {
+    let options = DecoderOptions::default().set_strict_mode(true).jpeg_set_out_colorspace(ColorSpace::Luma);
+    JpegDecoder::new_with_options(ZCursor::new(jpeg), options).decode().is_ok()
 }
 
 /// Checks frames one after the other.
@@ -171,14 +181,15 @@ impl FrameGate {
         if (width_px, height_px) != self.size_px {
             return Err(Unusable::WrongSize { width_px, height_px });
         }
-        if !is_whole(jpeg) {
-            return Err(Unusable::Corrupt);
-        }
+        let jpeg = without_filling(jpeg).ok_or(Unusable::Corrupt)?;
         let mut hasher = DefaultHasher::new();
         hasher.write(jpeg);
         let hash = hasher.finish();
         if self.last.replace(hash) == Some(hash) {
             return Err(Unusable::Frozen);
+        }
+        if !is_whole(jpeg) {
+            return Err(Unusable::Corrupt);
         }
         let grey = imgcodecs::imdecode(&Mat::from_slice(jpeg)?, imgcodecs::IMREAD_GRAYSCALE)
             .map_err(|_| Unusable::Corrupt)?;

@@ -40,7 +40,7 @@ pub struct Params {
     pub layer: LayerParams,
     /// Annotated pictures.
     pub picture: PictureParams,
-    /// Error budget of the machine itself, published beside the quality.
+    /// Error budget of the machine itself, published beside the quality; offsets within it are no defect.
     #[serde(default)]
     pub machine: MachineParams,
 }

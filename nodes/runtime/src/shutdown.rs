@@ -115,6 +115,8 @@ pub(crate) fn abort_when_continued(shutdown: Shutdown) -> Result<(), RuntimeErro
     let system = |source| RuntimeError::System { what: "cannot listen to signals", source };
     let mut continued = signal(SignalKind::from_raw(Signal::CONT.as_raw())).map_err(system)?;
     signal_hook::flag::register(Signal::CONT.as_raw(), Arc::clone(&CONTINUED)).map_err(system)?;
+    // A terminal's Ctrl-Z reaches the whole graph; taken, it stops nobody, and nobody has to be started again.
+    signal_hook::flag::register(Signal::TSTP.as_raw(), Arc::default()).map_err(system)?;
     tokio::spawn(async move {
         while continued.recv().await.is_some() {
             tokio::time::sleep(TOGETHER).await;

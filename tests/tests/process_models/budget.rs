@@ -2,6 +2,9 @@
 
 use super::{json, refused, root};
 use runtime::params::{NodePath, Parameters};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU32, Ordering};
+use system_tests::copy_folder;
 
 #[derive(serde::Deserialize)]
 struct MachineBlock {
@@ -27,6 +30,61 @@ fn both_parameter_files_carry_the_same_budget_of_the_machine() {
     let (classifier, supervisor_m) = budgets(&[]);
     assert!(!classifier.error_known, "the shipped printer is a cartesian one");
     assert!((classifier.error_m - supervisor_m).abs() < 1e-12);
+}
+
+/// 0.8 mm of offset end the print of a machine that is true to 0.1 mm, not of one that is only true to 1.5 mm.
+#[test]
+fn a_shift_within_the_machines_error_is_not_blamed_on_the_print() {
+    let end = |error_m: &str| {
+        let folder = config_with(error_m, error_m);
+        let file = root().join("tests/data/gcode/prusa_cube_pla_marlin_relE.gcode");
+        let figures = json(&[
+            "sim",
+            file.to_str().unwrap(),
+            "--config",
+            folder.to_str().unwrap(),
+            "--camera",
+            "--scenario",
+            "layer_shift",
+            "--layers",
+            "3",
+            "--control",
+            "mpc",
+        ]);
+        std::fs::remove_dir_all(&folder).unwrap();
+        figures["ended"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(end("0.0001"), "paused");
+    assert_eq!(end("0.0015"), "done");
+}
+
+#[test]
+fn two_nodes_that_know_different_errors_of_one_machine_are_refused() {
+    let folder = config_with("0.0005", "0.0");
+    let file = root().join("tests/data/gcode/prusa_cube_pla_marlin_relE.gcode");
+    refused(
+        &["sim", file.to_str().unwrap(), "--config", folder.to_str().unwrap()],
+        &["machine.error_m = 0.0005 m", "shift.machine_error_m = 0 m", "must be the same"],
+    );
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// The shipped parameters with a budget of the machine in classifier and supervisor `[m]`.
+fn config_with(classifier_m: &str, supervisor_m: &str) -> PathBuf {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let name = format!("fdm_budget_{}_{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+    let folder = std::env::temp_dir().join(name);
+    copy_folder(&root().join("config"), &folder).unwrap();
+    let change = |file: &str, from: &str, to: String| {
+        let path = folder.join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{file}: {from}");
+        std::fs::write(&path, text.replace(from, &to)).unwrap();
+    };
+    change("defect_classifier.param.yaml", "error_known: false", "error_known: true".to_owned());
+    change("defect_classifier.param.yaml", "error_m: 0.0", format!("error_m: {classifier_m}"));
+    change("safety_supervisor.param.yaml", "machine_error_m: 0.0", format!("machine_error_m: {supervisor_m}"));
+    folder
 }
 
 /// What `fdm kinematics budget` prints is what both nodes take, and it is small against a layer shift of 0.5 mm where the

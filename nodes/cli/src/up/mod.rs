@@ -1,10 +1,12 @@
 //! `fdm up`: every node its own process, a print from start to end, an orderly stop, figures at the end.
 
 mod ears;
+pub mod ended;
 pub mod fleet;
 pub mod hearing;
 pub mod recipes;
 pub mod summary;
+mod suspension;
 pub mod watch;
 pub mod words;
 
@@ -18,7 +20,7 @@ use fleet::Fleet;
 use recipes::Plan;
 use std::path::{Path, PathBuf};
 use summary::Print;
-use watch::Ended;
+use ended::Ended;
 
 /// Starts the node processes and prints a file on the simulated printer, over DDS.
 #[derive(Debug, Args)]
@@ -120,10 +122,7 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
         several => json.write(&serde_json::json!({ "prints": several }))?,
     }
     match prints.iter().find(|print| matches!(print.ended, Ended::Failed | Ended::Lost)) {
-        Some(print) => {
-            Err(PrintFailed(format!("the print with control {} ended {:?}", print.control, print.ended))
-                .into())
-        }
+        Some(print) => Err(PrintFailed::of(print).into()),
         None => Ok(()),
     }
 }
@@ -131,6 +130,15 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
 /// A print did not come to its end: nothing was wrong with the command, exit code 1.
 #[derive(Debug)]
 pub struct PrintFailed(String);
+
+impl PrintFailed {
+    fn of(print: &Print) -> Self {
+        let (control, bag) = (&print.control, &print.bag);
+        let how = if print.ended == Ended::Lost { "was lost" } else { "failed" };
+        let why = print.cause.as_ref().map_or(String::new(), |cause| format!(": {cause}"));
+        Self(format!("the print with control {control} {how}{why}; `fdm report {bag}` shows what happened"))
+    }
+}
 
 impl std::fmt::Display for PrintFailed {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

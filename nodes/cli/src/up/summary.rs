@@ -1,7 +1,8 @@
 //! What a print over DDS came to.
 
 use super::recipes::Plan;
-use super::watch::{Ended, Watch};
+use super::ended::Ended;
+use super::watch::Watch;
 use super::words::text;
 use printer_sim::score::Integrals;
 use serde::Serialize;
@@ -25,6 +26,8 @@ pub struct Print {
     pub seed: u64,
     /// How it ended.
     pub ended: Ended,
+    /// The cause that the supervisor gave last.
+    pub cause: Option<String>,
     /// Simulated time `[s]`.
     pub print_time_s: f64,
     /// Wall time `[s]`.
@@ -66,6 +69,7 @@ impl Print {
             host: plan.host.clone(),
             seed: plan.seed,
             ended,
+            cause: watch.cause().map(str::to_owned),
             print_time_s: watch.marks.last_s,
             wall_time_s: watch.elapsed_s(),
             quality_mean: whole.map(|figures| figures.quality_mean),

@@ -1,9 +1,11 @@
 //! `fdm` as a participant of the graph: follows the print, shows progress, notes what happens.
 
 use super::ears::Ears;
+use super::ended::{Ended, Marks};
 use super::fleet::{Fleet, Happening};
 use super::hearing::Hearing;
 use super::recipes::{NODES, Plan};
+use super::suspension::Suspension;
 use super::words::{mode_name, text};
 use crate::output;
 use anyhow::bail;
@@ -12,6 +14,7 @@ use indicatif::ProgressBar;
 use models::status::JobPhase;
 use models::units::Seconds;
 use printer_sim::score::Integrals;
+use runtime::Timer;
 use std::io::IsTerminal;
 
 /// How often processes and topics are looked at `[s]`.
@@ -27,30 +30,8 @@ const TELL_S: f64 = 10.0;
 /// The printer's state stays away this long after it was heard: the simulation is over or dead `[s]`.
 const LOST_S: f64 = 20.0;
 
-/// How a print ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Ended {
-    /// The file has ended.
-    Done,
-    /// The job was given up.
-    Failed,
-    /// A person ended it.
-    Interrupted,
-    /// The printer went silent.
-    Lost,
-}
-
-/// What the truth said at chosen moments.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Marks {
-    /// Two seconds after the first onset.
-    pub settled: Option<Integrals>,
-    /// Last.
-    pub last: Integrals,
-    /// Simulated time of the last `[s]`.
-    pub last_s: f64,
-}
+/// Time in which the supervisor tells why a print ended `[s]`: ten of its states.
+const LAST_WORDS_S: f64 = 0.2;
 
 /// The graph as `fdm` sees it.
 pub struct Watch {
@@ -122,10 +103,15 @@ impl Watch {
     pub async fn follow(&mut self, fleet: &mut Fleet) -> Ended {
         let mut ticks = self.ears.node.timer(Seconds(LOOK_S));
         let mut heard = self.ears.node.clock().now();
+        let mut suspended = Suspension::listen();
         loop {
             let now = tokio::select! {
                 now = ticks.next() => now,
                 () = self.ears.node.shutdown() => return self.finish(Ended::Interrupted),
+                () = suspended.asked() => {
+                    self.bar.suspend(|| output::note("a print cannot be suspended: it goes on; Ctrl-C ends it"));
+                    continue;
+                }
             };
             for happening in fleet.tend(now) {
                 if let Happening::Ended { name, .. } | Happening::GivenUp { name } = happening {
@@ -151,10 +137,29 @@ impl Watch {
                 _ => None,
             };
             match ended {
-                Some(ended) if !self.stay || ended == Ended::Lost => return self.finish(ended),
+                Some(ended) if !self.stay || ended == Ended::Lost => {
+                    return self.last_words(ended, &mut ticks).await;
+                }
                 _ => {}
             }
         }
+    }
+
+    /// Why it ended may come after the end itself; then whether it was a person's wish.
+    async fn last_words(&mut self, ended: Ended, ticks: &mut Timer) -> Ended {
+        let from = self.ears.node.clock().now();
+        while (self.ears.node.clock().now() - from).0 < LAST_WORDS_S {
+            _ = ticks.next().await;
+            self.listen();
+        }
+        let by_person = self.newest_safety.as_ref().is_some_and(|safety| safety.cause.starts_with("P13"));
+        self.finish(if ended == Ended::Failed && by_person { Ended::Stopped } else { ended })
+    }
+
+    /// What the supervisor gave as the cause last, if anything.
+    #[must_use]
+    pub fn cause(&self) -> Option<&str> {
+        self.newest_safety.as_ref().map(|safety| safety.cause.as_str()).filter(|cause| !cause.is_empty())
     }
 
     /// Ends the nodes in order, the recorder last, by force what does not end by itself.

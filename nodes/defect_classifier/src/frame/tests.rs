@@ -88,6 +88,23 @@ fn a_cut_file_is_never_opened_and_a_filled_up_one_is() {
     assert!(FrameGate::new(checks(), &camera()).open(&bytes).is_ok());
 }
 
+/// A driver that closes a half transferred file: its end marker is there, half of its picture is not. Filled up
+/// differently each time it is still the same picture.
+#[test]
+fn a_cut_file_with_an_end_marker_is_refused_and_filling_hides_no_frozen_camera() {
+    let mut gate = FrameGate::new(checks(), &camera());
+    let whole = jpeg(&bars());
+    for share in [0.125, 0.5, 0.9, 0.98] {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a part of a length")]
+        let mut cut = whole[..(whole.len() as f64 * share) as usize].to_vec();
+        cut.extend([0xff, 0xd9]);
+        assert_eq!(gate.open(&cut).unwrap_err(), Unusable::Corrupt, "{share}");
+    }
+    assert!(gate.open(&whole).is_ok());
+    let filled = [&whole[..], &[0; 9]].concat();
+    assert_eq!(gate.open(&filled).unwrap_err(), Unusable::Frozen);
+}
+
 proptest! {
     #[test]
     fn no_bytes_lead_the_header_reader_astray(mut bytes in prop::collection::vec(any::<u8>(), 0..300)) {

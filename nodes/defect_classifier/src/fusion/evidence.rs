@@ -23,6 +23,9 @@ pub struct RawEvidence {
     pub offset_fine_m: f64,
     /// Offset of the layers that is a defect `[m]`, above `offset_fine_m`.
     pub offset_defect_m: f64,
+    /// What the machine's own kinematics explains of it `[m]`; not of this block.
+    #[serde(skip)]
+    pub machine_error_m: f64,
 }
 
 impl RawEvidence {
@@ -52,15 +55,15 @@ impl RawEvidence {
         let width = (self.width_fine_rel, self.width_defect_rel);
         let odd =
             measured.unexplained.map(|share| ramp(share, (self.unexplained_fine, self.unexplained_defect)));
-        let offset = measured
-            .offset_m
-            .map(|[x_m, y_m]| ramp(x_m.hypot(y_m), (self.offset_fine_m, self.offset_defect_m)));
+        let bounds = (self.offset_fine_m, self.offset_defect_m);
+        let offset_beyond =
+            |error_m: f64| measured.offset_m.map(|[x_m, y_m]| ramp(x_m.hypot(y_m) - error_m, bounds));
         match class {
             "under" => measured.width_error_rel.map(|error| ramp(-error, width)),
             "over" => measured.width_error_rel.map(|error| ramp(error, width)),
-            "shift" => offset,
-            // Shifted roads leave edges where none were commanded: the offset explains those.
-            "spaghetti" => odd.map(|odd| odd * (1.0 - offset.unwrap_or(0.0))),
+            "shift" => offset_beyond(self.machine_error_m),
+            // Shifted roads leave edges where none were commanded: the offset explains those, whoever caused it.
+            "spaghetti" => odd.map(|odd| odd * (1.0 - offset_beyond(0.0).unwrap_or(0.0))),
             // Without an edge too many there is no string and no lump; with some, the network may say which.
             "stringing" | "blobs" => odd.filter(|odd| *odd <= 0.0),
             _ => None,

@@ -92,6 +92,13 @@ impl TryFrom<RawFusionParams> for FusionParams {
 }
 
 impl FusionParams {
+    /// An offset of the layers counts from what the machine's own kinematics explains on `[m]`, 0 or more.
+    #[must_use]
+    pub fn with_machine_error(mut self, error_m: f64) -> Self {
+        self.0.evidence.machine_error_m = error_m;
+        self
+    }
+
     /// A rule or none per class, in their order.
     pub(super) fn rules_of(&self, classes: &[String]) -> Result<Vec<Option<ConfirmRule>>, FusionError> {
         let ruled = self.confirm.keys().map(|class| ("confirm", class));

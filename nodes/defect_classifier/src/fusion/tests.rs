@@ -26,6 +26,7 @@ fn raw() -> RawFusionParams {
             unexplained_defect: 0.2,
             offset_fine_m: 2e-4,
             offset_defect_m: 4e-4,
+            machine_error_m: 0.0,
         },
         confirm: CLASSES[1..].iter().map(|&class| (class.to_owned(), rule)).collect(),
     }
@@ -113,6 +114,21 @@ fn a_width_as_wanted_acquits_and_one_far_off_convicts() {
     assert_eq!((shift.confirmed, shift.cause.as_str()), (true, "shift"));
     // Spaghetti is not for a width to tell.
     assert_eq!(cause(&sure_of(3), width(0.0)).cause, "spaghetti");
+}
+
+/// 0.8 mm off is a shift where the machine explains 0.1 mm, none where it explains 1 mm; what is odd about the edges is
+/// the offset's in both cases, and nobody's spaghetti.
+#[test]
+fn what_the_machine_explains_is_no_shift() {
+    for (error_m, convicted) in [(1e-4, true), (1e-3, false)] {
+        let params = FusionParams::try_from(raw()).unwrap().with_machine_error(error_m);
+        let mut fusion = Fusion::new(params, &classes()).unwrap();
+        let off = Measured { offset_m: Some([8e-4, 0.0]), unexplained: Some(0.3), ..NOTHING };
+        let frames =
+            (0..10_u32).map(|step| fusion.on_frame(Seconds(f64::from(step)), &sure_of(0), &off).unwrap());
+        let fused = frames.last().unwrap();
+        assert_eq!((fused.confirmed, fused.cause == "shift"), (convicted, convicted), "{error_m} {fused:?}");
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@ use runtime::{Asked, Node, RuntimeError, Server, topics};
 
 use crate::convert;
 use crate::event::{Operator, Output, What};
+use models::command::Mode;
 
 /// Every service of the supervisor.
 pub(super) struct Operators {
@@ -90,6 +91,9 @@ fn verdict(output: &Output) -> (bool, String) {
     let mode = convert::mode_name(output.state.mode);
     match newest.map(|event| (event.what, event.why)) {
         Some((What::Denied(_), why)) => (false, why.to_owned()),
+        Some((What::Granted(Operator::Resume), _)) if output.state.mode == Mode::Paused => {
+            (true, format!("granted: mode {mode} until the printer is homed and hot again"))
+        }
         Some(_) => (true, format!("mode {mode}")),
         None => (false, format!("no decision, mode {mode}")),
     }

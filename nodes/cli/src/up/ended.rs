@@ -1,0 +1,30 @@
+//! How a print ended, and what the truth had come to by then.
+
+use printer_sim::score::Integrals;
+
+/// How a print ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ended {
+    /// The file has ended.
+    Done,
+    /// The job was given up.
+    Failed,
+    /// A person stopped the print (`fdm stop`, `fdm estop`, the printer's own stop input).
+    Stopped,
+    /// A person ended the graph.
+    Interrupted,
+    /// The printer went silent.
+    Lost,
+}
+
+/// What the truth said at chosen moments.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Marks {
+    /// Two seconds after the first onset.
+    pub settled: Option<Integrals>,
+    /// Last.
+    pub last: Integrals,
+    /// Simulated time of the last `[s]`.
+    pub last_s: f64,
+}

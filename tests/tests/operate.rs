@@ -1,0 +1,102 @@
+//! A person at a running graph: every word that `fdm` has for the supervisor, over DDS, to the end of the print.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
+
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Lines};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStderr, Command, Output, Stdio};
+
+fn root() -> PathBuf {
+    std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()
+}
+
+fn command(words: &[&str]) -> Command {
+    let fdm = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    let mut command = Command::new(fdm);
+    // Ports of domains up to 101 lie below the ephemeral ones.
+    let domain = (20 + std::process::id() % 80).to_string();
+    command.current_dir(root()).args(words).env("ROS_DOMAIN_ID", domain).env_remove("RUST_LOG");
+    command
+}
+
+/// A graph that prints, what it says, and where it writes.
+struct Graph {
+    child: Child,
+    lines: Lines<BufReader<ChildStderr>>,
+    folder: PathBuf,
+}
+
+impl Graph {
+    fn start() -> Self {
+        let folder = std::env::temp_dir().join(format!("fdm_operate_{}", std::process::id()));
+        let file = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode";
+        let mut child = command(&["up", "--gcode", file, "--warm", "--speed", "2", "--bag"])
+            .arg(folder.join("bag"))
+            .arg("--json")
+            .arg(folder.join("print.json"))
+            .stdin(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn();
+        let stderr = child.as_mut().unwrap().stderr.take().unwrap();
+        std::fs::create_dir_all(&folder).unwrap();
+        Self { child: child.unwrap(), lines: BufReader::new(stderr).lines(), folder }
+    }
+
+    /// Reads on until a line says so; the graph's end is a failure.
+    fn until(&mut self, what: &str) -> String {
+        let mut said = String::new();
+        for line in self.lines.by_ref().map_while(Result::ok) {
+            if line.contains(what) {
+                return line;
+            }
+            said.push_str(&line);
+            said.push('\n');
+        }
+        panic!("'{what}' was not said, but:\n{said}");
+    }
+
+    /// Code, and the figures.
+    fn end(mut self) -> (Option<i32>, Value) {
+        while self.lines.next().is_some_and(|line| line.is_ok()) {}
+        let code = self.child.wait().unwrap().code();
+        let figures = std::fs::read(self.folder.join("print.json")).unwrap();
+        std::fs::remove_dir_all(&self.folder).unwrap();
+        (code, serde_json::from_slice(&figures).unwrap())
+    }
+}
+
+fn said(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+/// A request that is granted, and what is answered.
+fn granted(words: &[&str]) -> String {
+    let output = command(words).output().unwrap();
+    assert!(output.status.success(), "{words:?}: {}", said(&output));
+    said(&output)
+}
+
+#[test]
+fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
+    let mut graph = Graph::start();
+    graph.until(", act, ");
+    // Ctrl-Z: the printer would go on without its loop, so it is not heeded.
+    kill_process(Pid::from_child(&graph.child), Signal::TSTP).unwrap();
+    graph.until("cannot be suspended");
+    assert!(granted(&["mode", "observe"]).contains("mode observe"));
+    graph.until("observe");
+    assert!(granted(&["pause"]).contains("mode paused"));
+    graph.until("supervisor at");
+    let answer = granted(&["resume"]);
+    assert!(answer.contains("mode paused until") || answer.contains("mode observe"), "{answer}");
+    let refused = command(&["acknowledge"]).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2), "nothing is latched: {}", said(&refused));
+    assert!(granted(&["stop"]).contains("safety/stop: mode safe_off"));
+    let (code, figures) = graph.end();
+    assert_eq!(code, Some(0), "{figures}");
+    assert_eq!(figures["ended"], "stopped");
+    assert!(figures["cause"].as_str().unwrap().starts_with("P13"), "{figures}");
+    let modes = figures["modes"].to_string();
+    assert!(modes.contains("paused") && modes.contains("safe_off"), "{modes}");
+}
