@@ -72,7 +72,6 @@ mod tests {
             header: Header::at(12.5),
             counts: 500,
             quantum_m: params.quantum_m,
-            ..Default::default()
         };
         let read = |wire: &FilamentReport| report(wire, params.quantum_m);
         storm(&sound, read, |(stamp, (_, counts))| {

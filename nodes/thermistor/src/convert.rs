@@ -64,7 +64,6 @@ mod tests {
             header: Header::at(12.5),
             hotend_degc: 210.0,
             bed_degc: 60.0,
-            ..Default::default()
         };
         storm(&sound, report, |(stamp, (_, reading))| {
             let judged =

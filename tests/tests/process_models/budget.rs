@@ -83,7 +83,11 @@ fn config_with(classifier_m: &str, supervisor_m: &str) -> PathBuf {
     };
     change("defect_classifier.param.yaml", "error_known: false", "error_known: true".to_owned());
     change("defect_classifier.param.yaml", "error_m: 0.0", format!("error_m: {classifier_m}"));
-    change("safety_supervisor.param.yaml", "machine_error_m: 0.0", format!("machine_error_m: {supervisor_m}"));
+    change(
+        "safety_supervisor.param.yaml",
+        "machine_error_m: 0.0",
+        format!("machine_error_m: {supervisor_m}"),
+    );
     folder
 }
 

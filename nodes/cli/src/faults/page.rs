@@ -48,10 +48,9 @@ pub fn page(figures: &Figures) -> String {
 
 fn row(fault: &FaultFigures, trial: &TrialFigures) -> Markup {
     let time = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2} s"));
-    let limit = trial.limit().map_or_else(
-        || fault.limit.clone().unwrap_or_else(|| "-".to_owned()),
-        |limit| format!("{limit} s"),
-    );
+    let limit = trial
+        .limit()
+        .map_or_else(|| fault.limit.clone().unwrap_or_else(|| "-".to_owned()), |limit| format!("{limit} s"));
     html! {
         tr {
             td { (fault.id) }

@@ -16,11 +16,11 @@ use crate::output::{self, Json};
 use crate::sim::{ADVANCES, level};
 use anyhow::{Context, bail};
 use clap::Args;
+use ended::Ended;
 use fleet::Fleet;
 use recipes::Plan;
 use std::path::{Path, PathBuf};
 use summary::Print;
-use ended::Ended;
 
 /// Starts the node processes and prints a file on the simulated printer, over DDS.
 #[derive(Debug, Args)]

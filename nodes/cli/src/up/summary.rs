@@ -1,7 +1,7 @@
 //! What a print over DDS came to.
 
-use super::recipes::Plan;
 use super::ended::Ended;
+use super::recipes::Plan;
 use super::watch::Watch;
 use super::words::text;
 use printer_sim::score::Integrals;
