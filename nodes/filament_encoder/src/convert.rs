@@ -68,11 +68,7 @@ mod tests {
     #[test]
     fn malformed_reports_end_at_reader_or_brain() {
         let params = params().encoder;
-        let sound = FilamentReport {
-            header: Header::at(12.5),
-            counts: 500,
-            quantum_m: params.quantum_m,
-        };
+        let sound = FilamentReport { header: Header::at(12.5), counts: 500, quantum_m: params.quantum_m };
         let read = |wire: &FilamentReport| report(wire, params.quantum_m);
         storm(&sound, read, |(stamp, (_, counts))| {
             let mut encoder = Encoder::new(params);

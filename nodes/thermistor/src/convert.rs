@@ -60,11 +60,7 @@ mod tests {
     #[test]
     fn malformed_reports_end_at_reader_or_brain() {
         let params = params();
-        let sound = TemperatureReport {
-            header: Header::at(12.5),
-            hotend_degc: 210.0,
-            bed_degc: 60.0,
-        };
+        let sound = TemperatureReport { header: Header::at(12.5), hotend_degc: 210.0, bed_degc: 60.0 };
         storm(&sound, report, |(stamp, (_, reading))| {
             let judged =
                 [(reading.hotend, params.hotend), (reading.bed, params.bed)].map(|(temp, params)| {
