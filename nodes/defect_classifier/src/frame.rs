@@ -130,17 +130,17 @@ impl From<opencv::Error> for Unusable {
     }
 }
 
-/// The file without the zeros that some cameras fill it up with; none where its end marker is missing.
-fn without_filling(jpeg: &[u8]) -> Option<&[u8]> {
+/// What lies before the end marker; none where there is no such marker. Some cameras fill up with zeros behind it.
+fn before_end(jpeg: &[u8]) -> Option<&[u8]> {
     let filled = jpeg.iter().rev().take_while(|byte| **byte == 0).count();
-    Some(&jpeg[..jpeg.len() - filled]).filter(|bytes| bytes.ends_with(&[0xff, 0xd9]))
+    jpeg[..jpeg.len() - filled].strip_suffix(&[0xff, 0xd9])
 }
 
-/// Whether every block of the picture is there. OpenCV draws those that are missing in grey and calls it well; this
-/// decoder takes no excuses.
-fn is_whole(jpeg: &[u8]) -> bool {
+/// Whether the rows of blocks are there to the last. OpenCV draws what is missing in grey and calls it well; this
+/// decoder is strict where the data ends, but believes an end marker: it gets what lies before it.
+fn is_whole(before_end: &[u8]) -> bool {
     let options = DecoderOptions::default().set_strict_mode(true).jpeg_set_out_colorspace(ColorSpace::Luma);
-    JpegDecoder::new_with_options(ZCursor::new(jpeg), options).decode().is_ok()
+    JpegDecoder::new_with_options(ZCursor::new(before_end), options).decode().is_ok()
 }
 
 /// Checks frames one after the other.
@@ -181,14 +181,14 @@ impl FrameGate {
         if (width_px, height_px) != self.size_px {
             return Err(Unusable::WrongSize { width_px, height_px });
         }
-        let jpeg = without_filling(jpeg).ok_or(Unusable::Corrupt)?;
+        let before_end = before_end(jpeg).ok_or(Unusable::Corrupt)?;
         let mut hasher = DefaultHasher::new();
-        hasher.write(jpeg);
+        hasher.write(before_end);
         let hash = hasher.finish();
         if self.last.replace(hash) == Some(hash) {
             return Err(Unusable::Frozen);
         }
-        if !is_whole(jpeg) {
+        if !is_whole(before_end) {
             return Err(Unusable::Corrupt);
         }
         let grey = imgcodecs::imdecode(&Mat::from_slice(jpeg)?, imgcodecs::IMREAD_GRAYSCALE)
