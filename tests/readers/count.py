@@ -8,6 +8,7 @@ count.py --active FILE  whole records of a file that a killed recorder left
 from __future__ import annotations
 
 import json
+import struct
 import sys
 from collections import Counter
 from pathlib import Path
@@ -70,7 +71,7 @@ def active(path: Path) -> Counter[str]:
                     topics[record.id] = record.topic
                 elif isinstance(record, Message):
                     counts[topics[record.channel_id]] += 1
-        except McapError:
+        except (McapError, struct.error):
             pass  # the record that was being written
     return counts
 

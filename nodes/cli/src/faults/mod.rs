@@ -42,6 +42,9 @@ pub struct FaultsArgs {
     /// With --process: leave bags and logs where they are.
     #[arg(long, requires = "process")]
     keep: bool,
+    /// Leave out the trials that render frames: they take seconds each, the others a fraction of one.
+    #[arg(long, conflicts_with = "process")]
+    no_camera: bool,
     /// Simulated hours of sound prints with nuisances, in which nothing may trip.
     #[arg(long, default_value_t = 0.0)]
     hours: f64,
@@ -96,7 +99,7 @@ pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
         let wish = process::Wish { seeds, soak_s: args.soak_s, keep: args.keep };
         process::run(&config, &catalogue, &chosen, &wish)?
     } else {
-        in_virtual_time(&config, &catalogue, &chosen, (&seeds, args.hours))?
+        in_virtual_time(&config, &catalogue, &chosen, (&seeds, args.hours), args.no_camera)?
     };
     if !json.is_stdout() {
         output::line(&text::table(&figures))?;
@@ -114,8 +117,10 @@ fn in_virtual_time(
     catalogue: &Catalogue,
     chosen: &[&FaultSpec],
     (seeds, hours): (&[u64], f64),
+    no_camera: bool,
 ) -> anyhow::Result<Figures> {
-    let prepared = prepare(config, catalogue, chosen)?;
+    let mut prepared = prepare(config, catalogue, chosen)?;
+    prepared.retain(|trial| !(no_camera && trial.spec.camera));
     let progress = output::bar((prepared.len() * seeds.len()) as u64, "runs");
     let outcomes = run_all(&prepared, seeds, &progress)?;
     progress.finish_and_clear();
