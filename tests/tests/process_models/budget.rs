@@ -47,7 +47,7 @@ fn a_shift_within_the_machines_error_is_not_blamed_on_the_print() {
             "--scenario",
             "layer_shift",
             "--layers",
-            "3",
+            "2",
             "--control",
             "mpc",
         ]);
