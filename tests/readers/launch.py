@@ -56,6 +56,20 @@ class Shutdown:
         self.reason = reason
 
 
+class ExecuteProcess:
+    def __init__(self, *, cmd, name, output, on_exit):
+        self.cmd, self.name, self.on_exit = cmd, name, on_exit
+
+    def process(self, folder):
+        return {
+            "node": self.name,
+            "program": self.cmd[0],
+            "arguments": self.cmd[1:],
+            "respawn": False,
+            "ends_all": isinstance(self.on_exit, Shutdown),
+        }
+
+
 class Node:
     def __init__(
         self, *, executable, name, namespace, parameters, ros_arguments, output, respawn, respawn_delay, additional_env,
@@ -90,6 +104,7 @@ def install():
         "launch": {"LaunchDescription": LaunchDescription},
         "launch.actions": {
             "DeclareLaunchArgument": DeclareLaunchArgument,
+            "ExecuteProcess": ExecuteProcess,
             "OpaqueFunction": OpaqueFunction,
             "Shutdown": Shutdown,
         },
@@ -104,6 +119,7 @@ def install():
 
 
 def main():
+    sys.dont_write_bytecode = True
     install()
     spec = importlib.util.spec_from_file_location("launch_file", sys.argv[1])
     module = importlib.util.module_from_spec(spec)
@@ -113,7 +129,7 @@ def main():
     waiting = list(module.generate_launch_description().entities)
     while waiting:
         entity = waiting.pop(0)
-        if isinstance(entity, Node):
+        if isinstance(entity, (ExecuteProcess, Node)):
             started.append(entity.process(folder))
         else:
             waiting = list(entity.execute(context)) + waiting

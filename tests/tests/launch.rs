@@ -1,5 +1,6 @@
-//! `ros2 launch` starts what `fdm up` starts. Without ROS: the launch file is evaluated against stand-ins of the launch
-//! modules (`tests/readers/launch.py`), and both lists of processes are compared down to every merged parameter.
+//! `ros2 launch` starts what `fdm up`, systemd and `fdm play` start. Without ROS: the launch files are evaluated against
+//! stand-ins of the launch modules (`tests/readers/launch.py`), and lists of processes are compared down to every merged
+//! parameter.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
 use runtime::Args;
@@ -19,11 +20,11 @@ fn binaries() -> PathBuf {
 
 const GCODE: &str = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode";
 
-fn launched(arguments: &[&str]) -> Output {
+fn launched(file: &str, arguments: &[&str]) -> Output {
     let bin = format!("bin:={}", binaries().display());
     Command::new("python3")
         .current_dir(root())
-        .args(["tests/readers/launch.py", "launch_scripts/sim.launch.py", &bin])
+        .args(["tests/readers/launch.py", &format!("launch_scripts/{file}.launch.py"), &bin])
         .args(arguments)
         .output()
         .unwrap()
@@ -47,29 +48,20 @@ fn meaning(process: &Value) -> [String; 4] {
     [node, text("program"), namespace, parameters.text()]
 }
 
-#[test]
-fn the_launch_file_starts_what_fdm_up_starts() {
-    let folder = std::env::temp_dir().join(format!("fdm_launch_{}", std::process::id()));
+/// `fdm up` and `sim.launch.py` with the same wishes start the same processes.
+fn same_as_fdm_up(name: &str, up: &[&str], launch: &[&str]) {
+    let folder = std::env::temp_dir().join(format!("fdm_launch_{name}_{}", std::process::id()));
     let bag = folder.join("bag");
     let bag = bag.to_str().unwrap();
     let up = Command::new(binaries().join("fdm"))
         .current_dir(root())
-        .args(["up", "--gcode", GCODE, "--bag", bag, "--scenario", "slip09", "--speed", "4", "--layers", "3"])
-        .args(["--control", "encoder", "--host", "serial", "--seed", "7", "--warm", "--dry-run"])
+        .args(["up", "--bag", bag, "--dry-run"])
+        .args(up)
         .output()
         .unwrap();
     let ours: Vec<Value> = processes(&up)[0].as_array().unwrap().clone();
-    let theirs = processes(&launched(&[
-        &format!("gcode:={GCODE}"),
-        &format!("bag:={bag}"),
-        "scenario:=slip09",
-        "speed:=4.0",
-        "layers:=3",
-        "control:=encoder",
-        "host:=serial",
-        "seed:=7",
-        "warm:=true",
-    ]));
+    let bag_argument = format!("bag:={bag}");
+    let theirs = processes(&launched("sim", &[launch, &[bag_argument.as_str()]].concat()));
     // The one parameter that only `fdm up` has: the text of the whole configuration, for the bag.
     let config_file = format!("{bag}_logs/config.txt");
     assert_eq!(ours.len(), theirs.len());
@@ -79,6 +71,125 @@ fn the_launch_file_starts_what_fdm_up_starts() {
         assert_eq!((theirs["respawn"] == true, theirs["ends_all"] == true), (!printer, printer));
     }
     _ = std::fs::remove_dir_all(folder);
+}
+
+#[test]
+fn the_launch_file_starts_what_fdm_up_starts() {
+    let gcode = format!("gcode:={GCODE}");
+    let up = ["--gcode", GCODE, "--scenario", "slip09", "--speed", "4", "--layers", "3", "--warm"];
+    let more = ["--control", "encoder", "--host", "serial", "--seed", "7", "--allow-fault-injection"];
+    let launch =
+        ["scenario:=slip09", "speed:=4.0", "layers:=3", "warm:=true", "control:=encoder", "host:=serial"];
+    same_as_fdm_up(
+        "usual",
+        &[&up[..], &more].concat(),
+        &[&launch[..], &["seed:=7", "allow_fault_injection:=true", &gcode]].concat(),
+    );
+    // The file's own material, a foretold advance; then another material with its set-points.
+    const PETG: &str = "tests/data/gcode/prusa_bracket_petg_klipper_fwretract_absE.gcode";
+    let petg = format!("gcode:={PETG}");
+    same_as_fdm_up(
+        "predicted",
+        &["--gcode", PETG, "--advance", "predicted", "--namespace", "/left"],
+        &[&petg, "advance:=predicted", "namespace:=/left"],
+    );
+    same_as_fdm_up("material", &["--gcode", PETG, "--material", "ABS"], &[&petg, "material:=ABS"]);
+}
+
+/// Arguments of a node as its unit has them: drop-ins read in, variables filled in, `/usr` and `/etc` of the package.
+fn unit(node: &str, etc: &Path) -> Value {
+    let units = root().join("launch_scripts/systemd");
+    let template = std::fs::read_to_string(units.join("fdm_loop@.service")).unwrap();
+    let dropins = std::fs::read_dir(units.join(format!("fdm_loop@{node}.service.d"))).into_iter().flatten();
+    let texts: String = dropins.map(|file| std::fs::read_to_string(file.unwrap().path()).unwrap()).collect();
+    let value = |text: &str, key: &str| {
+        let mut words = text.lines().filter_map(|line| line.strip_prefix("Environment=")).flat_map(|line| {
+            // One quoted assignment, or several without blanks.
+            line.strip_prefix('"').map_or_else(
+                || line.split(' ').map(str::to_owned).collect::<Vec<_>>(),
+                |quoted| vec![quoted.trim_end_matches('"').to_owned()],
+            )
+        });
+        words.find_map(|word| Some(word.strip_prefix(key)?.strip_prefix('=')?.to_owned())).unwrap_or_default()
+    };
+    let line = template.lines().find_map(|line| line.strip_prefix("ExecStart=")).unwrap();
+    let line = line
+        .replace("%i", node)
+        .replace("${NAMESPACE}", &value(&template, "NAMESPACE"))
+        .replace("$FILES", &value(&texts, "FILES"))
+        .replace("$ARGUMENTS", &value(&texts, "ARGUMENTS"));
+    let line = line
+        .replace("/usr/share/fdm_loop/config", root().join("config").to_str().unwrap())
+        .replace("/etc/fdm_loop", etc.to_str().unwrap());
+    let mut words = line.split_whitespace();
+    let program = words.next().unwrap();
+    assert_eq!(program, format!("/usr/lib/fdm_loop/{node}"));
+    serde_json::json!({"node": node, "program": binaries().join(node), "arguments": words.collect::<Vec<_>>()})
+}
+
+/// Beside a real printer: what the launch file starts, and what `fdm_loop.target` starts, have the same parameters but for
+/// the folders that are each one's own.
+#[test]
+fn the_graph_beside_a_printer_is_the_same_under_launch_and_systemd() {
+    let folder = std::env::temp_dir().join(format!("fdm_launch_monitor_{}", std::process::id()));
+    let etc = folder.join("etc");
+    std::fs::create_dir_all(&etc).unwrap();
+    for (link, to) in [("printer", "printers/ender3"), ("material", "materials/pla")] {
+        let to = root().join(format!("config/{to}.yaml"));
+        std::os::unix::fs::symlink(to, etc.join(link).with_extension("yaml")).unwrap();
+    }
+    let bag = folder.join("bag");
+    let bag = format!("bag:={}", bag.display());
+    let latch = "latch_file:=/var/lib/fdm_loop/latch.json";
+    let launched =
+        processes(&launched("monitor", &[&bag, latch, "advance:=predicted", "namespace:=/printer"]));
+    let target = std::fs::read_to_string(root().join("launch_scripts/systemd/fdm_loop.target")).unwrap();
+    for process in &launched {
+        let node = process["node"].as_str().unwrap();
+        assert!(target.contains(&format!("fdm_loop@{node}.service")), "{node} is not part of the target");
+        std::fs::write(etc.join(format!("{node}.param.yaml")), "/**:\n  ros__parameters: {}\n").unwrap();
+        // Each its own bag; the unit's networks stand in the installed files; the launch argument chose the advance.
+        let own = |line: &&str| {
+            !["bag_dir: ", "models.", "advance.source: "].iter().any(|key| line.starts_with(key))
+        };
+        let [ours, theirs] =
+            [meaning(&unit(node, &etc)), meaning(process)].map(|[node, program, namespace, text]| {
+                (node, program, namespace, text.lines().filter(own).map(str::to_owned).collect::<Vec<_>>())
+            });
+        assert_eq!(ours, theirs);
+        assert!(process["respawn"] == true && process["ends_all"] == false, "{node}");
+    }
+    assert_eq!(target.matches("fdm_loop@").count(), launched.len());
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn the_camera_of_a_printer_is_an_argument() {
+    let bag = std::env::temp_dir().join(format!("fdm_launch_camera_{}", std::process::id()));
+    let argument = format!("bag:={}", bag.display());
+    let url = "camera_source:=http://octopi.local:8080/?action=stream";
+    let nodes =
+        processes(&launched("monitor", &[&argument, "latch_file:=/tmp/l.json", "camera:=mjpeg", url]));
+    let camera = nodes.iter().map(meaning).find(|[node, ..]| node == "camera").unwrap();
+    for line in
+        ["driver: \"mjpeg\"", "mjpeg.url: \"http://octopi.local:8080/?action=stream\"", "use_sim_time: false"]
+    {
+        assert!(camera[3].contains(line), "{line} in {}", camera[3]);
+    }
+    _ = std::fs::remove_dir_all(format!("{}_logs", bag.display()));
+}
+
+#[test]
+fn a_replay_is_fdm_play_with_the_clock() {
+    let bag = std::env::temp_dir().join(format!("fdm_launch_replay_{}", std::process::id()));
+    std::fs::create_dir_all(&bag).unwrap();
+    std::fs::write(bag.join("metadata.yaml"), "").unwrap();
+    let replay = processes(&launched("replay", &[&format!("bag:={}", bag.display()), "rate:=2.5"]));
+    assert_eq!(replay[0]["program"], binaries().join("fdm").to_str().unwrap());
+    let expected = serde_json::json!(["play", bag, "--clock", "--rate", "2.5"]);
+    assert_eq!((replay.len(), &replay[0]["arguments"]), (1, &expected));
+    assert_eq!(replay[0]["ends_all"], true);
+    std::fs::remove_dir_all(bag).unwrap();
 }
 
 /// Without multicast on `lo` twelve processes see each other: ten nodes and `fdm` as ever, an eleventh where it is asked
@@ -111,15 +222,24 @@ fn the_predictor_is_started_where_it_is_asked_for_alone() {
 
 #[test]
 fn what_is_wrong_is_told_before_anything_starts() {
-    for (arguments, said) in [
-        (&[][..], "'gcode' was not provided"),
-        (&["gcode:=none.gcode"], "gcode:=none.gcode: no such file"),
-        (&[&format!("gcode:={GCODE}"), "control:=perhaps"], "control:=perhaps is not one of"),
-        (&[&format!("gcode:={GCODE}"), "bag:=config"], "the folder is there and not empty"),
-        (&[&format!("gcode:={GCODE}"), "bin:=/tmp"], "build all nodes with `cargo build --release`"),
+    let gcode = format!("gcode:={GCODE}");
+    for (file, arguments, said) in [
+        ("sim", &[][..], "'gcode' was not provided"),
+        ("sim", &["gcode:=none.gcode"], "gcode:=none.gcode: no such file"),
+        ("sim", &[&gcode, "control:=perhaps"], "control:=perhaps is not one of"),
+        ("sim", &[&gcode, "bag:=config"], "the folder is there and not empty"),
+        ("sim", &[&gcode, "material:=wood"], "material:=wood: there are abs, petg, pla"),
+        (
+            "sim",
+            &[&gcode, "bag:=/tmp/fdm_never", "bin:=/tmp"],
+            "build all programs with `cargo build --release",
+        ),
+        ("monitor", &["camera:=video"], "a driver of its own needs a source"),
+        ("replay", &["bag:=config"], "no bag (metadata.yaml is missing)"),
     ] {
-        let output = launched(arguments);
+        let output = launched(file, arguments);
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && text.contains(said), "{arguments:?}: {text}");
     }
+    _ = std::fs::remove_dir_all("/tmp/fdm_never_logs");
 }

@@ -94,20 +94,22 @@ pub fn sensor_overrides(camera: bool) -> Vec<(String, String)> {
 }
 
 impl ConfigDir {
-    /// The folder given, or `$FDM_CONFIG`, or `config/` here, or beside the executable's workspace, or installed.
+    /// The folder given, or `$FDM_CONFIG`, or `config/` here, or beside the executable's workspace, or what was
+    /// installed with this executable (`PREFIX/lib/fdm_loop/fdm`), or installed by the Debian package.
     ///
     /// # Errors
     /// Says where it looked.
     pub fn find(given: Option<&Path>) -> anyhow::Result<Self> {
-        let beside = std::env::current_exe()
-            .ok()
-            .and_then(|exe| Some(exe.parent()?.parent()?.parent()?.join("config")));
+        let above =
+            std::env::current_exe().ok().and_then(|exe| Some(exe.parent()?.parent()?.parent()?.to_owned()));
+        let beside =
+            ["config", "share/fdm_loop/config"].map(|folder| above.as_ref().map(|above| above.join(folder)));
         let candidates: Vec<PathBuf> = given
             .map(Path::to_path_buf)
             .into_iter()
             .chain(std::env::var_os("FDM_CONFIG").map(PathBuf::from))
             .chain([PathBuf::from("config")])
-            .chain(beside)
+            .chain(beside.into_iter().flatten())
             .chain([PathBuf::from("/usr/share/fdm_loop/config")])
             .collect();
         let tried = if given.is_some() { &candidates[..1] } else { &candidates[..] };

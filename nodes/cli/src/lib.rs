@@ -7,6 +7,7 @@ pub mod doctor;
 pub mod faults;
 pub mod gcode;
 pub mod html;
+pub mod install;
 pub mod job;
 pub mod kinematics;
 pub mod operate;
@@ -58,6 +59,8 @@ enum Command {
     Faults(faults::FaultsArgs),
     /// Check this machine and say what to do: packages, DDS, clock, disk, cameras, serial ports.
     Doctor(doctor::DoctorArgs),
+    /// Lay out programs, configuration and launch files as `ros2 run` and `ros2 launch` look for them.
+    Install(install::InstallArgs),
     /// Make an HTML page out of a bag: plots, events, pictures, layers.
     Report(report::ReportArgs),
     /// Judge pictures; train the networks that do.
@@ -87,6 +90,7 @@ pub fn main() -> ExitCode {
         Command::Sim(args) => sim::run(&args),
         Command::Faults(args) => faults::run(&args),
         Command::Doctor(args) => doctor::run(&args),
+        Command::Install(args) => install::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Classify(args) => classify::run(&args),
         Command::Gcode(args) => gcode::run(&args),

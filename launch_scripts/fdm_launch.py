@@ -1,0 +1,110 @@
+"""What the launch files share: folders, parameter files of the nodes, how a node is started.
+
+They run in a clone (`ros2 launch launch_scripts/sim.launch.py`) and installed (`ros2 launch fdm_loop sim.launch.py`).
+"""
+
+import os
+import time
+
+from launch.actions import DeclareLaunchArgument, Shutdown
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+if HERE.endswith(os.path.join("share", "fdm_loop", "launch")):
+    PREFIX = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
+    CONFIG = os.path.join(PREFIX, "share", "fdm_loop", "config")
+    BIN = os.path.join(PREFIX, "lib", "fdm_loop")
+else:
+    ROOT = os.path.dirname(HERE)
+    CONFIG = os.path.join(ROOT, "config")
+    BIN = os.path.join(ROOT, "target", "release")
+
+# name, default, description, allowed values: of every launch file
+FOLDERS = [
+    ("namespace", "/printer", "namespace of the printer", None),
+    ("config", CONFIG, "folder with the parameter files", None),
+    ("bin", BIN, "folder with the programs", None),
+]
+BAG = ("bag", "", "folder of the bag, which must be new; empty: bags/<name>-<time>-<what runs>", None)
+ADVANCES = ["none", "file", "material", "predicted"]
+
+
+def declared(arguments):
+    return [
+        DeclareLaunchArgument(name, default_value=default, description=description, choices=choices)
+        for name, default, description, choices in arguments
+    ]
+
+
+def chosen_of(arguments, context):
+    return {name: LaunchConfiguration(name).perform(context) for name, *_ in arguments}
+
+
+def files_of(node, config, material):
+    """Parameter files of a node in the order in which they are merged."""
+    own = [f"{node}.param.yaml"]
+    nominal = ["printers/ender3.yaml", f"materials/{material.lower()}.yaml"]
+    more = {
+        "state_estimator": nominal,
+        "mpc_controller": nominal,
+        "defect_classifier": ["quality.yaml"] + nominal,
+        "advance_predictor": ["advance/physics.yaml"],
+        "printer_sim": ["plants/ender3.yaml", "printers/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml"]
+        + nominal[1:],
+    }
+    return [os.path.join(config, name) for name in own + more.get(node, [])]
+
+
+def models_of(node, config, material):
+    """Networks by the path at which they stand, wherever a node is started."""
+    models = os.path.join(os.path.abspath(config), "models")
+    networks = {
+        "defect_classifier": {"network": "toolhead.json", "edge": "road_edge.json"},
+        "advance_predictor": {
+            "bowden": "advance_bowden.json", "direct": "advance_direct.json", "turn": "turn.json"
+        },
+    }.get(node, {})
+    values = {f"models.{name}": os.path.join(models, file) for name, file in networks.items()}
+    return {"polymer": material.upper(), **values} if node == "advance_predictor" else values
+
+
+def check_material(material, config):
+    known = sorted(file[:-5] for file in os.listdir(os.path.join(config, "materials")) if file.endswith(".yaml"))
+    if material.lower() not in known:
+        raise RuntimeError(f"material:={material}: there are {', '.join(known)}")
+
+
+def new_bag(chosen, name, what):
+    """Absolute path of the bag; the folder of the nodes' own files is made beside it."""
+    bag = os.path.abspath(chosen["bag"] or os.path.join("bags", f"{name}-{int(time.time())}-{what}"))
+    if os.path.isdir(bag) and os.listdir(bag):
+        raise RuntimeError(f"bag:={bag}: the folder is there and not empty")
+    os.makedirs(bag + "_logs", exist_ok=True)
+    return bag
+
+
+def program(name, chosen):
+    path = os.path.join(chosen["bin"], name)
+    if not os.path.isfile(path):
+        raise RuntimeError(f"{path} is missing: build all programs with `cargo build --release --workspace --bins`")
+    return path
+
+
+def node(name, chosen, material, values):
+    """A node as a process. A simulated printer that was started again would begin its file anew: it is not."""
+    simulated = name == "printer_sim"
+    files = files_of(name, chosen["config"], material)
+    values = {**models_of(name, chosen["config"], material), **values}
+    return Node(
+        executable=program(name, chosen),
+        name=name,
+        namespace=chosen["namespace"],
+        parameters=files + ([values] if values else []),
+        ros_arguments=["--log-level", "info"],
+        output="screen",
+        respawn=not simulated,
+        respawn_delay=0.5,
+        additional_env={} if simulated else {"FDM_STARTED_AGAIN": "1"},
+        on_exit=Shutdown(reason="the simulated printer has ended") if simulated else None,
+    )
