@@ -2,6 +2,14 @@
 //! `ros2 run` and `launch_ros` pass. No ROS here: the rules are written down below.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
+#[path = "idl_conformance/definition.rs"]
+#[allow(dead_code, reason = "one of two users of it")]
+mod definition;
+#[path = "install/layouts.rs"]
+mod layouts;
+#[path = "install/package.rs"]
+mod package;
+
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -23,6 +31,11 @@ fn root() -> PathBuf {
     std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()
 }
 
+/// Version of the workspace.
+fn cargo_version() -> &'static str {
+    env!("CARGO_PKG_VERSION")
+}
+
 /// Executables stand beside the folder of the test's own.
 fn binaries() -> PathBuf {
     std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().to_owned()
@@ -30,12 +43,14 @@ fn binaries() -> PathBuf {
 
 /// A prefix, installed once for all tests of this process.
 static PREFIX: LazyLock<PathBuf> = LazyLock::new(|| {
-    let folder = std::env::temp_dir().join("fdm_installed");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("installed");
     _ = std::fs::remove_dir_all(&folder);
     let (programs, prefix) = (folder.join("programs"), folder.join("prefix"));
     std::fs::create_dir_all(&programs).unwrap();
     for program in cli::up::recipes::NODES.into_iter().chain(["printer_bridge"]) {
-        std::fs::write(programs.join(program), "stands in").unwrap();
+        let path = programs.join(program);
+        std::fs::write(&path, "#!/bin/false\n").unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
     }
     for program in RUN {
         // Without symbols a twentieth is copied.
@@ -119,11 +134,11 @@ fn the_index_leads_to_programs_and_launch_files() {
     assert!(package.contains("<name>fdm_loop</name>"));
 }
 
-/// From a folder of somebody else, as somebody else where this test may become one.
+/// From a folder of somebody else, as somebody else where this test may become one and they may enter.
 #[test]
 fn the_installed_command_finds_its_own_configuration_from_anywhere() {
     let prefix = PREFIX.clone();
-    let elsewhere = prefix.join("../elsewhere");
+    let elsewhere = prefix.parent().unwrap().join("elsewhere");
     std::fs::create_dir_all(&elsewhere).unwrap();
     let mut command = Command::new(prefix.join("bin/fdm"));
     command
@@ -131,7 +146,8 @@ fn the_installed_command_finds_its_own_configuration_from_anywhere() {
         .env_remove("FDM_CONFIG")
         .args(["up", "--dry-run", "--bag", "/tmp/never_written", "--scenario", "slip09", "--gcode"])
         .arg(prefix.join("share/fdm_loop/gcode/prusa_cube_pla_marlin_relE.gcode"));
-    if rustix::process::geteuid().is_root() {
+    let enters = |folder: &Path| std::fs::metadata(folder).unwrap().permissions().mode() & 0o005 == 0o005;
+    if rustix::process::geteuid().is_root() && elsewhere.ancestors().all(enters) {
         command.uid(NOBODY).gid(NOBODY);
     }
     let output = command.output().unwrap();

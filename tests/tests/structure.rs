@@ -164,7 +164,8 @@ fn the_supervisor_sees_commands_params_units_and_job_phases_alone() {
 #[test]
 fn scripts_can_be_run() {
     use std::os::unix::fs::PermissionsExt;
-    for script in ["launch_scripts/demo.sh", "launch_scripts/test.sh", ".ci/run"] {
+    let scripts = ["demo.sh", "test.sh", "debian/build.sh"].map(|script| format!("launch_scripts/{script}"));
+    for script in scripts.iter().map(String::as_str).chain([".ci/run"]) {
         let mode = std::fs::metadata(root().join(script)).unwrap().permissions().mode();
         assert_eq!(mode & 0o111, 0o111, "{script} has mode {mode:o}");
     }

@@ -106,7 +106,7 @@ impl Target {
         let mut size = 0;
         for file in layout.files() {
             let contents = file.bytes()?;
-            size += contents.len() as u64;
+            size += if matches!(file.contents, Contents::Link { .. }) { 0 } else { contents.len() as u64 };
             list.insert(file.path.clone(), sha256_hex(&contents));
         }
         // The list first: what was half written is known as ours by the next start.
