@@ -92,6 +92,30 @@ fn dpkg_deb(arguments: &[&str], package: &Path) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
+/// What the units read beside a node's own file is there, and so is what the links of `postinst` lead to.
+fn files_of_units(files: &BTreeSet<&str>) {
+    let postinst = read("launch_scripts/debian/postinst");
+    let named: Vec<String> = files
+        .iter()
+        .filter(|file| file.ends_with(".conf"))
+        .flat_map(|file| {
+            let text = read(&file.replace("/usr/lib/systemd/system", "launch_scripts/systemd"));
+            text.split([' ', '"', '\n']).map(str::to_owned).collect::<Vec<_>>()
+        })
+        .filter(|word| word.ends_with(".yaml"))
+        .collect();
+    assert!(named.len() >= 6, "{named:?}");
+    for file in named {
+        let link = file.strip_prefix("/etc/fdm_loop/").and_then(|name| name.strip_suffix(".yaml"));
+        let target = link.map(|name| {
+            let choice = postinst.split_whitespace().find_map(|word| word.strip_prefix(&format!("{name}=")));
+            format!("/usr/share/fdm_loop/config/{}.yaml", choice.unwrap().trim_end_matches(';'))
+        });
+        let file = target.unwrap_or(file);
+        assert!(files.contains(file.as_str()), "{file}");
+    }
+}
+
 /// Built from the programs of the other tests: its scripts, its owner, and that nothing in it speaks of a file that it
 /// does not hold.
 #[test]
@@ -133,30 +157,10 @@ fn the_debian_package_holds_what_its_units_start() {
             assert!(files.contains(file.as_str()), "{file}");
         }
     }
-    let postinst = read("launch_scripts/debian/postinst");
     for entry in ["fdm_loop.target", "fdm_loop@.service", "fdm_loop-loopback.service"] {
         assert!(files.contains(format!("/usr/lib/systemd/system/{entry}").as_str()), "{entry}");
     }
-    // What the units read beside it, and what the links of the package lead to.
-    let named: Vec<String> = files
-        .iter()
-        .filter(|file| file.ends_with(".conf"))
-        .flat_map(|file| {
-            let text = read(&file.replace("/usr/lib/systemd/system", "launch_scripts/systemd"));
-            text.split([' ', '"', '\n']).map(str::to_owned).collect::<Vec<_>>()
-        })
-        .filter(|word| word.ends_with(".yaml"))
-        .collect();
-    assert!(named.len() >= 6, "{named:?}");
-    for file in named {
-        let link = file.strip_prefix("/etc/fdm_loop/").and_then(|name| name.strip_suffix(".yaml"));
-        let target = link.map(|name| {
-            let choice = postinst.split_whitespace().find_map(|word| word.strip_prefix(&format!("{name}=")));
-            format!("/usr/share/fdm_loop/config/{}.yaml", choice.unwrap().trim_end_matches(';'))
-        });
-        let file = target.unwrap_or(file);
-        assert!(files.contains(file.as_str()), "{file}");
-    }
+    files_of_units(&files);
     for script in ["postinst", "prerm", "postrm"] {
         let checked =
             Command::new("sh").arg("-n").arg(root().join("launch_scripts/debian").join(script)).status();
