@@ -11,7 +11,7 @@ step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
 
 step "Python readers of bags (PyPI, in target/venv); a browser that looks at reports"
 need_packages python3 python3-venv iproute2 chromium fonts-dejavu-core
-if [ ! -x target/venv/bin/python ] || ! target/venv/bin/python -c 'import rosbags, mcap_ros2' 2>/dev/null; then
+if [ ! -x target/venv/bin/python ] || ! target/venv/bin/python -c 'import rosbags, mcap_ros2, cyclonedds' 2>/dev/null; then
   mkdir -p target
   python3 -m venv target/venv
   target/venv/bin/pip install -q --disable-pip-version-check -r tests/requirements.txt
@@ -48,6 +48,9 @@ if [ -n "$long" ]; then
   for _ in $(seq 20); do
     cargo test -p system_tests --locked --test refusals --test bag --test orphans --test operate -- --include-ignored
   done
+
+  step "long: an independent DDS, 20 times"
+  FDM_INTEROP_ROUNDS=20 cargo test -p system_tests --locked --test interop
 
   step "long: 10^5 malformed payloads a type, 10^6 orders to a firmware, 5000 poisoned prints"
   FDM_MALFORMED_PAYLOADS=100000 cargo test -p runtime --locked --test malformed

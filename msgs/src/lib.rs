@@ -11,6 +11,8 @@ mod advance;
 mod control;
 mod definition;
 mod estimate;
+mod lifecycle;
+mod lifecycle_services;
 mod parameter_services;
 mod parameters;
 mod printer;
@@ -21,11 +23,18 @@ mod sim;
 mod standard;
 mod standard_sensors;
 mod time;
+mod transforms;
 
 pub use advance::AdvancePrediction;
 pub use control::ControlCommand;
 pub use definition::{Definition, RosService, RosType};
 pub use estimate::StateEstimate;
+pub use lifecycle::{State, Transition, TransitionDescription, TransitionEvent};
+pub use lifecycle_services::{
+    ChangeState, ChangeStateRequest, ChangeStateResponse, GetAvailableStates, GetAvailableStatesRequest,
+    GetAvailableStatesResponse, GetAvailableTransitions, GetAvailableTransitionsRequest,
+    GetAvailableTransitionsResponse, GetState, GetStateRequest, GetStateResponse,
+};
 pub use parameter_services::{
     DescribeParameters, DescribeParametersRequest, DescribeParametersResponse, GetParameterTypes,
     GetParameterTypesRequest, GetParameterTypesResponse, GetParameters, GetParametersRequest,
@@ -47,3 +56,4 @@ pub use standard::{
     TriggerRequest, TriggerResponse,
 };
 pub use standard_sensors::{CameraInfo, CompressedImage, Imu, Quaternion, RegionOfInterest, Vector3};
+pub use transforms::{TFMessage, Transform, TransformStamped};

@@ -9,12 +9,13 @@ mod tracer;
 
 use definition::{fields_of, flatten};
 use fdm_loop_msgs::{
-    AdvancePrediction, BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport,
-    DescribeParameters, DiagnosticArray, FilamentMotion, FilamentReport, GetParameterTypes, GetParameters,
-    Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, ListParameters, Log, MotionSegment,
-    ParameterEvent, PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode,
-    SetParameters, SetParametersAtomically, SimTruth, SimWire, StateEstimate, Temperature, TemperatureReport,
-    Trigger,
+    AdvancePrediction, BeadWidth, CameraInfo, ChangeState, Clock, CompressedImage, ControlCommand,
+    DefectReport, DescribeParameters, DiagnosticArray, FilamentMotion, FilamentReport, GetAvailableStates,
+    GetAvailableTransitions, GetParameterTypes, GetParameters, GetState, Heartbeat, Imu, ImuBatch,
+    InjectFault, LayerHeight, LayerQuality, ListParameters, Log, MotionSegment, ParameterEvent, PrintEvent,
+    PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode, SetParameters,
+    SetParametersAtomically, SimTruth, SimWire, StateEstimate, TFMessage, Temperature, TemperatureReport,
+    TransitionEvent, Trigger,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -58,6 +59,8 @@ fn messages() -> Vec<(String, Fields, Fields)> {
         message::<Clock>(),
         message::<Log>(),
         message::<ParameterEvent>(),
+        message::<TFMessage>(),
+        message::<TransitionEvent>(),
     ]
 }
 
@@ -92,6 +95,10 @@ fn every_service_has_the_fields_of_its_definition_in_order() {
         service::<DescribeParameters>(),
         service::<SetParameters>(),
         service::<SetParametersAtomically>(),
+        service::<ChangeState>(),
+        service::<GetState>(),
+        service::<GetAvailableStates>(),
+        service::<GetAvailableTransitions>(),
     ];
     for (name, parts) in services {
         for (defined, traced) in parts {

@@ -59,6 +59,7 @@ pub async fn run(mut node: Node) -> Result<(), NodeError> {
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut predictor, mut jumps) = (setup.predictor(), clock.jumps_back());
     let mut idle = node.timer(IDLE_PERIOD);
+    node.activated().await;
     loop {
         let taken = tokio::select! {
             biased;

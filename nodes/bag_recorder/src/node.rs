@@ -22,6 +22,7 @@ const LOOK: Duration = Duration::from_millis(100);
 pub(crate) async fn run(mut node: Node) -> Result<(), RecorderError> {
     let params: Params = node.parameters()?;
     let (recorded, subscriptions) = subscribe(&mut node, &params)?;
+    node.activated().await;
     let tally = Arc::new(Tally::new(recorded.len()));
     let folder = Folder::open(&params.bag_dir, params.bag_name(), Arc::clone(&tally))?;
     wait_for_clock(&node, Duration::from_secs_f64(params.clock_wait.0)).await;

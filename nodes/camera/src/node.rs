@@ -32,6 +32,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut outlet = Outlet::open(&mut node, &params, source.name())?;
     let mut looks = node.timer(Seconds(params.camera.lost_after_s / LOOKS));
     let work = node.work();
+    node.activated().await;
     loop {
         tokio::select! {
             arrival = source.next() => outlet.take(arrival),

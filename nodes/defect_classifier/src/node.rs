@@ -71,6 +71,7 @@ pub async fn run(mut node: Node) -> Result<(), NodeError> {
     let outlets = Outlets::open(&mut node, setup.params.machine)?;
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut jumps, mut idle) = (clock.jumps_back(), node.timer(IDLE_PERIOD));
+    node.activated().await;
     loop {
         // Moves and states first: a frame is judged by what is known of the path when it is looked at.
         let taken = tokio::select! {

@@ -25,6 +25,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let motions = node.publish_on(&topics::FILAMENT_MOTION)?;
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let mut refused = Refused::new(node.diagnostics(), source.name());
+    node.activated().await;
     loop {
         tokio::select! {
             counts = source.next() => {

@@ -25,6 +25,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut outlet = Outlet::open(&mut node, &params, source.name())?;
     let mut looks = node.timer(Seconds(params.unit.lost_after_s / LOOKS));
     let work = node.work();
+    node.activated().await;
     loop {
         tokio::select! {
             report = source.next(&mut outlet.presence) => if let Some(report) = report {

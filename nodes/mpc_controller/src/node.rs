@@ -58,6 +58,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
         validity: Seconds(params.validity_s),
         trims: Trims::NEUTRAL,
     };
+    node.activated().await;
     loop {
         tokio::select! {
             taken = estimate.next(convert::estimate) => {

@@ -32,6 +32,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut marlin = Marlin::new(params.marlin);
     let mut ticks = node.timer(Seconds(params.marlin.state_period_s.min(0.1)));
     let work = node.work();
+    node.activated().await;
     loop {
         let (now, event) = tokio::select! {
             received = line.recv() => received.map(|(now, event)| (now, Some(event)))?,

@@ -71,10 +71,11 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
     let mut permits = node.subscribe(&topics::SAFETY_COMMAND)?;
     let mut faults = if allow_fault_injection { Some(node.serve(&topics::INJECT_FAULT)?) } else { None };
     let outlets = Outlets::new(&mut node)?;
-    outlets.info.send(info);
     let refused = Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name());
     let (work, name) = (node.work(), node.name());
     let mut shell = Shell { simulator, outlets, refused, name, quantum_m, segments: 0, clocks: 0 };
+    node.activated().await;
+    shell.outlets.info.send(info);
     let mut pace = pace(speed);
     loop {
         tokio::select! {

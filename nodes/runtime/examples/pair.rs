@@ -124,7 +124,9 @@ async fn sleep(node: Node) -> Result<(), PairError> {
 }
 
 async fn pair(node: Node) -> Result<(), PairError> {
-    match node.parameters::<Params>()?.role {
+    let role = node.parameters::<Params>()?.role;
+    node.activated().await;
+    match role {
         Role::Talker => talk(node).await,
         Role::Listener => listen(node).await,
         Role::Pacer => pace(node).await,

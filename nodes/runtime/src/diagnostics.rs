@@ -111,6 +111,15 @@ impl Diagnostics {
         self.state().topics.push(topic);
     }
 
+    /// The shell is configured anew: the topics of the former one are gone, and what it reported.
+    pub(crate) fn forget_shell(&self) {
+        let mut state = self.state();
+        // Whoever else holds the statistics still sends or listens.
+        state.topics.retain(|topic| Arc::strong_count(topic) > 1);
+        state.level = Level::Ok;
+        state.message.clear();
+    }
+
     /// Whether a topic became too old, or fresh again, since the last call.
     pub(crate) fn ages_changed(&self, clock: &Clock) -> bool {
         let now = clock.now();

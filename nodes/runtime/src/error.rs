@@ -2,6 +2,7 @@
 
 use crate::args::ArgsError;
 use crate::params::ParamFileError;
+use std::error::Error;
 
 /// Why a node cannot start or take part in the graph.
 #[derive(Debug, thiserror::Error)]
@@ -57,4 +58,15 @@ impl RuntimeError {
     pub fn is_usage(&self) -> bool {
         matches!(self, Self::Args(_) | Self::Parameters(_) | Self::Name { .. } | Self::SimulatedTime { .. })
     }
+}
+
+/// An error and its causes in one line.
+pub(crate) fn chain(error: &(dyn Error + 'static)) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        text = format!("{text}: {error}");
+        cause = error.source();
+    }
+    text
 }

@@ -9,6 +9,7 @@
 //!     let estimates = node.publish_on(&topics::ESTIMATE)?;
 //!     let mut ticks = node.timer(Seconds(0.05)); // on the node's clock
 //!     let (diagnostics, work) = (node.diagnostics(), node.work());
+//!     node.activated().await; // all is loaded and open: from here on it may act
 //!     loop {
 //!         tokio::select! {
 //!             reading = temperatures.recv() => {
@@ -46,7 +47,7 @@
 //!
 //! Each process watches its own middleware through a message to itself and ends when it is deaf (`self_loop`), and bounds
 //! the memory that others can make it use (`bounds`).
-//! Lifecycle (`node.rs`) and the parameter services (`params.rs`) come with the ROS issue.
+//! A node that [`run`] starts is managed (`lifecycle`): its states can be asked for and changed, and it goes to active by itself.
 #![forbid(unsafe_code)]
 
 mod args;
@@ -60,6 +61,7 @@ mod environment;
 mod error;
 mod heartbeat;
 mod inlet;
+mod lifecycle;
 mod logging;
 mod names;
 mod node;
@@ -90,6 +92,7 @@ pub use error::RuntimeError;
 pub use heartbeat::Work;
 pub use inlet::{Inlet, Reason, Refused, check_age};
 pub use node::Node;
+pub use params::store::LiveParameters;
 pub use params::{NodePath, ParamFileError, Parameters};
 pub use presence::Presence;
 pub use publisher::Publisher;

@@ -1,8 +1,6 @@
 //! A node: name, parameters, clock, endpoints, diagnostics, heartbeat, self loop.
-//!
-//! Lifecycle (five services, `transition_event`, gated publishers) is not here yet;
-//! they will be started by [`Node::start`] beside the heartbeat.
 
+mod background;
 mod endpoints;
 
 use crate::args::Args;
@@ -10,50 +8,67 @@ use crate::clock::{Clock, Timer};
 use crate::diagnostics::Diagnostics;
 use crate::environment::{Environment, Services};
 use crate::error::RuntimeError;
-use crate::heartbeat::{self, Heart, Work};
+use crate::heartbeat::Work;
+use crate::lifecycle::{Gate, Life, Stage};
 use crate::names::Names;
-use crate::params::services::ParameterServices;
-use crate::params::store::{Checked, Store};
+use crate::params::store::{LiveParameters, Store};
 use crate::params::{NodePath, ParamFileError, Parameters};
 use crate::participants::Participants;
 use crate::self_loop::SelfLoop;
 use crate::shutdown::{self, Shutdown, ShutdownSender};
-use crate::topics;
-use crate::{background, bounds, logging};
+use crate::{bounds, logging};
 use models::units::Seconds;
 use ros2_client::{Context, NodeOptions};
 use serde::de::DeserializeOwned;
 use std::hash::{BuildHasher, Hasher};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::task::{AbortHandle, JoinSet};
 
 /// A node of the graph; dropping it takes it from the graph.
 pub struct Node {
+    core: Arc<Core>,
+    parameters: Parameters,
+    /// What its messages pass.
+    gate: Gate,
+    /// Where somebody drives it through its states.
+    stage: Option<Stage>,
+    /// Another one a configuration: who was deactivated counts its messages anew.
+    session: u64,
+    shutdown: Shutdown,
+}
+
+/// What all configurations of a node share.
+struct Core {
     // Dropped in this order: tasks hold readers and writers, the watchdog a participant of its own.
-    tasks: JoinSet<()>,
+    tasks: Mutex<JoinSet<()>>,
     self_loop: SelfLoop,
-    ros: ros2_client::Node,
+    ros: Mutex<ros2_client::Node>,
     context: Context,
     names: Names,
-    parameters: Parameters,
     rest: Vec<String>,
     services: Services,
     clock: Clock,
     diagnostics: Diagnostics,
     work: Work,
-    session: u64,
-    shutdown: Shutdown,
+    /// Whether a shell was configured before.
+    staged: AtomicBool,
     shutdown_sender: ShutdownSender,
-    refused: Arc<AtomicBool>,
-    clock_task: Option<AbortHandle>,
-    check: Checked,
+    refused: Mutex<Arc<AtomicBool>>,
+    clock_task: Mutex<Option<AbortHandle>>,
+    store: Store,
+    life: Life,
 }
 
 impl std::fmt::Debug for Node {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Node").field("name", &self.names.qualified()).finish_non_exhaustive()
+        f.debug_struct("Node").field("name", &self.core.names.qualified()).finish_non_exhaustive()
     }
+}
+
+/// What is behind a lock, whatever happened to who held it.
+fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A random number that tells one run of a node from the next.
@@ -131,62 +146,28 @@ impl Node {
             .map_err(|error| RuntimeError::create(format!("node {}", path.qualified), &error))?;
         shutdown::follow_signals(shutdown_sender.clone())?;
         shutdown::abort_when_continued(shutdown.clone())?;
-        let mut node = Self {
-            tasks: JoinSet::new(),
+        let core = Core {
+            tasks: Mutex::new(JoinSet::new()),
             self_loop,
-            ros,
+            ros: Mutex::new(ros),
             context,
             names,
-            parameters,
             rest: args.rest,
             services: environment.services,
             clock,
             diagnostics: Diagnostics::default(),
             work: Work::default(),
-            session,
-            shutdown,
+            staged: AtomicBool::new(false),
             shutdown_sender,
-            refused: Arc::default(),
-            clock_task: None,
-            check: Checked::default(),
+            refused: Mutex::default(),
+            clock_task: Mutex::default(),
+            store: Store::new(parameters.clone()),
+            life: Life::default(),
         };
+        let (core, gate) = (Arc::new(core), Gate::open_always());
+        let mut node = Self { core, parameters, gate, stage: None, session, shutdown };
         node.start_background()?;
         Ok(node)
-    }
-
-    /// Starts `/clock`, `/rosout`, `/diagnostics` and the heartbeat.
-    fn start_background(&mut self) -> Result<(), RuntimeError> {
-        if self.clock.is_simulated() {
-            let readings = self.subscribe(&topics::CLOCK)?;
-            let task = background::follow_clock(self.clock.clone(), readings, self.diagnostics.clone());
-            self.clock_task = Some(self.tasks.spawn(task));
-        }
-        if let Some(lines) = logging::rosout_lines() {
-            let publisher = self.publish_on(&topics::ROSOUT)?;
-            self.tasks.spawn(background::publish_log(self.clock.clone(), lines, publisher));
-        }
-        let publisher = self.publish_on(&topics::DIAGNOSTICS)?;
-        let reporter = background::Reporter {
-            node: self.names.qualified(),
-            clock: self.clock.clone(),
-            diagnostics: self.diagnostics.clone(),
-            work: self.work.clone(),
-            self_loop: self.self_loop.age(),
-        };
-        self.tasks.spawn(background::publish_diagnostics(reporter, publisher));
-        let publisher = self.publish_on(&topics::HEARTBEAT)?;
-        let heart = Heart {
-            node: self.names.qualified(),
-            session: self.session,
-            work: self.work.clone(),
-            clock: self.clock.clone(),
-            self_loop: self.self_loop.age(),
-        };
-        self.tasks.spawn(heartbeat::beat(heart, publisher));
-        let services = ParameterServices::open(self)?;
-        let store = Store::new(self.parameters.clone(), self.check.clone());
-        self.tasks.spawn(services.serve(store, self.clock.clone(), self.names.qualified()));
-        Ok(())
     }
 
     /// Parses the parameters into the node's checked struct.
@@ -196,7 +177,7 @@ impl Node {
     pub fn parameters<T: DeserializeOwned + 'static>(&self) -> Result<T, RuntimeError> {
         self.check_parameters(|parameters| parameters.parse::<T>().map(drop));
         self.parameters.parse().map_err(|error| {
-            self.refused.store(true, Ordering::Relaxed);
+            lock(&self.core.refused).store(true, Ordering::Relaxed);
             RuntimeError::Parameters(error)
         })
     }
@@ -206,12 +187,19 @@ impl Node {
         &self,
         check: impl Fn(&Parameters) -> Result<(), ParamFileError> + Send + 'static,
     ) {
-        self.check.tell(check);
+        self.core.store.tell_check(check);
+    }
+
+    /// Declares which parameters may change while the node is active, and follows their changes. All others may change
+    /// while it is inactive.
+    #[must_use]
+    pub fn live_parameters(&self, names: &'static [&'static str]) -> LiveParameters {
+        self.core.store.declare(names)
     }
 
     /// Notes refused parameters in `refused` from now on.
     pub(crate) fn remember_refusals(&mut self, refused: Arc<AtomicBool>) {
-        self.refused = refused;
+        *lock(&self.core.refused) = refused;
     }
 
     /// The parameters in force as text and hash, for the record.
@@ -223,28 +211,28 @@ impl Node {
     /// A timer on the node's clock, first due one period from now.
     #[must_use]
     pub fn timer(&self, period: Seconds) -> Timer {
-        self.clock.timer(period)
+        self.core.clock.timer(period)
     }
 
     /// The node's clock.
     #[must_use]
     pub fn clock(&self) -> Clock {
-        self.clock.clone()
+        self.core.clock.clone()
     }
 
     /// The registry behind `/diagnostics`.
     #[must_use]
     pub fn diagnostics(&self) -> Diagnostics {
-        self.diagnostics.clone()
+        self.core.diagnostics.clone()
     }
 
     /// The work counter behind the heartbeat.
     #[must_use]
     pub fn work(&self) -> Work {
-        self.work.clone()
+        self.core.work.clone()
     }
 
-    /// Random id of this run.
+    /// Random id of this run, from its activation to its end.
     #[must_use]
     pub fn session(&self) -> u64 {
         self.session
@@ -253,19 +241,19 @@ impl Node {
     /// Namespace and name.
     #[must_use]
     pub fn name(&self) -> String {
-        self.names.qualified()
+        self.core.names.qualified()
     }
 
     /// Name of a topic or service on the graph, namespace and remapping included.
     #[must_use]
     pub fn resolve(&self, name: &str) -> String {
-        self.names.resolve(name)
+        self.core.names.resolve(name)
     }
 
     /// Arguments outside of `--ros-args`.
     #[must_use]
     pub fn rest(&self) -> &[String] {
-        &self.rest
+        &self.core.rest
     }
 
     /// A handle that tells when the end is demanded (SIGINT, SIGTERM, [`Node::stop`]).
@@ -279,13 +267,11 @@ impl Node {
         self.shutdown.wait().await;
     }
 
-    /// Keeps the middleware while the node's tasks end.
-    pub(crate) fn middleware(&self) -> Context {
-        self.context.clone()
-    }
-
     /// Demands the end of this node.
     pub fn stop(&self) {
-        self.shutdown_sender.demand();
+        match &self.stage {
+            Some(stage) => stage.stop.demand(),
+            None => self.core.shutdown_sender.demand(),
+        }
     }
 }

@@ -7,12 +7,13 @@
 //!       flow_max: 1.2        # nested or dotted (limits.flow_max) keys
 //! ```
 //! An error is one line: `config/mpc.yaml:12: limits.flow_max = 3 -: must be in [1, 2]`. Unknown keys are refused by
-//! the structs (`deny_unknown_fields`). `use_sim_time` belongs to the runtime and is taken out.
+//! the structs (`deny_unknown_fields`). `use_sim_time` and `autostart` belong to the runtime and are taken out.
 //!
-//! What the six parameter services say stands in `params/store.rs`; a value that somebody asks for passes through the
-//! same `Deserialize`. Changes at run time are not here yet: all are read-only.
+//! What the six parameter services say and change stands in `params/store.rs`; a value that somebody asks for passes
+//! through the same `Deserialize`.
 
 mod comments;
+mod own;
 pub(crate) mod services;
 pub(crate) mod store;
 mod tree;
@@ -20,9 +21,9 @@ mod values;
 mod yaml;
 
 use comments::Comments;
+use own::{AUTOSTART, OWN, USE_SIM_TIME, flag};
 
 use serde::de::DeserializeOwned;
-use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -75,11 +76,9 @@ pub struct Parameters {
     tree: Tree,
     comments: Comments,
     use_sim_time: bool,
+    autostart: bool,
     last_file: Option<PathBuf>,
 }
-
-/// Name of the parameter that chooses the clock.
-const USE_SIM_TIME: &str = "use_sim_time";
 
 impl Parameters {
     /// Reads `files` in order and then the overrides (`name`, YAML value); a later one wins.
@@ -103,20 +102,28 @@ impl Parameters {
         for (name, value) in overrides {
             tree::merge_override(&mut merged, name, value)?;
         }
-        let use_sim_time = match merged.take(USE_SIM_TIME) {
-            None => false,
-            Some((Tree::Leaf(Value::Bool(value)), _)) => value,
-            Some((other, origin)) => {
-                return Err(refused(&origin, USE_SIM_TIME, &other.to_json(), "a boolean"));
-            }
-        };
-        Ok(Self { tree: merged, comments, use_sim_time, last_file: files.last().cloned() })
+        let use_sim_time = flag(&mut merged, USE_SIM_TIME, false)?;
+        let autostart = flag(&mut merged, AUTOSTART, true)?;
+        Ok(Self { tree: merged, comments, use_sim_time, autostart, last_file: files.last().cloned() })
     }
 
     /// Whether the node's time comes from `/clock`.
     #[must_use]
     pub fn use_sim_time(&self) -> bool {
         self.use_sim_time
+    }
+
+    /// Whether the node goes to active by itself.
+    pub(crate) fn autostart(&self) -> bool {
+        self.autostart
+    }
+
+    /// Comment beside a value of a file.
+    fn comment(&self, name: &str) -> &str {
+        match self.tree.origin(name) {
+            Some(Origin::File(file, line)) => self.comments.of(file, *line).unwrap_or_default(),
+            _ => "",
+        }
     }
 
     /// Parses the parameters into a checked struct.
@@ -272,11 +279,6 @@ pub fn sha256_hex(bytes: &[u8]) -> String {
 /// Appends a name to a dotted path.
 fn join(path: &str, name: &str) -> String {
     if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
-}
-
-/// A value of the wrong kind.
-fn refused(origin: &Origin, name: &str, value: &Value, rule: &str) -> ParamFileError {
-    ParamFileError::Refused { at: origin.to_string(), message: format!("{name} = {value}: must be {rule}") }
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Publishing: synchronous, never waiting, drops counted.
 
+use crate::lifecycle::Gate;
 use crate::stats::TopicStats;
 use fdm_loop_msgs::RosType;
 use std::sync::Arc;
@@ -8,6 +9,7 @@ use std::sync::Arc;
 pub struct Publisher<T: RosType> {
     writer: ros2_client::Publisher<T>,
     stats: Arc<TopicStats>,
+    gate: Gate,
 }
 
 impl<T: RosType> std::fmt::Debug for Publisher<T> {
@@ -17,13 +19,18 @@ impl<T: RosType> std::fmt::Debug for Publisher<T> {
 }
 
 impl<T: RosType> Publisher<T> {
-    pub(crate) fn new(writer: ros2_client::Publisher<T>, stats: Arc<TopicStats>) -> Self {
-        Self { writer, stats }
+    pub(crate) fn new(writer: ros2_client::Publisher<T>, stats: Arc<TopicStats>, gate: Gate) -> Self {
+        Self { writer, stats, gate }
     }
 
     /// Sends a message; false where it was dropped because a reliable subscriber does not keep up (or the middleware
     /// failed). Drops are counted and shown in `/diagnostics`. Takes no longer than a copy into the send window.
+    ///
+    /// A managed node that is not active sends nothing: false.
     pub fn send(&self, message: T) -> bool {
+        if !self.gate.is_open() {
+            return false;
+        }
         let sent = self.writer.publish(message).is_ok();
         if sent {
             self.stats.sent();

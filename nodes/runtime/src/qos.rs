@@ -100,5 +100,8 @@ pub const STANDARD: Qos = Qos { offered: reliable(100), requested: reliable(100)
 /// Log lines: `rclcpp` offers them transient local.
 pub const ROSOUT: Qos = Qos { offered: transient_local(100), requested: reliable(100) };
 
+/// Changes that a tool follows, as `rcl_lifecycle` offers them.
+pub const EVENT: Qos = Qos { offered: reliable(10), requested: reliable(10) };
+
 /// Service requests and replies.
 pub(crate) const SERVICE: End = reliable(10);

@@ -1,5 +1,6 @@
 //! Services: a server that answers when the shell says so, and a client that never waits for ever.
 
+use crate::lifecycle::Gate;
 use fdm_loop_msgs::RosService;
 use futures::FutureExt;
 use models::units::Seconds;
@@ -42,6 +43,9 @@ pub struct Asked<S: RosService> {
 pub struct Server<S: RosService> {
     server: RosServer<S>,
     undecodable: u64,
+    gate: Gate,
+    /// Nothing was taken yet.
+    fresh: bool,
 }
 
 impl<S: RosService> std::fmt::Debug for Server<S> {
@@ -51,12 +55,16 @@ impl<S: RosService> std::fmt::Debug for Server<S> {
 }
 
 impl<S: RosService> Server<S> {
-    pub(crate) fn new(server: RosServer<S>) -> Self {
-        Self { server, undecodable: 0 }
+    pub(crate) fn new(server: RosServer<S>, gate: Gate) -> Self {
+        Self { server, undecodable: 0, gate, fresh: true }
     }
 
-    /// Waits for the next request. What cannot be decoded is counted and skipped. Cancelling loses no request.
+    /// Waits for the next request. What cannot be decoded is counted and skipped. Cancelling loses no request. What was
+    /// asked of a node that was not active is not done when it becomes active: it may be long past.
     pub async fn next(&mut self) -> Asked<S> {
+        if std::mem::replace(&mut self.fresh, false) && self.gate.was_waited_for() {
+            while !matches!(self.server.receive_request(), Ok(None)) {}
+        }
         loop {
             match self.server.async_receive_request().await {
                 Ok((id, request)) => return Asked { request: request.0, id },

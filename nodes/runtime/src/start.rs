@@ -2,7 +2,8 @@
 
 use crate::args::{Args, ArgsError};
 use crate::bounds;
-use crate::error::RuntimeError;
+use crate::error::{RuntimeError, chain};
+use crate::lifecycle;
 use crate::logging;
 use crate::node::Node;
 use std::error::Error;
@@ -16,10 +17,14 @@ const USAGE: u8 = 2;
 const FAILURE: u8 = 1;
 
 /// Runs a node until it ends: starts it from the arguments of this process on a single-threaded executor and hands it
-/// to `main`. Exit code 0 after an orderly end, 2 for arguments and parameters that were refused, 1 otherwise.
+/// to `main`, once a configuration. Exit code 0 after an orderly end, 2 for arguments and parameters that were refused,
+/// 1 otherwise.
+///
+/// `main` loads and opens what it needs, waits for [`Node::activated`], works until [`Node::shutdown`], and returns after
+/// its last word.
 pub fn run<F, R, E>(name: &str, main: F) -> ExitCode
 where
-    F: FnOnce(Node) -> R,
+    F: Fn(Node) -> R,
     R: Future<Output = Result<(), E>>,
     E: Error + 'static,
 {
@@ -43,7 +48,7 @@ where
 /// Starts the node and runs the shell to its end.
 fn start<F, R, E>(name: &str, main: F, refused: &Arc<AtomicBool>) -> Result<(), Box<dyn Error>>
 where
-    F: FnOnce(Node) -> R,
+    F: Fn(Node) -> R,
     R: Future<Output = Result<(), E>>,
     E: Error + 'static,
 {
@@ -56,22 +61,13 @@ where
     executor.block_on(async {
         let mut node = Node::start_with(name, args)?;
         node.remember_refusals(Arc::clone(refused));
-        // The shell drops the node; its tasks end when the executor runs again, and the middleware after them.
+        let (orders, autostart) = node.manage()?;
+        // The node's tasks end when the executor runs again, and the middleware after them.
         let middleware = node.middleware();
-        let ended = main(node).await;
+        let ended = lifecycle::drive(&node, main, orders, autostart).await;
+        drop(node);
         tokio::task::yield_now().await;
         drop(middleware);
-        Ok(ended?)
+        ended
     })
-}
-
-/// An error and its causes in one line.
-fn chain(error: &(dyn Error + 'static)) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        text = format!("{text}: {error}");
-        cause = error.source();
-    }
-    text
 }

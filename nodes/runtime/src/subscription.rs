@@ -1,6 +1,7 @@
 //! Subscribing: messages with the time of receipt on the node's clock and the publisher's identity.
 
 use crate::clock::Clock;
+use crate::lifecycle::Gate;
 use crate::stats::TopicStats;
 use fdm_loop_msgs::RosType;
 use futures::{Stream, stream};
@@ -55,6 +56,7 @@ pub struct Subscription<T: RosType> {
     reader: ros2_client::Subscription<T>,
     clock: Clock,
     stats: Arc<TopicStats>,
+    gate: Gate,
 }
 
 impl<T: RosType> std::fmt::Debug for Subscription<T> {
@@ -64,8 +66,13 @@ impl<T: RosType> std::fmt::Debug for Subscription<T> {
 }
 
 impl<T: RosType> Subscription<T> {
-    pub(crate) fn new(reader: ros2_client::Subscription<T>, clock: Clock, stats: Arc<TopicStats>) -> Self {
-        Self { reader, clock, stats }
+    pub(crate) fn new(
+        reader: ros2_client::Subscription<T>,
+        clock: Clock,
+        stats: Arc<TopicStats>,
+        gate: Gate,
+    ) -> Self {
+        Self { reader, clock, stats, gate }
     }
 
     /// Waits for the next message. What cannot be decoded is counted and skipped. Cancelling loses no message.
@@ -82,8 +89,11 @@ impl<T: RosType> Subscription<T> {
         loop {
             match self.reader.take() {
                 Ok(None) => return None,
-                Ok(Some(taken)) => return self.dated(Ok(taken)),
-                Err(error) => _ = self.dated(Err(error)),
+                taken => {
+                    if let Some(received) = taken.transpose().and_then(|taken| self.dated(taken)) {
+                        return Some(received);
+                    }
+                }
             }
         }
     }
@@ -135,13 +145,17 @@ impl<T: RosType> Subscription<T> {
         self.stats.lost_count()
     }
 
-    /// Dates a sample and counts it.
+    /// Dates a sample and counts it; what waited for the node to be activated does not count.
     fn dated(&self, taken: ros2_client::ReadResult<(T, ros2_client::MessageInfo)>) -> Option<Received<T>> {
         let Ok((message, info)) = taken else {
             self.stats.lose();
             return None;
         };
-        let received = self.clock.at_age(age_of(info.received_timestamp()));
+        let age = age_of(info.received_timestamp());
+        if !self.gate.takes(age) {
+            return None;
+        }
+        let received = self.clock.at_age(age);
         self.stats.received(received);
         Some(Received { message, received, publisher: Gid(info.publisher_gid().to_bytes16()) })
     }

@@ -4,12 +4,13 @@
 
 use crate::qos::{self, Qos};
 use fdm_loop_msgs::{
-    AdvancePrediction, BeadWidth, CameraInfo, Clock, CompressedImage, ControlCommand, DefectReport,
-    Definition, DescribeParameters, DiagnosticArray, FilamentMotion, FilamentReport, GetParameterTypes,
-    GetParameters, Heartbeat, Imu, ImuBatch, InjectFault, LayerHeight, LayerQuality, ListParameters, Log,
-    MotionSegment, ParameterEvent, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode,
-    SetParameters, SetParametersAtomically, SimTruth, SimWire, StateEstimate, Temperature, TemperatureReport,
-    Trigger,
+    AdvancePrediction, BeadWidth, CameraInfo, ChangeState, Clock, CompressedImage, ControlCommand,
+    DefectReport, Definition, DescribeParameters, DiagnosticArray, FilamentMotion, FilamentReport,
+    GetAvailableStates, GetAvailableTransitions, GetParameterTypes, GetParameters, GetState, Heartbeat, Imu,
+    ImuBatch, InjectFault, LayerHeight, LayerQuality, ListParameters, Log, MotionSegment, ParameterEvent,
+    PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode, SetParameters,
+    SetParametersAtomically, SimTruth, SimWire, StateEstimate, TFMessage, Temperature, TemperatureReport,
+    TransitionEvent, Trigger,
 };
 use models::units::Seconds;
 use std::marker::PhantomData;
@@ -140,10 +141,16 @@ pub const SIM_TRUTH: Topic<SimTruth> = Topic::new("sim/truth/state", qos::SENSOR
 pub const SIM_WIRE: Topic<SimWire> = Topic::new("sim/truth/wire", qos::SENSOR);
 /// Simulated time.
 pub const CLOCK: Topic<Clock> = Topic::new("/clock", qos::CLOCK);
+/// Places of the printer's parts that do not move in what they hang on.
+pub const TF_STATIC: Topic<TFMessage> = Topic::new("/tf_static", qos::LATCHED);
+/// Place of the tool.
+pub const TF: Topic<TFMessage> = Topic::new("/tf", qos::STANDARD);
 /// Status of all nodes.
 pub const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::new("/diagnostics", qos::STANDARD);
 /// Parameters of all nodes, as they come and change.
 pub const PARAMETER_EVENTS: Topic<ParameterEvent> = Topic::new("/parameter_events", qos::RELIABLE);
+/// Changes of a node's state. Not in [`ALL`]: each node has its own.
+pub const TRANSITION_EVENT: Topic<TransitionEvent> = Topic::new("~/transition_event", qos::EVENT);
 /// Log lines of all nodes.
 pub const ROSOUT: Topic<Log> = Topic::new("/rosout", qos::ROSOUT);
 
@@ -186,6 +193,8 @@ pub const ALL: &[TopicInfo] = &[
     SIM_TRUTH.info(),
     SIM_WIRE.info(),
     CLOCK.info(),
+    TF_STATIC.info(),
+    TF.info(),
     DIAGNOSTICS.info(),
     PARAMETER_EVENTS.info(),
     ROSOUT.info(),
@@ -218,6 +227,17 @@ pub const SET_PARAMETERS: Service<SetParameters> = Service::new("~/set_parameter
 /// Sets all parameters or none.
 pub const SET_PARAMETERS_ATOMICALLY: Service<SetParametersAtomically> =
     Service::new("~/set_parameters_atomically");
+/// Takes a managed node to another state.
+pub const CHANGE_STATE: Service<ChangeState> = Service::new("~/change_state");
+/// State of a managed node.
+pub const GET_STATE: Service<GetState> = Service::new("~/get_state");
+/// All states of a managed node.
+pub const GET_AVAILABLE_STATES: Service<GetAvailableStates> = Service::new("~/get_available_states");
+/// Steps that a managed node can take now.
+pub const GET_AVAILABLE_TRANSITIONS: Service<GetAvailableTransitions> =
+    Service::new("~/get_available_transitions");
+/// All steps of a managed node.
+pub const GET_TRANSITION_GRAPH: Service<GetAvailableTransitions> = Service::new("~/get_transition_graph");
 /// Inject a fault into the simulated printer.
 pub const INJECT_FAULT: Service<InjectFault> = Service::new("printer_sim/inject_fault");
 

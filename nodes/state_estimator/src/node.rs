@@ -26,6 +26,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut ticks = node.timer(Seconds(params.period_s));
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut estimator, mut jumps) = (setup.estimator(), clock.jumps_back());
+    node.activated().await;
     loop {
         tokio::select! {
             taken = hotend.next(convert::hotend) => {

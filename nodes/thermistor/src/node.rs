@@ -23,6 +23,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut hotend = Outlet::open(&mut node, &params, "hotend")?;
     let mut bed = Outlet::open(&mut node, &params, "bed")?;
     let (clock, work) = (node.clock(), node.work());
+    node.activated().await;
     loop {
         tokio::select! {
             reading = source.next() => {

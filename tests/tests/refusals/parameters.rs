@@ -16,7 +16,7 @@ fn double(name: &str, double_value: f64) -> Parameter {
 }
 
 /// The six services of the supervisor: values with their description are told, a wrong one is refused with its range, a
-/// right one with the place where it stands.
+/// right one while the node is active with what to do.
 pub(crate) async fn are_told_and_refused(node: &mut Node) {
     let list = node.client_of(NODE, &topics::LIST_PARAMETERS).unwrap();
     let get = node.client_of(NODE, &topics::GET_PARAMETERS).unwrap();
@@ -47,8 +47,7 @@ pub(crate) async fn are_told_and_refused(node: &mut Node) {
     let results = set.call(SetParametersRequest { parameters }, PATIENCE).await.unwrap().results;
     assert!(results.iter().all(|result| !result.successful));
     assert!(results[0].reason.contains("modes.ramp_s = 7 s: must be in [0.05, 2]"), "{results:?}");
-    assert!(results[1].reason.contains("read-only while the node runs: change"), "{results:?}");
-    assert!(results[1].reason.contains("safety_supervisor.param.yaml:"), "{results:?}");
+    assert!(results[1].reason.contains("read-only while the node is active: deactivate it"), "{results:?}");
     assert!(results[2].reason.contains("no such parameter"), "{results:?}");
 
     let parameters = vec![double("attention.soft", 0.9), double("attention.hard", 0.95)];

@@ -35,6 +35,15 @@ pub struct Recipe {
     pub replaceable: bool,
 }
 
+impl Recipe {
+    /// The same for a node that waits to be configured and activated.
+    fn held(&self) -> Self {
+        let mut held = self.clone();
+        held.arguments.extend(["-p", "autostart:=false"].map(str::to_owned));
+        held
+    }
+}
+
 /// What happened to a process.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Happening {
@@ -90,10 +99,22 @@ impl Fleet {
     /// # Errors
     /// Names the executable that could not be started; those already running are stopped again.
     pub fn start(recipes: Vec<Recipe>, logs: &Path) -> io::Result<Self> {
+        Self::start_as(recipes, logs, Recipe::clone)
+    }
+
+    /// As [`Fleet::start`], but the nodes wait to be configured and activated. Who is started again does not wait.
+    ///
+    /// # Errors
+    /// As [`Fleet::start`].
+    pub fn start_held(recipes: Vec<Recipe>, logs: &Path) -> io::Result<Self> {
+        Self::start_as(recipes, logs, Recipe::held)
+    }
+
+    fn start_as(recipes: Vec<Recipe>, logs: &Path, first: fn(&Recipe) -> Recipe) -> io::Result<Self> {
         std::fs::create_dir_all(logs)?;
         let mut fleet = Self { members: Vec::new(), logs: logs.to_owned() };
         for recipe in recipes {
-            let child = spawn(&recipe, &fleet.logs)?;
+            let child = spawn(&first(&recipe), &fleet.logs)?;
             fleet.members.push(Member {
                 recipe,
                 child: Some(child),

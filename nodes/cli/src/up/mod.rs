@@ -1,5 +1,6 @@
 //! `fdm up`: every node its own process, a print from start to end, an orderly stop, figures at the end.
 
+mod bring_up;
 mod ears;
 pub mod ended;
 pub mod fleet;
@@ -166,14 +167,20 @@ fn plans(args: &UpArgs, config: &ConfigDir, material: &str) -> anyhow::Result<Ve
 async fn one(plan: &Plan, quiet: bool) -> anyhow::Result<(Print, Ended)> {
     let mut watch = watch::Watch::start(plan, quiet)?;
     watch.refuse_second_graph().await?;
-    let mut fleet = Fleet::start(plan.recipes()?, &plan.logs()).context("a node could not be started")?;
+    let mut fleet =
+        Fleet::start_held(plan.recipes()?, &plan.logs()).context("a node could not be started")?;
     let pids = fleet.pids();
     if !quiet {
         let list: Vec<String> = pids.iter().map(|(name, pid)| format!("{name} {pid}")).collect();
         output::note(&format!("{} node processes: {}", pids.len(), list.join(", ")));
     }
-    let ended = watch.follow(&mut fleet).await;
+    let up = bring_up::bring_up(&mut watch, &mut fleet, &plan.logs()).await;
+    let ended = match up {
+        Ok(true) => watch.follow(&mut fleet).await,
+        Ok(false) | Err(_) => Ended::Interrupted,
+    };
     watch.stop(&mut fleet).await;
+    up?;
     let print = Print::new(plan, &pids, &watch, ended);
     Ok((print, ended))
 }

@@ -35,8 +35,8 @@ const LAST_WORDS_S: f64 = 0.2;
 
 /// The graph as `fdm` sees it.
 pub struct Watch {
-    ears: Ears,
-    namespace: String,
+    pub(super) ears: Ears,
+    pub(super) namespace: String,
     hearing: Hearing,
     bar: ProgressBar,
     /// When progress was told last, where no terminal shows a bar.
@@ -113,12 +113,7 @@ impl Watch {
                     continue;
                 }
             };
-            for happening in fleet.tend(now) {
-                if let Happening::Ended { name, .. } | Happening::GivenUp { name } = happening {
-                    self.hearing.forget(name);
-                }
-                self.tell(happening);
-            }
+            self.tend(fleet, now);
             let hears = self.rejoin_if_deaf();
             self.hear();
             if !hears || fleet.has_lost("printer_sim") {
@@ -142,6 +137,16 @@ impl Watch {
                 }
                 _ => {}
             }
+        }
+    }
+
+    /// Looks after every process.
+    pub(super) fn tend(&mut self, fleet: &mut Fleet, now: Seconds) {
+        for happening in fleet.tend(now) {
+            if let Happening::Ended { name, .. } | Happening::GivenUp { name } = happening {
+                self.hearing.forget(name);
+            }
+            self.tell(happening);
         }
     }
 

@@ -49,6 +49,7 @@ pub(super) async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut control, mut jumps) = (setup.control()?, clock.jumps_back());
     let mut sequence = 0;
+    node.activated().await;
     loop {
         tokio::select! {
             taken = height.next(convert::height) => {

@@ -33,10 +33,11 @@ pub(super) async fn run(mut node: Node) -> Result<(), LoadError> {
     let LoadedWall { machine, info, speed } = load(node.raw_parameters())?;
     let mut permits = node.subscribe(&topics::SAFETY_COMMAND)?;
     let outlets = Outlets::new(&mut node)?;
-    outlets.info.send(info);
     let refused = Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name());
     let (work, diagnostics, name) = (node.work(), node.diagnostics(), node.name());
     let mut shell = Shell { machine, outlets, refused, name, clocks: 0 };
+    node.activated().await;
+    shell.outlets.info.send(info);
     let mut pace = pace(speed);
     loop {
         tokio::select! {

@@ -1,6 +1,6 @@
 //! Endpoints of a node: topics and services.
 
-use super::Node;
+use super::{Node, lock};
 use crate::clock::ClockDriver;
 use crate::error::RuntimeError;
 use crate::publisher::Publisher;
@@ -21,15 +21,15 @@ impl Node {
     /// # Errors
     /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
     pub fn subscribe<T: RosType>(&mut self, topic: &Topic<T>) -> Result<Subscription<T>, RuntimeError> {
-        let name = self.names.resolve(topic.name());
+        let name = self.core.names.resolve(topic.name());
         let profile = topic.qos().requested.profile();
         let failed =
             |error: ros2_client::CreateError| RuntimeError::create(format!("subscription {name}"), &error);
         let ros_topic = self.create_topic(&name, &topic.info(), &profile)?;
-        let reader = self.ros.create_subscription(&ros_topic, Some(profile)).map_err(failed)?;
+        let reader = lock(&self.core.ros).create_subscription(&ros_topic, Some(profile)).map_err(failed)?;
         let stats = Arc::new(TopicStats::subscriber(&name));
-        self.diagnostics.watch(Arc::clone(&stats));
-        Ok(Subscription::new(reader, self.clock.clone(), stats))
+        self.core.diagnostics.watch(Arc::clone(&stats));
+        Ok(Subscription::new(reader, self.core.clock.clone(), stats, self.gate.clone()))
     }
 
     /// Publishes on a topic.
@@ -37,15 +37,15 @@ impl Node {
     /// # Errors
     /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
     pub fn publish_on<T: RosType>(&mut self, topic: &Topic<T>) -> Result<Publisher<T>, RuntimeError> {
-        let name = self.names.resolve(topic.name());
+        let name = self.core.names.resolve(topic.name());
         let profile = topic.qos().offered.profile();
         let failed =
             |error: ros2_client::CreateError| RuntimeError::create(format!("publisher {name}"), &error);
         let ros_topic = self.create_topic(&name, &topic.info(), &profile)?;
-        let writer = self.ros.create_publisher(&ros_topic, Some(profile)).map_err(failed)?;
+        let writer = lock(&self.core.ros).create_publisher(&ros_topic, Some(profile)).map_err(failed)?;
         let stats = Arc::new(TopicStats::publisher(&name));
-        self.diagnostics.watch(Arc::clone(&stats));
-        Ok(Publisher::new(writer, stats))
+        self.core.diagnostics.watch(Arc::clone(&stats));
+        Ok(Publisher::new(writer, stats, self.gate.clone()))
     }
 
     /// Listens to a topic without decoding it. (It does not show in `ros2 node info`: the client cannot announce it.)
@@ -53,12 +53,12 @@ impl Node {
     /// # Errors
     /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
     pub fn subscribe_raw(&mut self, topic: &TopicInfo) -> Result<RawSubscription, RuntimeError> {
-        let name = self.names.resolve(topic.name);
-        self.names.check(&name)?;
+        let name = self.core.names.resolve(topic.name);
+        self.core.names.check(&name)?;
         let failed =
             |error: rustdds::dds::CreateError| RuntimeError::create(format!("subscription {name}"), &error);
         let qos = QosPolicies::from(topic.qos.requested.profile());
-        let participant = self.context.domain_participant();
+        let participant = self.core.context.domain_participant();
         let type_name = MessageTypeName::new(topic.definition.package, topic.definition.name);
         let dds_topic = participant
             .create_topic(format!("rt{name}"), type_name.dds_msg_type(), &qos, TopicKind::NoKey)
@@ -68,9 +68,9 @@ impl Node {
             .create_simple_datareader_no_key::<Bytes, PassThrough>(&dds_topic, Some(qos))
             .map_err(failed)?;
         let stats = Arc::new(TopicStats::subscriber(&name));
-        self.diagnostics.watch(Arc::clone(&stats));
+        self.core.diagnostics.watch(Arc::clone(&stats));
         let names = RawNames { topic: name, type_name: topic.definition.full_name() };
-        Ok(RawSubscription::new(reader, names, self.clock.clone(), stats))
+        Ok(RawSubscription::new(reader, names, self.core.clock.clone(), stats))
     }
 
     /// Offers a service.
@@ -81,17 +81,20 @@ impl Node {
     where
         S: RosService<Request: Clone>,
     {
-        let name = self.names.resolve(service.name());
-        let ros_name = self.names.check(&name)?;
+        let name = self.core.names.resolve(service.name());
+        let ros_name = self.core.names.check(&name)?;
         let profile = qos::SERVICE.profile();
-        let server = self.ros.create_server(
-            self.services.mapping(),
+        let server = lock(&self.core.ros).create_server(
+            self.core.services.mapping(),
             &ros_name,
             &ServiceTypeName::new(S::PACKAGE, S::NAME),
             profile.clone(),
             profile,
         );
-        server.map(Server::new).map_err(|error| RuntimeError::create(format!("service {name}"), &error))
+        let gate = self.gate.clone();
+        server
+            .map(|server| Server::new(server, gate))
+            .map_err(|error| RuntimeError::create(format!("service {name}"), &error))
     }
 
     /// Prepares calls of a service.
@@ -102,7 +105,7 @@ impl Node {
     where
         S: RosService<Request: Clone>,
     {
-        let name = self.names.resolve(service.name());
+        let name = self.core.names.resolve(service.name());
         self.client_named(name)
     }
 
@@ -121,17 +124,17 @@ impl Node {
     where
         S: RosService<Request: Clone>,
     {
-        let ros_name = self.names.check(&name)?;
+        let ros_name = self.core.names.check(&name)?;
         let profile = qos::SERVICE.profile();
-        let client = self.ros.create_client(
-            self.services.mapping(),
+        let client = lock(&self.core.ros).create_client(
+            self.core.services.mapping(),
             &ros_name,
             &ServiceTypeName::new(S::PACKAGE, S::NAME),
             profile.clone(),
             profile,
         );
         let client = client.map_err(|error| RuntimeError::create(format!("client of {name}"), &error))?;
-        Ok(Client::new(client, self.context.domain_participant(), name))
+        Ok(Client::new(client, self.core.context.domain_participant(), name))
     }
 
     /// Takes `/clock` over: the simulated printer owns it. Under `use_sim_time` the node's own clock follows the driver
@@ -140,11 +143,11 @@ impl Node {
     /// # Errors
     /// [`RuntimeError::Create`]
     pub fn drive_clock(&mut self) -> Result<ClockDriver, RuntimeError> {
-        if let Some(following) = self.clock_task.take() {
+        if let Some(following) = lock(&self.core.clock_task).take() {
             following.abort();
         }
         let publisher = self.publish_on(&topics::CLOCK)?;
-        Ok(ClockDriver::new(self.clock.clone(), publisher))
+        Ok(ClockDriver::new(self.core.clock.clone(), publisher))
     }
 
     /// The client's topic.
@@ -154,9 +157,9 @@ impl Node {
         info: &TopicInfo,
         profile: &ros2_client::QosProfile,
     ) -> Result<rustdds::Topic, RuntimeError> {
-        let ros_name = self.names.check(name)?;
+        let ros_name = self.core.names.check(name)?;
         let type_name = MessageTypeName::new(info.definition.package, info.definition.name);
-        self.ros
+        lock(&self.core.ros)
             .create_topic(&ros_name, type_name, profile)
             .map_err(|error| RuntimeError::create(format!("topic {name}"), &error))
     }

@@ -1,16 +1,18 @@
-//! The six parameter services and `/parameter_events`.
+//! The six parameter services, `/parameter_events`, and changes as events.
 
-use super::store::Store;
+use super::store::{Changed, Policy, Store};
 use crate::clock::Clock;
 use crate::error::RuntimeError;
+use crate::lifecycle::Life;
 use crate::node::Node;
 use crate::publisher::Publisher;
 use crate::service::Server;
 use crate::topics;
 use fdm_loop_msgs::{
     DescribeParameters, DescribeParametersResponse, GetParameterTypes, GetParameterTypesResponse,
-    GetParameters, GetParametersResponse, ListParameters, ListParametersResponse, ParameterEvent,
-    SetParameters, SetParametersAtomically, SetParametersAtomicallyResponse, SetParametersResponse, Time,
+    GetParameters, GetParametersResponse, Header, ListParameters, ListParametersResponse, Parameter,
+    ParameterEvent, PrintEvent, SetParameters, SetParametersAtomically, SetParametersAtomicallyResponse,
+    SetParametersResponse, SetParametersResult, State, Time,
 };
 
 /// The answering ends.
@@ -21,7 +23,22 @@ pub(crate) struct ParameterServices {
     describe: Server<DescribeParameters>,
     set: Server<SetParameters>,
     set_together: Server<SetParametersAtomically>,
-    events: Publisher<ParameterEvent>,
+    changes: Changes,
+}
+
+/// What the answers are about.
+pub(crate) struct Subject {
+    pub(crate) store: Store,
+    pub(crate) life: Life,
+    pub(crate) clock: Clock,
+    /// Name of the node with its namespace.
+    pub(crate) node: String,
+}
+
+/// Where changes are told.
+struct Changes {
+    parameters: Publisher<ParameterEvent>,
+    events: Publisher<PrintEvent>,
 }
 
 impl ParameterServices {
@@ -34,50 +51,108 @@ impl ParameterServices {
             describe: node.serve(&topics::DESCRIBE_PARAMETERS)?,
             set: node.serve(&topics::SET_PARAMETERS)?,
             set_together: node.serve(&topics::SET_PARAMETERS_ATOMICALLY)?,
-            events: node.publish_on(&topics::PARAMETER_EVENTS)?,
+            changes: Changes {
+                parameters: node.publish_on(&topics::PARAMETER_EVENTS)?,
+                events: node.publish_on(&topics::EVENTS)?,
+            },
         })
     }
 
     /// Announces the parameters and answers for ever.
-    pub(crate) async fn serve(mut self, store: Store, clock: Clock, node: String) {
-        self.events.send(ParameterEvent {
-            stamp: Time::from_seconds(clock.now().0),
-            node,
-            new_parameters: store.all(),
+    pub(crate) async fn serve(mut self, subject: Subject) {
+        self.changes.parameters.send(ParameterEvent {
+            stamp: Time::from_seconds(subject.clock.now().0),
+            node: subject.node.clone(),
+            new_parameters: subject.store.look(|view| view.all()),
             ..ParameterEvent::default()
         });
         loop {
-            self.answer_next(&store).await;
+            self.answer_next(&subject).await;
         }
     }
 
-    async fn answer_next(&mut self, store: &Store) {
+    async fn answer_next(&mut self, subject: &Subject) {
+        let store = &subject.store;
         tokio::select! {
             asked = self.list.next() => {
-                let result = store.list(&asked.request.prefixes, asked.request.depth);
+                let result = store.look(|view| view.list(&asked.request.prefixes, asked.request.depth));
                 self.list.answer(&asked, ListParametersResponse { result })
             }
             asked = self.get.next() => {
-                let values = store.get(&asked.request.names);
+                let values = store.look(|view| view.get(&asked.request.names));
                 self.get.answer(&asked, GetParametersResponse { values })
             }
             asked = self.kinds.next() => {
-                let types = store.get(&asked.request.names).iter().map(|value| value.kind).collect();
+                let values = store.look(|view| view.get(&asked.request.names));
+                let types = values.iter().map(|value| value.kind).collect();
                 self.kinds.answer(&asked, GetParameterTypesResponse { types })
             }
             asked = self.describe.next() => {
-                let descriptors = store.describe(&asked.request.names);
+                let descriptors = store.look(|view| view.describe(&asked.request.names, subject.policy()));
                 self.describe.answer(&asked, DescribeParametersResponse { descriptors })
             }
             asked = self.set.next() => {
-                let each = |wanted| store.set(std::slice::from_ref(wanted));
+                let each = |wanted| self.changes.set(subject, std::slice::from_ref(wanted));
                 let results = asked.request.parameters.iter().map(each).collect();
                 self.set.answer(&asked, SetParametersResponse { results })
             }
             asked = self.set_together.next() => {
-                let result = store.set(&asked.request.parameters);
+                let result = self.changes.set(subject, &asked.request.parameters);
                 self.set_together.answer(&asked, SetParametersAtomicallyResponse { result })
             }
         };
+    }
+}
+
+impl Subject {
+    /// What may be changed in the state that the node is in.
+    fn policy(&self) -> Policy {
+        match self.life.managed_state().map(|state| state.id) {
+            None | Some(State::FINALIZED) => Policy::Nothing,
+            Some(State::ACTIVE) => Policy::Declared,
+            Some(State::INACTIVE | State::UNCONFIGURED) => Policy::All,
+            Some(_) => Policy::UnderWay,
+        }
+    }
+}
+
+impl Changes {
+    /// Sets these together and tells it, or refuses them.
+    fn set(&self, subject: &Subject, wanted: &[Parameter]) -> SetParametersResult {
+        match subject.store.set(wanted, subject.policy()) {
+            Ok(changed) => {
+                self.tell(subject, changed);
+                SetParametersResult { successful: true, reason: String::new() }
+            }
+            Err(reason) => {
+                tracing::warn!("parameter refused: {reason}");
+                SetParametersResult { successful: false, reason }
+            }
+        }
+    }
+
+    fn tell(&self, subject: &Subject, changed: Vec<Changed>) {
+        if changed.is_empty() {
+            return;
+        }
+        let now = subject.clock.now();
+        for Changed { parameter, before, after } in &changed {
+            tracing::info!("{} = {after}, was {before}", parameter.name);
+            self.events.send(PrintEvent {
+                header: Header::at(now.0),
+                severity: PrintEvent::SEVERITY_INFO,
+                who: subject.node.clone(),
+                what: "parameter_set".to_owned(),
+                why: format!("{} was asked to be set", parameter.name),
+                before: before.to_string(),
+                after: after.to_string(),
+            });
+        }
+        self.parameters.send(ParameterEvent {
+            stamp: Time::from_seconds(now.0),
+            node: subject.node.clone(),
+            changed_parameters: changed.into_iter().map(|change| change.parameter).collect(),
+            ..ParameterEvent::default()
+        });
     }
 }

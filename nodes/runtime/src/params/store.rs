@@ -1,51 +1,143 @@
 //! The parameters of a running node: what the six services of ROS 2 say of them.
 //!
-//! A node takes its parameters when it starts; while it runs they are read-only. What is asked for is checked all the
-//! same, by the node's own struct, so that a wrong value is refused with its allowed range, and a right one with the
-//! place where to change it.
+//! A node takes its parameters when it is configured. While it works those may change that it has declared; while it is
+//! inactive all may, and it is configured anew with them. What is asked for is always checked by the node's own struct,
+//! so that a wrong value is refused with its allowed range, and a right one at a wrong time with what to do.
 
 use super::comments::range;
 use super::tree::{Origin, Tree};
 use super::values::{from_ros, kind_name, to_ros};
-use super::{ParamFileError, Parameters, USE_SIM_TIME};
+use super::{AUTOSTART, OWN, ParamFileError, Parameters, USE_SIM_TIME};
 use fdm_loop_msgs::{
     FloatingPointRange, IntegerRange, ListParametersResult, Parameter, ParameterDescriptor, ParameterValue,
-    SetParametersResult,
 };
 use serde_json::Value;
 use std::collections::BTreeSet;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tokio::sync::{Notify, watch};
 
 /// Parses parameters as the node does.
 type Check = Box<dyn Fn(&Parameters) -> Result<(), ParamFileError> + Send>;
 
-/// The check of a node, once it has told it; clones share it.
-#[derive(Clone, Default)]
-pub(crate) struct Checked(Arc<Mutex<Option<Check>>>);
-
-impl Checked {
-    /// The node parses its parameters like this.
-    pub(crate) fn tell(&self, check: impl Fn(&Parameters) -> Result<(), ParamFileError> + Send + 'static) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(check));
-    }
-
-    fn check(&self, parameters: &Parameters) -> Result<(), ParamFileError> {
-        let check = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        check.as_ref().map_or(Ok(()), |check| check(parameters))
-    }
+/// What may be changed now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Policy {
+    /// Nothing: the node is not managed.
+    Nothing,
+    /// What the node has declared: it works.
+    Declared,
+    /// All: the node takes its parameters when it goes on.
+    All,
+    /// Nothing: the node is on its way from one state to another.
+    UnderWay,
 }
 
-/// The parameters in force.
-pub(crate) struct Store {
+/// The parameters in force; clones share them.
+#[derive(Clone)]
+pub(crate) struct Store(Arc<Shared>);
+
+struct Shared {
+    state: Mutex<State>,
+    /// The newest, for a shell that works.
+    live: watch::Sender<Parameters>,
+    /// Changed while the shell waits.
+    changed: Notify,
+}
+
+struct State {
     parameters: Parameters,
-    check: Checked,
+    /// The check of the node, once it has told it.
+    check: Option<Check>,
+    /// What may change while the node works.
+    declared: &'static [&'static str],
+}
+
+/// A parameter that was changed.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Changed {
+    pub(crate) parameter: Parameter,
+    pub(crate) before: Value,
+    pub(crate) after: Value,
+}
+
+/// The parameters of a working node, as they change.
+#[derive(Debug)]
+pub struct LiveParameters(watch::Receiver<Parameters>);
+
+impl LiveParameters {
+    /// Waits for the next change, which has been checked, and yields all parameters. Cancelling loses none.
+    pub async fn next(&mut self) -> Parameters {
+        if self.0.changed().await.is_err() {
+            // The node is gone, and with it who could change anything.
+            std::future::pending::<()>().await;
+        }
+        self.0.borrow_and_update().clone()
+    }
 }
 
 impl Store {
-    pub(crate) fn new(parameters: Parameters, check: Checked) -> Self {
-        Self { parameters, check }
+    pub(crate) fn new(parameters: Parameters) -> Self {
+        let (live, _) = watch::channel(parameters.clone());
+        let state = State { parameters, check: None, declared: &[] };
+        Self(Arc::new(Shared { state: Mutex::new(state), live, changed: Notify::new() }))
     }
 
+    /// The node parses its parameters like this.
+    pub(crate) fn tell_check(
+        &self,
+        check: impl Fn(&Parameters) -> Result<(), ParamFileError> + Send + 'static,
+    ) {
+        self.state().check = Some(Box::new(check));
+    }
+
+    /// These may change while the node works; their changes come from now on.
+    pub(crate) fn declare(&self, names: &'static [&'static str]) -> LiveParameters {
+        self.state().declared = names;
+        LiveParameters(self.0.live.subscribe())
+    }
+
+    /// The parameters now.
+    pub(crate) fn parameters(&self) -> Parameters {
+        self.state().parameters.clone()
+    }
+
+    /// Waits for a change.
+    pub(crate) async fn changed(&self) {
+        self.0.changed.notified().await;
+    }
+
+    /// What is asked of the parameters now.
+    pub(crate) fn look<T>(&self, question: impl FnOnce(&View<'_>) -> T) -> T {
+        question(&View(&self.state()))
+    }
+
+    /// Sets these together, or none of them.
+    ///
+    /// # Errors
+    /// Name, value and allowed range of what is refused.
+    pub(crate) fn set(&self, wanted: &[Parameter], policy: Policy) -> Result<Vec<Changed>, String> {
+        let mut state = self.state();
+        let (parameters, changed) = View(&state).changed(wanted, policy)?;
+        if !changed.is_empty() {
+            state.parameters = parameters.clone();
+            drop(state);
+            self.0.live.send_replace(parameters);
+            if policy == Policy::All {
+                self.0.changed.notify_one();
+            }
+        }
+        Ok(changed)
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What the services say of the parameters.
+pub(crate) struct View<'a>(&'a State);
+
+impl View<'_> {
     /// Every parameter with its value.
     pub(crate) fn all(&self) -> Vec<Parameter> {
         let names = self.names();
@@ -79,68 +171,95 @@ impl Store {
     }
 
     /// What is known of each, from the comment beside it.
-    pub(crate) fn describe(&self, names: &[String]) -> Vec<ParameterDescriptor> {
-        names.iter().map(|name| self.descriptor(name)).collect()
+    pub(crate) fn describe(&self, names: &[String], policy: Policy) -> Vec<ParameterDescriptor> {
+        names.iter().map(|name| self.descriptor(name, policy)).collect()
     }
 
-    /// Whether these could be set together. They cannot while the node runs; what else is wrong comes first.
-    pub(crate) fn set(&self, wanted: &[Parameter]) -> SetParametersResult {
-        match self.refusal(wanted) {
-            None => SetParametersResult { successful: true, reason: String::new() },
-            Some(reason) => SetParametersResult { successful: false, reason },
-        }
-    }
-
-    fn refusal(&self, wanted: &[Parameter]) -> Option<String> {
-        let mut changed = self.parameters.clone();
+    /// The parameters with these set and the changes, or why they cannot be set: what is wrong comes before what is not
+    /// allowed.
+    fn changed(&self, wanted: &[Parameter], policy: Policy) -> Result<(Parameters, Vec<Changed>), String> {
+        let mut parameters = self.0.parameters.clone();
+        let mut changes = Vec::new();
         for Parameter { name, value } in wanted {
-            let Some(known) = self.value(name) else {
-                return Some(format!("{name}: there is no such parameter"));
+            let Some(before) = self.value(name) else {
+                return Err(format!("{name}: there is no such parameter"));
             };
-            let Some(new) = from_ros(value) else {
-                return Some(format!("{name}: must be set, and finite"));
+            let Some(asked) = from_ros(value) else {
+                return Err(format!("{name}: must be set, and finite"));
             };
-            let (is, was) = (to_ros(&new).kind, to_ros(&known).kind);
+            let (is, was) = (to_ros(&asked).kind, to_ros(&before).kind);
             let numbers = |kind| matches!(kind, ParameterValue::INTEGER | ParameterValue::DOUBLE);
             if is != was && !(numbers(is) && numbers(was)) {
                 let (was, is) = (kind_name(was), kind_name(is));
-                return Some(format!("{name}: is a {was}, and {new} is a {is}"));
+                return Err(format!("{name}: is a {was}, and {asked} is a {is}"));
             }
-            changed.tree.set(name, Tree::Leaf(new), Origin::Request);
+            if OWN.contains(&name.as_str()) {
+                return Err(self
+                    .read_only(name, policy)
+                    .map_or_else(String::new, |why| format!("{name}: {why}")));
+            }
+            // A double stays one, also where a whole number is asked for.
+            let after =
+                if was == ParameterValue::DOUBLE { asked.as_f64().map_or(asked, Value::from) } else { asked };
+            parameters.tree.set(name, Tree::Leaf(after.clone()), Origin::Request);
+            let parameter = Parameter { name: name.clone(), value: to_ros(&after) };
+            changes.push(Changed { parameter, before, after });
         }
-        if let Err(error) = self.check.check(&changed) {
-            return Some(error.to_string());
+        if let Some(check) = &self.0.check {
+            check(&parameters).map_err(|error| error.to_string())?;
         }
-        let first = wanted.first()?;
-        Some(format!("{}: {}", first.name, self.read_only(&first.name)))
+        for Parameter { name, .. } in wanted {
+            if let Some(why) = self.read_only(name, policy) {
+                return Err(format!("{name}: {why}"));
+            }
+        }
+        // What stands beside a value in its file goes on to describe it.
+        for Changed { parameter: Parameter { name, .. }, after, .. } in &changes {
+            if let Some(place) = self.0.parameters.tree.origin(name) {
+                parameters.tree.set(name, Tree::Leaf(after.clone()), place.clone());
+            }
+        }
+        changes.retain(|change| change.before != change.after);
+        Ok((parameters, changes))
     }
 
-    fn read_only(&self, name: &str) -> String {
+    /// Why a parameter cannot be changed now.
+    fn read_only(&self, name: &str, policy: Policy) -> Option<String> {
         let place = self
+            .0
             .parameters
             .tree
             .origin(name)
             .map_or_else(|| "the node's arguments".to_owned(), ToString::to_string);
-        format!("read-only while the node runs: change {place} and start it again")
+        if OWN.contains(&name) || policy == Policy::Nothing {
+            return Some(format!("read-only while the node runs: change {place} and start it again"));
+        }
+        match policy {
+            Policy::Declared if !self.0.declared.contains(&name) => Some(
+                "read-only while the node is active: deactivate it, set it, activate it again".to_owned(),
+            ),
+            Policy::UnderWay => {
+                Some("the node is on its way from one state to another: ask again".to_owned())
+            }
+            _ => None,
+        }
     }
 
-    fn descriptor(&self, name: &str) -> ParameterDescriptor {
+    fn descriptor(&self, name: &str, policy: Policy) -> ParameterDescriptor {
         let Some(value) = self.value(name) else {
             let description = "there is no such parameter".to_owned();
             return ParameterDescriptor { name: name.to_owned(), description, ..Default::default() };
         };
-        let comment = match self.parameters.tree.origin(name) {
-            Some(Origin::File(file, line)) => self.parameters.comments.of(file, *line).unwrap_or_default(),
-            _ => "",
-        };
+        let comment = self.0.parameters.comment(name);
         let kind = to_ros(&value).kind;
         let bounds = range(comment).filter(|_| value.is_number());
+        let read_only = self.read_only(name, policy);
         let mut descriptor = ParameterDescriptor {
             name: name.to_owned(),
             kind,
             description: comment.to_owned(),
-            additional_constraints: self.read_only(name),
-            read_only: true,
+            read_only: read_only.is_some(),
+            additional_constraints: read_only.unwrap_or_default(),
             ..Default::default()
         };
         if let Some((from, to)) = bounds {
@@ -157,17 +276,19 @@ impl Store {
     }
 
     fn names(&self) -> Vec<String> {
-        let mut names = self.parameters.tree.leaves();
-        names.push(USE_SIM_TIME.to_owned());
+        let mut names = self.0.parameters.tree.leaves();
+        names.extend(OWN.map(str::to_owned));
         names.sort();
         names
     }
 
     fn value(&self, name: &str) -> Option<Value> {
-        if name == USE_SIM_TIME {
-            return Some(Value::from(self.parameters.use_sim_time));
+        match name {
+            USE_SIM_TIME => return Some(Value::from(self.0.parameters.use_sim_time)),
+            AUTOSTART => return Some(Value::from(self.0.parameters.autostart)),
+            _ => {}
         }
-        match self.parameters.tree.get(name)?.0 {
+        match self.0.parameters.tree.get(name)?.0 {
             Tree::Leaf(value) => Some(value.clone()),
             Tree::Block(_) | Tree::NotFinite => None,
         }

@@ -46,11 +46,11 @@ fn store() -> Store {
     let node = NodePath { qualified: "/printer/mpc".into(), base: "mpc".into() };
     let parameters = Parameters::read(std::slice::from_ref(&file), &[], &node).unwrap();
     std::fs::remove_file(file).unwrap();
-    let check = Checked::default();
-    check.tell(|parameters| {
+    let store = Store::new(parameters);
+    store.tell_check(|parameters| {
         parameters.parse::<Params>().map(|params| _ = (params.rate_hz, params.limits.0, params.names))
     });
-    Store::new(parameters, check)
+    store
 }
 
 fn names(of: &[&str]) -> Vec<String> {
@@ -62,25 +62,33 @@ fn wanted(name: &str, value: Value) -> Parameter {
 }
 
 fn reason(wanted: &[Parameter]) -> String {
-    let result = store().set(wanted);
-    assert!(!result.successful);
-    result.reason
+    let store = store();
+    let before = store.parameters().text();
+    let reason = store.set(wanted, Policy::Nothing).unwrap_err();
+    assert_eq!(store.parameters().text(), before);
+    reason
+}
+
+fn list(prefixes: &[&str], depth: u64) -> ListParametersResult {
+    store().look(|view| view.list(&names(prefixes), depth))
 }
 
 #[test]
 fn names_are_listed_below_a_prefix_and_down_to_a_depth() {
-    let all = store().list(&[], 0);
+    let all = list(&[], 0);
     let limits = ["limits.flow_max", "limits.flow_min", "limits.samples"];
-    assert_eq!(all.names, [limits.as_slice(), &["names", "rate_hz", "use_sim_time"]].concat());
+    let root = ["autostart", "names", "rate_hz", "use_sim_time"];
+    assert_eq!(all.names, [&root[..1], &limits, &root[1..]].concat());
     assert_eq!(all.prefixes, ["limits"]);
-    assert_eq!(store().list(&names(&["limits"]), 0).names, limits);
-    assert_eq!(store().list(&[], 1).names, ["names", "rate_hz", "use_sim_time"]);
-    assert_eq!(store().list(&names(&["limit", "rate_hz"]), 0).names, ["rate_hz"]);
+    assert_eq!(list(&["limits"], 0).names, limits);
+    assert_eq!(list(&[], 1).names, root);
+    assert_eq!(list(&["limit", "rate_hz"], 0).names, ["rate_hz"]);
 }
 
 #[test]
 fn values_come_in_the_order_asked_and_unset_where_there_is_none() {
-    let values = store().get(&names(&["names", "limits.flow_max", "nothing", "limits", "use_sim_time"]));
+    let asked = names(&["names", "limits.flow_max", "nothing", "limits", "use_sim_time"]);
+    let values = store().look(|view| view.get(&asked));
     let kinds: Vec<u8> = values.iter().map(|value| value.kind).collect();
     assert_eq!(kinds, [9, 3, 0, 0, 1]);
     assert_eq!(
@@ -91,7 +99,8 @@ fn values_come_in_the_order_asked_and_unset_where_there_is_none() {
 
 #[test]
 fn the_comment_is_the_description_and_its_range_the_range() {
-    let said = store().describe(&names(&["limits.flow_max", "limits.samples", "rate_hz", "nothing"]));
+    let asked = names(&["limits.flow_max", "limits.samples", "rate_hz", "nothing"]);
+    let said = store().look(|view| view.describe(&asked, Policy::Nothing));
     assert_eq!(said[0].description, "[-] in [1, 2]; book");
     assert_eq!(
         (said[0].floating_point_range[0].from_value, said[0].floating_point_range[0].to_value),
@@ -101,6 +110,39 @@ fn the_comment_is_the_description_and_its_range_the_range() {
     assert!(said[2].floating_point_range.is_empty() && said[2].integer_range.is_empty());
     assert!(said.iter().take(3).all(|descriptor| descriptor.read_only));
     assert_eq!((said[3].kind, said[3].description.as_str()), (0, "there is no such parameter"));
+}
+
+/// What the node has declared changes while it works, all else while it is inactive, its clock never; what stands beside
+/// a value stays there.
+#[test]
+fn what_may_change_when() {
+    let one = |name: &str, value: f64| [wanted(name, Value::from(value))];
+    let store = store();
+    let mut live = store.declare(&["limits.flow_max"]);
+    let changed = store.set(&one("limits.flow_max", 2.0), Policy::Declared).unwrap();
+    assert_eq!((&changed[0].before, &changed[0].after), (&Value::from(1.2), &Value::from(2.0)));
+    assert!(live.0.has_changed().unwrap());
+    assert_eq!(live.0.borrow_and_update().text(), store.parameters().text());
+    assert_eq!(store.set(&one("limits.flow_max", 2.0), Policy::Declared), Ok(vec![]), "nothing new");
+    let said = |policy| store.look(|view| view.describe(&names(&["limits.flow_max", "rate_hz"]), policy));
+    let read_only = |policy| said(policy).iter().map(|descriptor| descriptor.read_only).collect::<Vec<_>>();
+    assert_eq!(said(Policy::Declared)[0].description, "[-] in [1, 2]; book");
+    assert_eq!(read_only(Policy::Declared), [false, true]);
+    assert_eq!((read_only(Policy::All), read_only(Policy::UnderWay)), (vec![false; 2], vec![true; 2]));
+    let refused = store.set(&one("rate_hz", 5.0), Policy::Declared).unwrap_err();
+    assert_eq!(
+        refused,
+        "rate_hz: read-only while the node is active: deactivate it, set it, activate it again"
+    );
+    assert_eq!(store.set(&one("rate_hz", 5.0), Policy::All).unwrap().len(), 1);
+    assert!(store.parameters().text().contains("rate_hz: 5"));
+    let clock = [wanted("use_sim_time", Value::from(true))];
+    assert!(
+        store
+            .set(&clock, Policy::All)
+            .unwrap_err()
+            .starts_with("use_sim_time: read-only while the node runs")
+    );
 }
 
 #[test]

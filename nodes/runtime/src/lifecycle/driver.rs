@@ -1,0 +1,246 @@
+//! Drives a shell through the states of its node.
+
+use super::life::Life;
+use super::machine::{Outcome, Step};
+use super::services::Order;
+use super::stage::Stage;
+use crate::error::chain;
+use crate::node::Node;
+use crate::shutdown::Shutdown;
+use std::error::Error;
+use std::pin::Pin;
+use std::time::Duration;
+use tokio::sync::{mpsc, oneshot};
+
+/// How a shell ended.
+type End = Result<(), Box<dyn Error>>;
+
+/// Time that a shell has to end when its node is deactivated; then the process is ended.
+const GRACE: Duration = Duration::from_millis(1800);
+
+/// A deactivated shell that goes on.
+#[derive(Debug, thiserror::Error)]
+#[error("the node did not stop {} s after it was deactivated", GRACE.as_secs_f64())]
+struct DidNotStop;
+
+/// Drives `main` until the process is asked to end, or the shell ends by itself. With `autostart` the node goes to active
+/// without being asked, and what its configuration refuses ends the process.
+pub(crate) async fn drive<F, R, E>(
+    node: &Node,
+    main: F,
+    orders: mpsc::Receiver<Order>,
+    autostart: bool,
+) -> End
+where
+    F: Fn(Node) -> R,
+    R: Future<Output = Result<(), E>>,
+    E: Error + 'static,
+{
+    let main = |node: Node| -> Work<'_> {
+        let working = main(node);
+        Box::pin(async { Ok(working.await?) })
+    };
+    let life = node.life();
+    let driver = Driver { node, main, orders, life, shutdown: node.shutdown_handle(), ended: None };
+    driver.run(autostart).await
+}
+
+type Work<'a> = Pin<Box<dyn Future<Output = End> + 'a>>;
+
+/// A configured shell.
+struct Shell<'a> {
+    work: Work<'a>,
+    stage: Stage,
+}
+
+/// What a configuration came to.
+enum Configured<'a> {
+    Ready(Shell<'a>),
+    Ended(End),
+    /// The process is to end.
+    Interrupted,
+}
+
+/// Where the node goes from inactive.
+enum Next {
+    Active,
+    Unconfigured,
+    End(End),
+    /// Parameters changed.
+    Anew,
+}
+
+struct Driver<'n, F> {
+    node: &'n Node,
+    main: F,
+    orders: mpsc::Receiver<Order>,
+    life: Life,
+    shutdown: Shutdown,
+    /// Who waits for the end of the step under way.
+    ended: Option<oneshot::Sender<bool>>,
+}
+
+impl<'a, F: Fn(Node) -> Work<'a>> Driver<'_, F> {
+    async fn run(mut self, mut autostart: bool) -> End {
+        loop {
+            if autostart {
+                self.life.begin(Step::Configure);
+            } else {
+                match self.order().await {
+                    Some(Step::Configure) => {}
+                    Some(_) => return self.finalized().await,
+                    None => return Ok(()),
+                }
+            }
+            match self.configure().await {
+                Configured::Ready(shell) => {
+                    self.settle(Outcome::Success);
+                    if let Some(end) = self.configured(shell, autostart).await {
+                        return end;
+                    }
+                }
+                Configured::Ended(Err(error)) if !autostart => {
+                    tracing::error!("not configured: {}", chain(error.as_ref()));
+                    self.settle(Outcome::Failure);
+                }
+                Configured::Ended(end) => return end,
+                Configured::Interrupted => return Ok(()),
+            }
+            autostart = false;
+        }
+    }
+
+    /// From inactive on; `None` leads back to unconfigured.
+    async fn configured(&mut self, mut shell: Shell<'a>, mut autostart: bool) -> Option<End> {
+        loop {
+            let next = if autostart {
+                self.life.begin(Step::Activate);
+                Next::Active
+            } else {
+                self.inactive().await
+            };
+            match next {
+                Next::Active => match self.active(shell, !autostart).await {
+                    Ok(configured) => shell = configured?,
+                    Err(end) => return Some(end),
+                },
+                Next::Anew => {
+                    // What it has open, the next one opens.
+                    drop(shell);
+                    match self.configure().await {
+                        Configured::Ready(anew) => shell = anew,
+                        Configured::Ended(Err(error)) => {
+                            tracing::error!("not configured anew: {}", chain(error.as_ref()));
+                            self.life.begin(Step::Cleanup);
+                            self.life.finish(Outcome::Success);
+                            return None;
+                        }
+                        Configured::Ended(end) => return Some(end),
+                        Configured::Interrupted => return Some(Ok(())),
+                    }
+                }
+                Next::Unconfigured => {
+                    drop(shell);
+                    self.settle(Outcome::Success);
+                    return None;
+                }
+                Next::End(end) => return Some(end),
+            }
+            autostart = false;
+        }
+    }
+
+    /// Waits in inactive.
+    async fn inactive(&mut self) -> Next {
+        let changed = self.node.parameters_changed();
+        let step = tokio::select! {
+            step = self.order() => step,
+            () = changed => return Next::Anew,
+        };
+        match step {
+            Some(Step::Activate) => Next::Active,
+            Some(Step::Cleanup) => Next::Unconfigured,
+            Some(_) => Next::End(self.finalized().await),
+            None => Next::End(Ok(())),
+        }
+    }
+
+    /// Works; then the shell that waits for the next activation, `None` where there is none, or the end.
+    async fn active(&mut self, mut shell: Shell<'a>, waited: bool) -> Result<Option<Shell<'a>>, End> {
+        self.node.gate().open(waited);
+        shell.stage.go();
+        self.settle(Outcome::Success);
+        let order = tokio::select! {
+            biased;
+            end = &mut shell.work => return Err(end),
+            order = self.orders.recv() => order,
+            () = self.shutdown.wait() => None,
+        };
+        shell.stage.stop.demand();
+        let Some(Order { step, ended }) = order else { return Err(shell.work.await) };
+        self.ended = Some(ended);
+        // Its last word is the safe one: nothing of the node acts after it.
+        let end = tokio::time::timeout(GRACE, shell.work).await;
+        self.node.gate().close();
+        match end {
+            Err(_) => return Err(Err(DidNotStop.into())),
+            Ok(Err(error)) => return Err(Err(error)),
+            Ok(Ok(())) => {}
+        }
+        if step == Step::Shutdown {
+            return Err(self.finalized().await);
+        }
+        match self.configure().await {
+            Configured::Ready(shell) => {
+                self.settle(Outcome::Success);
+                Ok(Some(shell))
+            }
+            Configured::Ended(Err(error)) => {
+                tracing::error!("not configured anew: {}", chain(error.as_ref()));
+                self.settle(Outcome::Error);
+                Ok(None)
+            }
+            Configured::Ended(end) => Err(end),
+            Configured::Interrupted => Err(Ok(())),
+        }
+    }
+
+    /// Lets the shell load and open what it needs.
+    async fn configure(&mut self) -> Configured<'a> {
+        let stage = Stage::new();
+        let mut work = (self.main)(self.node.staged(stage.clone()));
+        tokio::select! {
+            biased;
+            end = &mut work => Configured::Ended(end),
+            () = stage.ready() => Configured::Ready(Shell { work, stage }),
+            () = self.shutdown.wait() => Configured::Interrupted,
+        }
+    }
+
+    /// Waits for a step to be asked for; `None`: the process is to end.
+    async fn order(&mut self) -> Option<Step> {
+        tokio::select! {
+            order = self.orders.recv() => order.map(|Order { step, ended }| {
+                self.ended = Some(ended);
+                step
+            }),
+            () = self.shutdown.wait() => None,
+        }
+    }
+
+    /// Ends the step under way.
+    fn settle(&mut self, outcome: Outcome) {
+        self.life.finish(outcome);
+        if let Some(ended) = self.ended.take() {
+            // Who asked may be gone.
+            _ = ended.send(outcome == Outcome::Success);
+        }
+    }
+
+    /// Nothing more is done, until the process is asked to end: it would be started again.
+    async fn finalized(&mut self) -> End {
+        self.settle(Outcome::Success);
+        self.shutdown.wait().await;
+        Ok(())
+    }
+}

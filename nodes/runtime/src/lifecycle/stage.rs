@@ -1,0 +1,37 @@
+//! Between a shell and who drives it: ready, go, stop.
+
+use crate::shutdown::{Shutdown, ShutdownSender};
+use std::sync::Arc;
+use tokio::sync::Notify;
+
+/// One configuration of a shell, from `configure` to its end; clones are one.
+#[derive(Debug, Clone)]
+pub(crate) struct Stage {
+    ready: Arc<Notify>,
+    go: Arc<Notify>,
+    pub(crate) stop: ShutdownSender,
+    pub(crate) stopped: Shutdown,
+}
+
+impl Stage {
+    pub(crate) fn new() -> Self {
+        let (stop, stopped) = Shutdown::channel();
+        Self { ready: Arc::default(), go: Arc::default(), stop, stopped }
+    }
+
+    /// The shell: everything is loaded and open. Waits for the leave to work.
+    pub(crate) async fn activated(&self) {
+        self.ready.notify_one();
+        self.go.notified().await;
+    }
+
+    /// The driver: waits until the shell is ready.
+    pub(crate) async fn ready(&self) {
+        self.ready.notified().await;
+    }
+
+    /// The driver: gives the leave to work.
+    pub(crate) fn go(&self) {
+        self.go.notify_one();
+    }
+}

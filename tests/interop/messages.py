@@ -1,0 +1,108 @@
+"""Every message type of every topic both ways between `cyclonedds` and our nodes, bytes equal to those of `rosbags`.
+
+    messages.py BINARIES DOMAIN        with the mirror's executable in FDM_INTEROP_MIRROR
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+
+from cyclonedds import _clayer
+from cyclonedds.core import InstanceState, SampleState, ViewState
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from graph import DEFINITIONS, LATCHED, RELIABLE, Node, Peer, check, matched, run, until
+from ros_types import value
+
+SAMPLES = 3
+ANY = SampleState.Any | ViewState.Any | InstanceState.Any
+
+
+def typestore():
+    """Our own definitions beside those that `rosbags` has."""
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for name, text in DEFINITIONS.texts.items():
+        package, base = name.split("/")
+        if f"{package}/msg/{base}" not in store.fielddefs:
+            store.register(get_types_from_msg(text, f"{package}/msg/{base}"))
+    return store
+
+
+def by_rosbags(store, name: str, message) -> bytes:
+    """The bytes that `rosbags` makes of the same value, field by field by its name."""
+    import numpy
+
+    def convert(kind: str, of):
+        fields = store.fielddefs[kind][1]
+        made = {}
+        for field, (node, detail) in fields:
+            part = getattr(of, field)
+            if node == 2:  # a message
+                part = convert(detail, part)
+            elif node in (3, 4):  # an array or a sequence
+                inner, inner_detail = detail[0]
+                if inner == 2:
+                    part = [convert(inner_detail, one) for one in part]
+                elif inner_detail[0] != "string":
+                    part = numpy.array(list(part), dtype={"byte": "uint8"}.get(inner_detail[0], inner_detail[0]))
+                else:
+                    part = list(part)
+            made[field] = part
+        return store.types[kind](**made)
+
+    package, base = name.split("/")
+    kind = f"{package}/msg/{base}"
+    return bytes(store.serialize_cdr(convert(kind, message), kind))
+
+
+def raw(reader) -> list[bytes]:
+    """Messages as they came over the wire."""
+    return [bytes(data) for data, info in _clayer.ddspy_take(reader._ref, ANY, 100) if info.valid_data]
+
+
+def messages(domain: int) -> str:
+    # The test's own executable: with the variable set, its only test is the mirror.
+    command = [os.environ["FDM_INTEROP_MIRROR"], "--nocapture"]
+    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "FDM_INTEROP_ROLE": "mirror"}
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    try:
+        return reflected(domain, process)
+    finally:
+        process.kill()
+        process.wait()
+
+
+def reflected(domain: int, process) -> str:
+    peer, store, pairs = Peer(domain), typestore(), []
+    for line in process.stdout:
+        words = line.split()
+        if words[-2:] == ["mirror", "end"]:
+            break
+        if "mirror" in words[:-3]:
+            words = words[words.index("mirror"):]
+        if len(words) == 4 and words[0] == "mirror":
+            pairs.append(words[1:])
+    kinds = {kind for *_, kind in pairs}
+    own = {name for name in DEFINITIONS.texts if name.startswith("fdm_loop_msgs/")}
+    check(own <= kinds, f"no topic carries {own - kinds}")
+    compared = 0
+    for heard, said, kind in pairs:
+        reader, writer = peer.reader(said, kind), peer.writer(heard, kind, LATCHED)
+        until(lambda: matched(writer) and matched(reader), f"both ends of {heard}")
+        for sample in range(SAMPLES):
+            message = value(DEFINITIONS.message(kind), [1000 * sample])
+            theirs = by_rosbags(store, kind, message)
+            ours = message.serialize()
+            # Padding after the last field is no part of a message.
+            check(bytes(ours)[4:].rstrip(b"\0") == theirs[4:].rstrip(b"\0"), f"{kind}: cyclonedds and rosbags differ")
+            writer.write(message)
+            until(lambda: theirs[4:] in [data[4:][: len(theirs) - 4] for data in raw(reader)], f"{kind} on {said}")
+            compared += 1
+    return f"{compared} messages of {len(kinds)} types on {len(pairs)} topics"
+
+
+if __name__ == "__main__":
+    run({"messages": messages}, int(sys.argv[2]))

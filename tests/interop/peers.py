@@ -1,0 +1,215 @@
+"""What a graph bears: late joiners, peers that are killed, stopped or do not read, many processes, simulated time.
+
+    peers.py BINARIES DOMAIN [CHECK ...]
+"""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from cyclonedds.idl import annotations, make_idl_struct, types
+
+from graph import BEST_EFFORT, DEFINITIONS, LATCHED, RELIABLE, DataReader, Node, Peer, Policy, Qos, check, matched, run, until
+
+THERMISTOR = ["thermistor.param.yaml"]
+SUPERVISOR = ["safety_supervisor.param.yaml"]
+#: A permit holds this long `[s]`: a printer that waits longer goes back to the slicer's values.
+VALIDITY_S = 0.25
+
+
+def seconds(header) -> float:
+    return header.stamp.sec + header.stamp.nanosec * 1e-9
+
+
+def permits_of(reader, length_s: float) -> list[float]:
+    """Stamps of the permits that come within a time."""
+    stamps, deadline = [], time.monotonic() + length_s
+    while time.monotonic() < deadline:
+        stamps += [seconds(permit.header) for permit in reader.take(100)]
+        time.sleep(0.01)
+    return sorted(stamps)
+
+
+def longest(stamps: list[float]) -> float:
+    return max(after - before for before, after in zip(stamps, stamps[1:]))
+
+
+def regular(stamps: list[float], length_s: float, what: str) -> float:
+    check(len(stamps) > 25 * length_s, f"{what}: {len(stamps)} permits in {length_s} s")
+    check(longest(stamps) < VALIDITY_S, f"{what}: {longest(stamps):.3f} s without a permit")
+    return longest(stamps)
+
+
+def late_joiner(domain: int) -> str:
+    """Who joins late ends on the newest latched state."""
+    early, mode = Peer(domain), 0
+    Node("safety_supervisor", SUPERVISOR, ROS_DOMAIN_ID=domain)
+    set_mode = early.service("/printer/safety/set_mode", "fdm_loop_msgs/SetMode")
+    states = early.reader("/printer/safety/state", "fdm_loop_msgs/SafetyState", LATCHED)
+    newest = lambda reader: max(reader.take(100), key=lambda state: state.sequence, default=None)
+    for mode in (1, 2, 3, 2, 1, 2):
+        check(set_mode(mode=mode).accepted, f"mode {mode}")
+    known = until(lambda: newest(states), "a state")
+    reader = Peer(domain).reader("/printer/safety/state", "fdm_loop_msgs/SafetyState", LATCHED)
+    begin = time.monotonic()
+    state = until(lambda: newest(reader), "the state for a late joiner")
+    check(state.sequence >= known.sequence and state.set_mode == mode, f"{state} after {known}")
+    return f"newest state {(time.monotonic() - begin) * 1e3:.0f} ms after joining"
+
+
+def killed_and_stopped(domain: int) -> str:
+    """kill -9, and SIGSTOP with SIGCONT, of one process: the others' permits go on, and the killed comes back."""
+    peer = Peer(domain)
+    Node("safety_supervisor", SUPERVISOR, ROS_DOMAIN_ID=domain)
+    other = Node("thermistor", THERMISTOR, ROS_DOMAIN_ID=domain)
+    permits = peer.reader("/printer/safety/command", "fdm_loop_msgs/ControlCommand")
+    hearts = peer.reader("/printer/heartbeat", "fdm_loop_msgs/Heartbeat")
+    sessions = lambda: {beat.session_id for beat in hearts.take(1000) if beat.node == "/printer/thermistor"}
+    first = until(sessions, "the thermistor's heart")
+    until(lambda: permits.take(100), "permits")
+    other.kill()
+    gaps = [regular(permits_of(permits, 1.0), 1.0, "after kill -9")]
+    hearts.take(1000)
+    begin = time.monotonic()
+    other.start()
+    until(lambda: sessions() - first, "the thermistor's next run")
+    back_s = time.monotonic() - begin
+    check(back_s < 1.4, f"back after {back_s:.2f} s")
+    other.signal(signal.SIGSTOP)
+    gaps.append(regular(permits_of(permits, 1.5), 1.5, "while another is stopped"))
+    other.signal(signal.SIGCONT)
+    check(other.process.wait(5) == 75, "who was stopped ends, to be started again")
+    gaps.append(regular(permits_of(permits, 0.5), 0.5, "after SIGCONT"))
+    return f"back {back_s * 1e3:.0f} ms after its start, longest time between permits {max(gaps) * 1e3:.0f} ms"
+
+
+def stalled(domain: int) -> str:
+    """A reliable subscriber that does not read any more holds nobody up."""
+    peer = Peer(domain)
+    Node("safety_supervisor", SUPERVISOR, ROS_DOMAIN_ID=domain)
+    permits = peer.reader("/printer/safety/command", "fdm_loop_msgs/ControlCommand", BEST_EFFORT)
+    until(lambda: permits.take(100), "permits")
+    other = subprocess.Popen([sys.executable, __file__, "--read", str(domain)], stdout=subprocess.PIPE, text=True)
+    try:
+        check(other.stdout.readline().strip() == "reads", "the other reads")
+        other.send_signal(signal.SIGSTOP)
+        permits.take(1000)
+        gap_s = regular(permits_of(permits, 4.0), 4.0, "beside a stalled subscriber")
+    finally:
+        other.kill()
+        other.wait()
+    return f"longest time between permits {gap_s * 1e3:.0f} ms"
+
+
+def read(domain: int) -> None:
+    """Reads reliably until it is stopped."""
+    peer = Peer(domain)
+    permits = peer.reader("/printer/safety/command", "fdm_loop_msgs/ControlCommand", RELIABLE)
+    states = peer.reader("/printer/safety/state", "fdm_loop_msgs/SafetyState", LATCHED)
+    until(lambda: permits.take(100) and states.read(1), "permits and state")
+    print("reads", flush=True)
+    while True:
+        permits.take(100)
+        time.sleep(0.01)
+
+
+def discovery_info():
+    """`rmw_dds_common/ParticipantEntitiesInfo`: which participant has which nodes."""
+    struct = lambda name, fields: annotations.final(
+        make_idl_struct(name, f"rmw_dds_common::msg::dds_::{name}_", fields)
+    )
+    gid = struct("Gid", {"data": types.array[types.uint8, 16]})
+    node = struct(
+        "NodeEntitiesInfo",
+        {
+            "node_namespace": types.bounded_str[256],
+            "node_name": types.bounded_str[256],
+            "reader_gid_seq": types.sequence[gid],
+            "writer_gid_seq": types.sequence[gid],
+        },
+    )
+    return struct("ParticipantEntitiesInfo", {"gid": gid, "node_entities_info_seq": types.sequence[node]})
+
+
+def ten_processes(domain: int) -> str:
+    """Ten processes are found with all their services within 3 s, and tell the graph who they are."""
+    peer = Peer(domain)
+    hearts = peer.reader("/printer/heartbeat", "fdm_loop_msgs/Heartbeat")
+    # A node tells it anew with each of its endpoints, and the topic has no key: the depth is that of all.
+    qos = Qos(*(policy for policy in LATCHED if "History" not in repr(policy)), Policy.History.KeepLast(1000))
+    infos = DataReader(peer.subscriber, peer.topic("ros_discovery_info", discovery_info()), qos)
+    names = {f"thermistor_{number}" for number in range(10)}
+    begin = time.monotonic()
+    for name in names:
+        Node("thermistor", THERMISTOR, "-r", f"__node:={name}", ROS_DOMAIN_ID=domain)
+    heard: set[str] = set()
+
+    def all_heard() -> bool:
+        heard.update(beat.node.rsplit("/")[-1] for beat in hearts.take(1000))
+        return names <= heard
+
+    until(all_heard, "ten hearts")
+    found_s = time.monotonic() - begin
+    check(found_s < 3.0, f"all found after {found_s:.2f} s")
+    told: dict[str, tuple[int, int]] = {}
+
+    def all_told() -> bool:
+        for info in infos.take(1000):
+            for node in info.node_entities_info_seq:
+                told[node.node_name] = (len(node.reader_gid_seq), len(node.writer_gid_seq))
+        # Eleven services, each with a reader and a writer, and what else a node reads and says.
+        return all(min(told.get(name, (0, 0))) >= 11 for name in names)
+
+    until(all_told, "ros_discovery_info of all")
+    return f"ten found in {found_s:.2f} s"
+
+
+def clock(domain: int) -> str:
+    """A node under `use_sim_time` follows /clock, forward and back."""
+    peer = Peer(domain)
+    Node("thermistor", THERMISTOR, "-p", "use_sim_time:=true", ROS_DOMAIN_ID=domain)
+    writer = peer.writer("/clock", "rosgraph_msgs/Clock", RELIABLE)
+    hearts = peer.reader("/printer/heartbeat", "fdm_loop_msgs/Heartbeat")
+    reports = peer.reader("/diagnostics", "diagnostic_msgs/DiagnosticArray")
+    until(lambda: matched(writer), "a subscriber of /clock")
+    time_kind, clock_kind = (DEFINITIONS.message(f"{name}") for name in ("builtin_interfaces/Time", "rosgraph_msgs/Clock"))
+
+    def at(second: int) -> None:
+        def shown() -> bool:
+            writer.write(clock_kind(clock=time_kind(sec=second, nanosec=500_000_000)))
+            return any(abs(seconds(beat.header) - second - 0.5) < 1e-6 for beat in hearts.take(100))
+
+        until(shown, f"a stamp at {second}.5 s")
+
+    for second in (100, 250, 40, 41):
+        at(second)
+    values = lambda: {
+        value.value
+        for report in reports.take(100)
+        for status in report.status
+        for value in status.values
+        if value.key == "clock_jumps_back"
+    }
+    until(lambda: "1" in values(), "one jump back in /diagnostics")
+    return "forward, and back once"
+
+
+CHECKS = {
+    "late_joiner": late_joiner,
+    "killed_and_stopped": killed_and_stopped,
+    "stalled": stalled,
+    "ten_processes": ten_processes,
+    "clock": clock,
+}
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "--read":
+        read(int(sys.argv[2]))
+    Node.binaries = Path(sys.argv[1])
+    wanted = sys.argv[3:] or list(CHECKS)
+    run({name: CHECKS[name] for name in wanted}, int(sys.argv[2]))

@@ -1,0 +1,173 @@
+"""What a ROS user asks of our nodes, by an independent DDS.
+
+    user.py BINARIES DOMAIN [CHECK ...]
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from pathlib import Path
+
+from graph import BEST_EFFORT, LATCHED, RELIABLE, DEFINITIONS, Node, Peer, check, matched, run, until
+
+UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED = 1, 2, 3, 4
+THERMISTOR = ["thermistor.param.yaml"]
+SUPERVISOR = ["safety_supervisor.param.yaml"]
+STATE, TRANSITION = "lifecycle_msgs/State", "lifecycle_msgs/Transition"
+
+
+def double(name: str, number: float):
+    value = DEFINITIONS.message("rcl_interfaces/ParameterValue")
+    empty = {
+        field: [] if "array" in field else "" if field == "string_value" else 0 for field in value.__annotations__
+    }
+    made = value(**{**empty, "bool_value": False, "type": 3, "double_value": number})
+    return DEFINITIONS.message("rcl_interfaces/Parameter")(name=name, value=made)
+
+
+class Life:
+    """The five services of a node."""
+
+    def __init__(self, peer: Peer, node: str) -> None:
+        service = lambda name, kind: peer.service(f"{node}/{name}", f"lifecycle_msgs/{kind}")
+        self.change = service("change_state", "ChangeState")
+        self.get = service("get_state", "GetState")
+        self.states = service("get_available_states", "GetAvailableStates")
+        self.transitions = service("get_available_transitions", "GetAvailableTransitions")
+        self.graph = service("get_transition_graph", "GetAvailableTransitions")
+
+    def state(self) -> int:
+        return self.get().current_state.id
+
+    def to(self, number: int, label: str = "") -> bool:
+        return self.change(transition=DEFINITIONS.message(TRANSITION)(id=number, label=label)).success
+
+
+def report(stamp_s: float):
+    """A report of the printer's temperatures."""
+    kind = DEFINITIONS.message("fdm_loop_msgs/TemperatureReport")
+    header = DEFINITIONS.message("std_msgs/Header")
+    time_kind = DEFINITIONS.message("builtin_interfaces/Time")
+    stamp = time_kind(sec=int(stamp_s), nanosec=int(stamp_s % 1 * 1e9))
+    fields = {"header": header(stamp=stamp, frame_id="printer")}
+    for field, of in kind.__annotations__.items():
+        if field not in fields:
+            fields[field] = True if of is bool else 200.0 if "hotend" in field else 60.0
+    return kind(**fields)
+
+
+def lifecycle(domain: int) -> str:
+    """A life by hand: refusals, the graph, what is published when; then the stop of the permits, and finalized."""
+    peer = Peer(domain)
+    Node("thermistor", THERMISTOR, "-p", "autostart:=false", ROS_DOMAIN_ID=domain)
+    life = Life(peer, "/printer/thermistor")
+    events = peer.reader("/printer/thermistor/transition_event", "lifecycle_msgs/TransitionEvent")
+    temperatures = peer.reader("/printer/sensors/hotend/temperature", "sensor_msgs/Temperature", BEST_EFFORT)
+    reports = peer.writer("/printer/printer/report/temperature", "fdm_loop_msgs/TemperatureReport")
+    check(life.state() == UNCONFIGURED, "a node that is not to start by itself is unconfigured")
+    check(len(life.states().available_states) == 11, "eleven states")
+    check(len(life.graph().available_transitions) == 25, "25 transitions")
+    labels = [way.transition.label for way in life.transitions().available_transitions]
+    check(labels == ["configure", "shutdown"], f"transitions from unconfigured: {labels}")
+    for number in (2, 3, 4, 6, 7, 10, 99):
+        check(not life.to(number), f"transition {number} is refused")
+    check(life.to(1) and life.state() == INACTIVE, "configure")
+    until(lambda: matched(reports), "the thermistor listens when it is inactive")
+
+    def heard(limit_s: float) -> int:
+        time.sleep(0.1)
+        temperatures.take(1000)
+        count, deadline = 0, time.monotonic() + limit_s
+        while time.monotonic() < deadline:
+            reports.write(report(time.clock_gettime(time.CLOCK_MONOTONIC)))
+            time.sleep(0.05)
+            count += len(temperatures.take(100))
+        return count
+
+    check(heard(0.6) == 0, "an inactive node publishes nothing")
+    check(life.to(0, "activate") and life.state() == ACTIVE, "activate, by name")
+    check(heard(0.6) >= 5, "an active node publishes")
+    check(life.to(4) and life.state() == INACTIVE and heard(0.4) == 0, "deactivate")
+    check(life.to(2) and life.state() == UNCONFIGURED, "cleanup")
+    check(life.to(1) and life.to(3) and heard(0.6) >= 5, "and again")
+    check(life.to(7) and life.state() == FINALIZED and heard(0.3) == 0, "shutdown")
+    told = [(event.start_state.label, event.goal_state.label) for event in events.take(100)]
+    check(told[:2] == [("unconfigured", "configuring"), ("configuring", "inactive")], f"events {told}")
+    check(len(told) == 14, f"{len(told)} events")
+    check(Node.running[0].end() == 0, "a finalized node ends in order")
+    return f"{len(told)} transition events"
+
+
+def deactivation(domain: int) -> str:
+    """The supervisor's last permit before it is inactive carries the slicer's own values; then there are none."""
+    peer = Peer(domain)
+    node = Node("safety_supervisor", SUPERVISOR, "-p", "start_mode:=act", ROS_DOMAIN_ID=domain)
+    permits = peer.reader("/printer/safety/command", "fdm_loop_msgs/ControlCommand")
+    life = Life(peer, "/printer/safety_supervisor")
+    until(lambda: permits.take(100), "permits")
+    check(life.state() == ACTIVE, "a node starts by itself")
+    check(life.to(4), "deactivate")
+    taken = permits.take(1000)
+    time.sleep(0.3)
+    check(not permits.take(1000), "no permit of an inactive supervisor")
+    last = taken[-1]
+    check((last.flow_factor, last.speed_factor) == (1.0, 1.0), f"the last permit is neutral: {last}")
+    begin = time.monotonic()
+    check(life.to(3), "activate")
+    until(lambda: permits.take(100), "permits again")
+    again_s = time.monotonic() - begin
+    check(again_s < 0.5, f"permits again after {again_s:.2f} s")
+    check(node.end() == 0, "an orderly end")
+    return f"permits {again_s * 1e3:.0f} ms after activate"
+
+
+def parameters(domain: int) -> str:
+    """The six services in Cyclone's mapping: told, refused with name, value, unit and range, changed, told as events."""
+    peer = Peer(domain)
+    Node("safety_supervisor", SUPERVISOR, ROS_DOMAIN_ID=domain)
+    node = "/printer/safety_supervisor"
+    service = lambda name, kind: peer.service(f"{node}/{name}", f"rcl_interfaces/{kind}")
+    changes = peer.reader("/parameter_events", "rcl_interfaces/ParameterEvent")
+    events = peer.reader("/printer/events", "fdm_loop_msgs/PrintEvent")
+    listed = service("list_parameters", "ListParameters")(prefixes=[], depth=0).result.names
+    check("modes.ramp_s" in listed and "use_sim_time" in listed, f"names: {listed[:5]} ...")
+    kinds = service("get_parameter_types", "GetParameterTypes")(names=["modes.ramp_s", "no.such"]).types
+    check(list(kinds) == [3, 0], f"types {kinds}")
+    get = service("get_parameters", "GetParameters")
+    check(get(names=["modes.ramp_s"]).values[0].double_value == 1.25, "value")
+    describe = service("describe_parameters", "DescribeParameters")
+    told = describe(names=["modes.ramp_s"]).descriptors[0]
+    span = told.floating_point_range[0]
+    check((span.from_value, span.to_value) == (0.05, 2.0) and told.description.startswith("[s]"), f"{told}")
+    check(told.read_only, "read-only while active")
+    set_one = service("set_parameters", "SetParameters")
+    refused = set_one(parameters=[double("modes.ramp_s", 7.0)]).results[0]
+    check("modes.ramp_s = 7 s: must be in [0.05, 2]" in refused.reason, refused.reason)
+    refused = set_one(parameters=[double("modes.ramp_s", 1.0)]).results[0]
+    check("read-only while the node is active" in refused.reason, refused.reason)
+    life = Life(peer, node)
+    check(life.to(4), "deactivate")
+    check(not describe(names=["modes.ramp_s"]).descriptors[0].read_only, "free while inactive")
+    together = service("set_parameters_atomically", "SetParametersAtomically")
+    result = together(parameters=[double("modes.ramp_s", 1.0), double("modes.ramp_s", 7.0)]).result
+    check(not result.successful and get(names=["modes.ramp_s"]).values[0].double_value == 1.25, "all or none")
+    changes.take(100)
+    check(set_one(parameters=[double("modes.ramp_s", 0.5)]).results[0].successful, "set while inactive")
+    check(get(names=["modes.ramp_s"]).values[0].double_value == 0.5, "the new value")
+    change = until(lambda: [c for c in changes.take(100) if c.changed_parameters], "/parameter_events")[0]
+    check((change.node, change.changed_parameters[0].name) == (node, "modes.ramp_s"), f"{change}")
+    event = until(lambda: [e for e in events.take(100) if e.what == "parameter_set"], "events")[0]
+    check((event.who, event.before, event.after) == (node, "1.25", "0.5"), f"{event}")
+    check(life.to(3) and life.state() == ACTIVE, "works on with it")
+    return f"{len(listed)} parameters"
+
+
+CHECKS = {"lifecycle": lifecycle, "deactivation": deactivation, "parameters": parameters}
+
+
+if __name__ == "__main__":
+    Node.binaries = Path(sys.argv[1])
+    wanted = sys.argv[3:] or list(CHECKS)
+    run({name: CHECKS[name] for name in wanted}, int(sys.argv[2]))
