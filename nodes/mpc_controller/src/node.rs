@@ -1,12 +1,14 @@
 //! The shell: estimates and measurements in, commands out.
 
-use fdm_loop_msgs::ControlCommand;
+use fdm_loop_msgs::{
+    AdvancePrediction, BeadWidth, ControlCommand, FilamentMotion, PrinterState, StateEstimate,
+};
 use models::command::{Command, Trims};
 use models::material::Material;
 use models::printer::Printer;
 use models::units::Seconds;
 use runtime::wire::command_to_wire;
-use runtime::{Diagnostics, Node, ParamFileError, Parameters, Reason, Refused, RuntimeError, topics};
+use runtime::{Diagnostics, Inlet, Node, ParamFileError, Parameters, Reason, Refused, RuntimeError, topics};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
@@ -42,22 +44,13 @@ enum Kind {
 async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     let setup = Setup::read(&node)?;
     let params = setup.params;
-    let telemetry = Seconds(params.status_age_limit_s);
-    let mut estimate = node.inlet(&topics::ESTIMATE, Seconds(params.estimate_age_limit_s))?;
-    let mut printer = node.inlet(&topics::PRINTER_STATE, telemetry)?;
-    let mut encoder = node.inlet(&topics::FILAMENT_MOTION, telemetry)?;
-    let mut width = node.inlet(&topics::BEAD_WIDTH, params.frame_age_limit())?;
-    let mut predictions = node.inlet(&topics::ADVANCE_PREDICTION, Seconds(params.advance.age_limit_s))?;
+    let Inlets { mut estimate, mut printer, mut encoder, mut width, mut predictions } =
+        Inlets::open(&mut node, &params)?;
     let commands = node.publish_on(&topics::CONTROL_COMMAND)?;
     let mut ticks = node.timer(Seconds(params.period_s));
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut controller, mut jumps) = (setup.controller()?, clock.jumps_back());
-    let mut newest = Command {
-        session: setup.session,
-        sequence: 0,
-        validity: Seconds(params.validity_s),
-        trims: Trims::NEUTRAL,
-    };
+    let mut newest = setup.neutral();
     node.activated().await;
     loop {
         tokio::select! {
@@ -102,6 +95,28 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     Ok(())
 }
 
+/// Every stream.
+struct Inlets {
+    estimate: Inlet<StateEstimate>,
+    printer: Inlet<PrinterState>,
+    encoder: Inlet<FilamentMotion>,
+    width: Inlet<BeadWidth>,
+    predictions: Inlet<AdvancePrediction>,
+}
+
+impl Inlets {
+    fn open(node: &mut Node, params: &Params) -> Result<Self, RuntimeError> {
+        let telemetry = Seconds(params.status_age_limit_s);
+        Ok(Self {
+            estimate: node.inlet(&topics::ESTIMATE, Seconds(params.estimate_age_limit_s))?,
+            printer: node.inlet(&topics::PRINTER_STATE, telemetry)?,
+            encoder: node.inlet(&topics::FILAMENT_MOTION, telemetry)?,
+            width: node.inlet(&topics::BEAD_WIDTH, params.frame_age_limit())?,
+            predictions: node.inlet(&topics::ADVANCE_PREDICTION, Seconds(params.advance.age_limit_s))?,
+        })
+    }
+}
+
 /// A command as sent, with how the controller's work goes.
 fn told(now: Seconds, command: &Command, controller: &Controller) -> ControlCommand {
     ControlCommand { health: controller.health() as u8, ..command_to_wire(now, command) }
@@ -129,6 +144,12 @@ impl Setup {
             material: parameters.block("material")?,
             session,
         })
+    }
+
+    /// The slicer's own values, before the first command.
+    fn neutral(&self) -> Command {
+        let validity = Seconds(self.params.validity_s);
+        Command { session: self.session, sequence: 0, validity, trims: Trims::NEUTRAL }
     }
 
     /// A controller that has seen nothing: at the start, and when time jumped back.
