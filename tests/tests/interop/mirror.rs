@@ -1,4 +1,5 @@
 //! Two nodes in one process: what the one hears on a topic, decoded, the other says on it, encoded anew.
+#![allow(clippy::print_stdout, reason = "its lines are read by the script")]
 
 use fdm_loop_msgs::RosType;
 use runtime::topics::{self, Topic};
