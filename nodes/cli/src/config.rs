@@ -75,7 +75,7 @@ impl Choice {
             material,
             control,
             host: "native".to_owned(),
-            advance: AdvanceSource::Material,
+            advance: AdvanceSource::Planned,
             camera: false,
             overrides: BTreeMap::new(),
         }

@@ -135,7 +135,7 @@ impl Advance {
         self.report.sent_s = match self.settings.source {
             AdvanceSource::None => Some(0.0),
             AdvanceSource::File => None,
-            AdvanceSource::Material => Some(nominal_s),
+            AdvanceSource::Material | AdvanceSource::Planned => Some(nominal_s),
             AdvanceSource::Predicted => self.predicted(now_s, status),
         };
         self.report.sent_s

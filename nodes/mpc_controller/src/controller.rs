@@ -22,6 +22,7 @@ struct Printer {
     hotend: Hotend,
     material: Material,
     melt: Melt,
+    extruder: Extruder,
 }
 
 /// Receding-horizon controller over slicer values. Knows no clock and no middleware.
@@ -74,6 +75,7 @@ impl Controller {
                 hotend: *hotend,
                 material: material.clone(),
                 melt: Melt::new(material, extruder),
+                extruder: *extruder,
             },
             session,
             sequence: 0,
@@ -246,18 +248,25 @@ impl Controller {
             return Trims::NEUTRAL;
         }
         let slip = self.slip(status, estimate);
-        let [feed, speed, setpoint_offset_k] =
-            if self.params.control == Level::Mpc { self.held } else { [0.0; 3] };
-        let most = self.params.limits.feed;
+        let setpoint_offset_k =
+            if self.params.control == Level::Mpc { self.held[input::SETPOINT] } else { 0.0 };
+        let (flow, speed) = self.scheduled();
         Trims {
-            // The move is feed over time, the printer's trim is feed over path. Slow and fed high at once, the quotient
-            // would leave the range that the supervisor lets through (K6).
-            flow: ((1.0 + feed) / (1.0 + speed)).clamp(1.0 - most, 1.0 + most),
-            speed: 1.0 + speed,
+            flow,
+            speed,
             setpoint_offset_k,
             advance_s: self.advance.command(estimate.stamp.0, status, self.printer.material.lag_s),
             slip,
         }
+    }
+
+    /// Flow over path and speed of the plan, as trims have them.
+    fn scheduled(&self) -> (f64, f64) {
+        let [feed, speed, _] = if self.params.control == Level::Mpc { self.held } else { [0.0; 3] };
+        let most = self.params.limits.feed;
+        // The move is feed over time, the printer's trim is feed over path. Slow and fed high at once, the quotient
+        // would leave the range that the supervisor lets through (K6).
+        (((1.0 + feed) / (1.0 + speed)).clamp(1.0 - most, 1.0 + most), 1.0 + speed)
     }
 
     fn slip(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Option<f64> {
@@ -278,6 +287,7 @@ fn moves_of(trims: &Trims) -> Move {
 }
 
 mod planning;
+mod preview;
 mod report;
 
 pub use report::Report;

@@ -246,6 +246,7 @@ impl TryFrom<RawParams> for Params {
         in_range("bumpless.flow_min_rel", raw.bumpless.flow_min_rel, "-", (0.0, 1.0))?;
         in_range("bumpless.settle_lags", raw.bumpless.settle_lags, "-", (0.0, 20.0))?;
         positive("bumpless.flow_averaging_s", raw.bumpless.flow_averaging_s, "s")?;
+        positive("bumpless.flow_averaging_alone_s", raw.bumpless.flow_averaging_alone_s, "s")?;
         Ok(Self(raw))
     }
 }

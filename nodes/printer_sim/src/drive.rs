@@ -5,7 +5,8 @@
 //! motor   = wanted / (1 - s) + k (wanted position - encoder position)     native host, loop closed
 //!         = wanted / (1 - s)                                             other hosts
 //! ```
-//! Model book 1.7 (inner loop) and 2.2 (advance).
+//! Model book 1.7 (inner loop) and 2.2 (advance). What is scheduled is known ahead: the advance then goes through a
+//! window centred on now, as Klipper's does, instead of the lag of a drive that only sees what it executes.
 
 use models::command::Trims;
 use models::status::HostProfile;
@@ -30,12 +31,25 @@ pub struct Settings {
     pub advance_smooth_s: f64,
 }
 
-/// State of the drive.
+mod window;
+use window::Window;
+
+/// What the advance follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Goal {
+    /// `K_A` times the feed of now `[s]`.
+    Now(f64),
+    /// Filament to be held compressed half a window from now `[m]`.
+    Ahead(f64),
+}
+
+/// State of the drive.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     settings: Settings,
     host: HostProfile,
     advance_m: f64,
+    window: Option<Window>,
     wanted_m: f64,
     motor_m: f64,
     loop_target: Option<LoopTarget>,
@@ -58,6 +72,7 @@ impl Drive {
             settings,
             host,
             advance_m: 0.0,
+            window: None,
             wanted_m: 0.0,
             motor_m: 0.0,
             loop_target: None,
@@ -79,11 +94,22 @@ impl Drive {
     }
 
     /// Motor speed `[m/s]` for this step; `encoder_m` is what the filament encoder reads now.
-    pub fn step(&mut self, feed: Feed, trims: &Trims, advance_s: f64, (encoder_m, dt_s): (f64, f64)) -> f64 {
+    pub fn step(&mut self, feed: Feed, trims: &Trims, goal: Goal, (encoder_m, dt_s): (f64, f64)) -> f64 {
         let into_roads_m_s = feed.deposited_m_s * trims.flow;
-        let goal_m = advance_s * into_roads_m_s;
         let before_m = self.advance_m;
-        self.advance_m += (goal_m - before_m) * (1.0 - (-dt_s / self.settings.advance_smooth_s).exp());
+        match goal {
+            Goal::Now(advance_s) => {
+                let goal_m = advance_s * into_roads_m_s;
+                let share = 1.0 - (-dt_s / self.settings.advance_smooth_s).exp();
+                self.advance_m += (goal_m - before_m) * share;
+                self.window = None;
+            }
+            Goal::Ahead(goal_m) => {
+                let half_s = self.settings.advance_smooth_s;
+                let window = self.window.get_or_insert_with(|| Window::new(before_m, (half_s, dt_s)));
+                self.advance_m = window.step(goal_m);
+            }
+        }
         let wanted_m_s = into_roads_m_s + feed.other_m_s + (self.advance_m - before_m) / dt_s;
 
         let motor_m_s = match trims.slip {
@@ -133,7 +159,8 @@ mod tests {
     fn one_second(drive: &mut Drive, trims: &Trims, slip: f64) -> (f64, f64, f64) {
         let mut delivered_m = 0.0;
         for _ in 0..1000 {
-            delivered_m += (1.0 - slip) * drive.step(DEPOSIT, trims, 0.0, (delivered_m, 1e-3)) * 1e-3;
+            delivered_m +=
+                (1.0 - slip) * drive.step(DEPOSIT, trims, Goal::Now(0.0), (delivered_m, 1e-3)) * 1e-3;
         }
         (drive.wanted_m(), drive.motor_m(), delivered_m)
     }
@@ -162,7 +189,7 @@ mod tests {
             let mut drive = Drive::new(SETTINGS, host);
             let (mut delivered_m, mut last) = (0.0, 0.0);
             for _ in 0..10_000 {
-                delivered_m += 0.91 * drive.step(DEPOSIT, &trims, 0.0, (delivered_m, 1e-3)) * 1e-3;
+                delivered_m += 0.91 * drive.step(DEPOSIT, &trims, Goal::Now(0.0), (delivered_m, 1e-3)) * 1e-3;
                 last = drive.wanted_m() - delivered_m;
             }
             last
@@ -176,11 +203,11 @@ mod tests {
     fn advance_displaces_by_k_times_the_feed_and_is_withdrawn_at_the_end() {
         let mut drive = Drive::new(SETTINGS, HostProfile::Native);
         for _ in 0..500 {
-            drive.step(DEPOSIT, &Trims::NEUTRAL, 0.5, (0.0, 1e-3));
+            drive.step(DEPOSIT, &Trims::NEUTRAL, Goal::Now(0.5), (0.0, 1e-3));
         }
         assert!((drive.wanted_m() - (1e-3 + 0.5 * 2e-3)).abs() < 1e-9);
         for _ in 0..500 {
-            drive.step(Feed::default(), &Trims::NEUTRAL, 0.5, (0.0, 1e-3));
+            drive.step(Feed::default(), &Trims::NEUTRAL, Goal::Now(0.5), (0.0, 1e-3));
         }
         assert!((drive.wanted_m() - 1e-3).abs() < 1e-9);
     }
@@ -189,7 +216,8 @@ mod tests {
     fn a_retraction_is_neither_trimmed_nor_compensated() {
         let mut drive = Drive::new(SETTINGS, HostProfile::Native);
         let trims = Trims { flow: 1.2, slip: Some(0.3), ..Trims::NEUTRAL };
-        let speed = drive.step(Feed { deposited_m_s: 0.0, other_m_s: -0.035 }, &trims, 0.5, (-1.0, 1e-3));
+        let speed =
+            drive.step(Feed { deposited_m_s: 0.0, other_m_s: -0.035 }, &trims, Goal::Now(0.5), (-1.0, 1e-3));
         assert!((speed + 0.035).abs() < 1e-12);
     }
 }

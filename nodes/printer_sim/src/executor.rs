@@ -3,25 +3,37 @@
 //! A `native` host applies trims at once. A `serial` host has already sent some moves when a trim arrives: every move
 //! carries the trims that were in force when it entered the buffer.
 
-use models::command::Trims;
+use models::command::{MotionTrim, Trims};
 use models::motion::{Action, MoveKind, Segment, Step};
 use models::status::HostProfile;
 use models::units::Seconds;
 use std::collections::VecDeque;
 
+mod ahead;
 mod state;
 mod types;
 
+pub use ahead::Ahead;
 pub use types::{Motion, Settings, Sliced, Surroundings};
 
 #[derive(Debug, Clone)]
 enum Queued {
-    Move(Box<Segment>, Option<Trims>),
+    Move(Coming, Option<Trims>),
     Act(Action),
+}
+
+/// A move with its number, counted from the start of the print.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coming {
+    /// The number.
+    pub sequence: u64,
+    /// The move.
+    pub segment: Box<Segment>,
 }
 
 #[derive(Debug, Clone)]
 struct Active {
+    sequence: u64,
     segment: Box<Segment>,
     trims: Option<Trims>,
     elapsed_s: f64,
@@ -56,6 +68,9 @@ pub struct Executor {
     path_time_s: f64,
     fed_m: f64,
     homing: [bool; 3],
+    entered: u64,
+    coming: Vec<Coming>,
+    schedule: VecDeque<MotionTrim>,
 }
 
 impl Executor {
@@ -82,6 +97,9 @@ impl Executor {
             path_time_s: 0.0,
             fed_m: 0.0,
             homing: [false; 3],
+            entered: 0,
+            coming: Vec::new(),
+            schedule: VecDeque::new(),
         }
     }
 
@@ -129,11 +147,14 @@ impl Executor {
     /// Keeps the host's buffer filled: one move for a native host, a stretch of time for a serial one.
     fn refill(&mut self, around: &Surroundings) {
         let (moves, span_s) = match self.settings.host {
-            HostProfile::Native => (1, 0.0),
             HostProfile::Serial => (self.settings.serial_buffer_moves, self.settings.serial_buffer_s),
+            _ => (self.settings.plan_moves, self.settings.plan_s),
         };
+        // nothing is planned across a halt: what comes after it is not known before
+        let halts = |queued: &Queued| matches!(queued, Queued::Act(action) if action.stops());
         while !self.exhausted
             && (self.queue.is_empty() || (self.queue.len() < moves && self.queued_s < span_s))
+            && !self.queue.back().is_some_and(halts)
         {
             match self.steps.next() {
                 None => self.exhausted = true,
@@ -144,7 +165,10 @@ impl Executor {
                 Some(Step::Move(segment)) => {
                     self.queued_s += segment.profile.duration().0;
                     let trims = (self.settings.host == HostProfile::Serial).then_some(around.trims);
-                    self.queue.push_back(Queued::Move(Box::new(segment), trims));
+                    let coming = Coming { sequence: self.entered, segment: Box::new(segment) };
+                    self.entered += 1;
+                    self.coming.push(coming.clone());
+                    self.queue.push_back(Queued::Move(coming, trims));
                 }
             }
         }
@@ -178,14 +202,17 @@ impl Executor {
                 self.act(action);
                 false
             }
-            Some(Queued::Move(segment, trims)) => {
+            Some(Queued::Move(Coming { sequence, segment }, trims)) => {
                 self.queued_s = (self.queued_s - segment.profile.duration().0).max(0.0);
                 self.started = true;
                 self.line = segment.line;
                 self.layer = segment.layer;
                 begun(&segment);
                 let trims = Some(trims.unwrap_or(around.trims));
-                self.active = Some(Active { segment, trims, elapsed_s: 0.0 });
+                self.active = Some(Active { sequence, segment, trims, elapsed_s: 0.0 });
+                while self.schedule.front().is_some_and(|trim| trim.sequence < sequence) {
+                    self.schedule.pop_front();
+                }
                 true
             }
         }
@@ -224,7 +251,7 @@ impl Executor {
     /// Moves on for at most `left_s`; returns the time used.
     fn advance(&mut self, left_s: f64, around: &Surroundings, motion: &mut Motion) -> f64 {
         let Some(active) = &mut self.active else { return left_s };
-        if self.settings.host == HostProfile::Native {
+        if self.settings.host != HostProfile::Serial {
             active.trims = Some(around.trims);
         }
         let speed = active.trims.map_or(1.0, |trims| trims.speed) * self.pace * self.sliced.speed_factor;

@@ -188,6 +188,7 @@ impl Shell {
                 let path_time_s = self.simulator.truth().path_time_s;
                 outlets.motion.send(wire::motion_to_wire(start, path_time_s, self.segments, &segment))
             }
+            Output::Coming { .. } => true,
             Output::Note { stamp, text } => {
                 tracing::info!("{text}");
                 outlets.events.send(convert::note(&self.name, stamp, text))

@@ -54,6 +54,15 @@ pub enum Output {
         /// The move.
         segment: Box<Segment>,
     },
+    /// A move has become known; it begins later.
+    Coming {
+        /// When.
+        stamp: Seconds,
+        /// Its number, counted from the start of the print.
+        sequence: u64,
+        /// The move.
+        segment: Box<Segment>,
+    },
     /// Something that a person at the printer would note.
     Note {
         /// When.

@@ -22,7 +22,7 @@ pub struct Settings {
     pub temperature_period_s: f64,
     /// Noise of a temperature reading, standard deviation `[K]`.
     pub temperature_sigma_k: f64,
-    /// Period of the encoder `[s]`.
+    /// Period of the encoder `[s]`; 0 for none.
     pub encoder_period_s: f64,
     /// Length of filament per count `[m]`.
     pub encoder_quantum_m: f64,

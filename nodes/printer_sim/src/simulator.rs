@@ -2,7 +2,7 @@
 
 use crate::camera::Rig;
 use crate::drive::Drive;
-use crate::executor::{Executor, Motion, Sliced, Surroundings};
+use crate::executor::{Coming, Executor, Motion, Sliced, Surroundings};
 use crate::fan::PartFan;
 use crate::faults::{Fault, InForce as FaultsInForce};
 use crate::heaters::Heaters;
@@ -24,6 +24,7 @@ use std::collections::VecDeque;
 
 mod camera;
 mod faults;
+mod schedule;
 mod sense;
 mod status;
 #[cfg(test)]
@@ -76,6 +77,7 @@ pub struct Simulator {
     imu: Option<Imu>,
     camera: Option<Box<Rig>>,
     advance_s: f64,
+    scheduled: bool,
     score: Score,
     truth: Truth,
     outputs: VecDeque<Output>,
@@ -131,6 +133,7 @@ impl Simulator {
             }),
             camera: params.camera.enabled.then(|| Box::new(Rig::new(&params.camera, seed))),
             advance_s: host.firmware.advance_s,
+            scheduled: false,
             score: Score::new(params.quality),
             truth: Truth::default(),
             outputs: VecDeque::new(),
@@ -176,6 +179,9 @@ impl Simulator {
         self.motion = self.executor.step(dt, &around, |segment, into| {
             outputs.push_back(Output::Motion { start: start + into, segment: Box::new(*segment) });
         });
+        for Coming { sequence, segment } in self.executor.take_coming() {
+            self.outputs.push_back(Output::Coming { stamp: self.now, sequence, segment });
+        }
         self.toolhead.home(self.motion.homing);
         if let Some(imu) = &mut self.imu
             && let Some(batch) = imu.step(self.now, self.motion.velocity_m_s, dt)
@@ -186,7 +192,8 @@ impl Simulator {
         self.advance_s = trims.advance_s.unwrap_or(self.executor.sliced().advance_s);
         #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
         let encoder_m = self.counts() as f64 * self.params.simulator.sensors.encoder_quantum_m;
-        let motor_m_s = self.drive.step(self.motion.feed, &trims, self.advance_s, (encoder_m, dt.0));
+        let goal = self.advance_goal(&trims);
+        let motor_m_s = self.drive.step(self.motion.feed, &trims, goal, (encoder_m, dt.0));
 
         let road = self.road().filter(|_| !self.faults_in_force.detached);
         let push = Push { motor_m_s, path_speed_m_s: self.motion.path_speed_m_s, road };

@@ -58,6 +58,8 @@ pub(crate) struct Record {
     normalised: Ring<f64>,
     recent: Ring<f64>,
     sum_nis: f64,
+    /// The newest innovation was beyond the gate.
+    rejected: bool,
     pub(crate) seen_s: Option<f64>,
     /// When an innovation was last computed: not every sample that is seen can be looked at.
     pub(crate) used_s: Option<f64>,
@@ -78,6 +80,7 @@ impl Record {
             normalised: Ring::new(WINDOW),
             recent: Ring::new(trust.step_samples as usize),
             sum_nis: 0.0,
+            rejected: false,
             seen_s: None,
             used_s: None,
             nis: None,
@@ -108,8 +111,10 @@ impl Record {
         self.innovation = Some(innovation.residual.x);
         self.normalised.push(normalised);
         self.recent.push(normalised);
-        let stepped = mean_of(&self.recent, self.trust.step_samples as usize)
-            .is_some_and(|mean| mean.abs() > self.trust.step_threshold);
+        self.rejected = sound == Verdict::Rejected;
+        let stepped = !self.fades()
+            && mean_of(&self.recent, self.trust.step_samples as usize)
+                .is_some_and(|mean| mean.abs() > self.trust.step_threshold);
         if self.resets && self.against >= self.health.row {
             Verdict::Diverged
         } else if stepped {
@@ -138,8 +143,19 @@ impl Record {
         fresh && self.window().is_some_and(|window| window.chi2 > self.health.window_bound)
     }
 
-    pub(crate) fn gate(&self) -> f64 {
-        self.trust.gate
+    /// Gate of the next innovation. What follows a rejected one is the rest of the same transient where another channel
+    /// vouches for the flow: it has to fit better to be believed.
+    pub(crate) fn gate(&self, vouched: bool) -> f64 {
+        if self.rejected && vouched { self.trust.gate_again } else { self.trust.gate }
+    }
+
+    /// Whether the recent innovations fade: a transient, not a step.
+    fn fades(&self) -> bool {
+        let half = self.trust.step_samples as usize / 2;
+        let sum = |values: &mut dyn Iterator<Item = &f64>| values.sum::<f64>().abs();
+        let older = sum(&mut self.recent.iter().take(half));
+        let newer = sum(&mut self.recent.iter().rev().take(half));
+        newer < self.trust.step_fade * older
     }
 
     /// Mean of all normalised innovations squared, rejected ones included.

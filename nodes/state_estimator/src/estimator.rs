@@ -42,6 +42,8 @@ pub struct Estimate {
     pub gated: [u64; CHANNELS],
     /// Channels whose newest sample is recent.
     pub alive: [bool; CHANNELS],
+    /// States that the living sensors tell of; the others stand at what the model says, or are frozen.
+    pub observed: [bool; state::COUNT],
     /// Statistics of the last twenty innovations; `None` before twenty.
     pub window: [Option<Window>; CHANNELS],
     /// Slow mean of the slicer's feed `[m/s]`: the scale of the flow.
@@ -250,6 +252,7 @@ impl Estimator {
             measured: Channel::ALL.map(|channel| records[channel as usize].count),
             gated: Channel::ALL.map(|channel| records[channel as usize].gated),
             alive: Channel::ALL.map(|channel| records[channel as usize].alive(now_s)),
+            observed: observed(Channel::ALL.map(|channel| records[channel as usize].alive(now_s))),
             window: Channel::ALL.map(|channel| records[channel as usize].window()),
             reference_feed_m_s: self.filter.reference_feed_m_s(),
             steps: self.filter.steps(),
@@ -259,6 +262,18 @@ impl Estimator {
             refusals: self.refusals,
         })
     }
+}
+
+/// What a set of living channels tells of (model book 1.5): the nozzle only through the model of the joint, flow and slip
+/// through the encoder, the gain through widths. Without the encoder widths tell of flow and gain as one product.
+fn observed([thermistor, encoder, width]: [bool; CHANNELS]) -> [bool; state::COUNT] {
+    let mut observed = [false; state::COUNT];
+    observed[state::BLOCK] = thermistor;
+    observed[state::SENSOR] = thermistor;
+    observed[state::FLOW] = encoder;
+    observed[state::SLIP] = encoder;
+    observed[state::GAIN] = width;
+    observed
 }
 
 #[cfg(test)]

@@ -2,13 +2,14 @@
 
 use crate::adaptation::NoiseScale;
 use crate::channel::{CHANNELS, Channel, Record, Verdict};
+use crate::engine::Engine;
 use crate::estimator::Inbox;
 use crate::health::Watch;
 use crate::history::Ring;
 use crate::measurement::{self, Observation};
 use crate::params::Params;
 use crate::printer_model::{Drive, PrinterModel, State, state};
-use crate::ukf::{Gaussian, Health, Spread, Ukf};
+use crate::ukf::{Gaussian, Health, Spread};
 use models::command::EstimateHealth;
 use models::status::PrinterStatus;
 use models::units::Kelvin;
@@ -34,7 +35,9 @@ pub(crate) struct Filter {
 
 #[derive(Debug)]
 struct Running {
-    ukf: Ukf<{ state::COUNT }>,
+    ukf: Engine<{ state::COUNT }>,
+    /// The encoder speaks: without it slip and gain are one.
+    encoder_alive: bool,
     at_s: f64,
     drive: Drive,
     flows: Ring<(f64, f64)>,
@@ -103,6 +106,7 @@ impl Filter {
             Some(run) => run,
             None => self.start(status, inbox.temperature?),
         };
+        run.encoder_alive = records[Channel::Encoder as usize].alive(now_s);
         let sound = self.predict(&mut run, status, inbox) == Health::Sound
             && self.correct(&mut run, inbox, records)
             && self.plausible(&run.ukf.belief().mean);
@@ -152,10 +156,12 @@ impl Filter {
         let mean = State::from([temperature.0, temperature.0, temperature.0, flow_m_s, prior.slip, 1.0]);
         let spread = &self.params.spread;
         Running {
-            ukf: Ukf::new(
+            ukf: Engine::new(
+                self.params.filter,
                 Gaussian { mean, covariance: variances(deviations) },
                 Spread { alpha: spread.alpha, beta: spread.beta, kappa: spread.kappa },
             ),
+            encoder_alive: false,
             at_s: status.stamp.0,
             drive: self.drive(status, 0.0),
             flows: Ring::new(FLOWS),
@@ -194,6 +200,9 @@ impl Filter {
             let off_m_s = (self.model.filament_speed(x, motor_speed_m_s) - x[state::FLOW]).abs();
             let memory_s = self.params.width.memory_lags * self.model.lag_s();
             run.imbalance_m_s = off_m_s.max(run.imbalance_m_s * (-dt_s / memory_s).exp());
+        }
+        if !run.encoder_alive {
+            run.ukf.freeze(state::SLIP);
         }
         run.flows.push((run.at_s, run.ukf.belief().mean[state::FLOW]));
         Health::Sound
@@ -248,8 +257,9 @@ impl Filter {
         record: &mut Record,
     ) -> bool {
         let model = self.model;
-        let update =
-            run.ukf.update(&observation.measurement(record.gate()), |x| observation.predicted(&model, x));
+        let update = run.ukf.update(&observation.measurement(record.gate(run.encoder_alive)), |x| {
+            observation.predicted(&model, x)
+        });
         record.used_s = Some(run.at_s);
         let verdict = record.note(&update);
         self.learn(channel, verdict, record.nis);

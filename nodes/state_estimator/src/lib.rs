@@ -2,7 +2,8 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`ukf`] | unscented Kalman filter, apart from any model |
+//! | [`engine`] | the form of the filter behind one parameter, apart from any model |
+//! | [`ukf`] [`square_root`] [`extended`] | the forms |
 //! | [`printer_model`] | six states and three channels of the printer (model book 1.2, 1.5) |
 //! | [`params`] | `config/state_estimator.param.yaml` |
 //!
@@ -16,7 +17,9 @@ mod adaptation;
 mod channel;
 #[cfg(feature = "ros")]
 mod convert;
+pub mod engine;
 mod estimator;
+pub mod extended;
 mod filter;
 mod health;
 mod history;
@@ -26,6 +29,7 @@ mod measurement;
 pub mod node;
 pub mod params;
 pub mod printer_model;
+pub mod square_root;
 pub mod ukf;
 
 pub use channel::{CHANNELS, Channel, WINDOW, Window};

@@ -1,5 +1,6 @@
 //! Parameters of the estimator, checked once: `config/state_estimator.param.yaml`.
 
+use crate::engine::Form;
 use models::params::{ParamError, in_range, positive};
 use serde::Deserialize;
 
@@ -21,6 +22,8 @@ impl std::ops::Deref for Params {
 pub struct RawParams {
     /// Period of the shell's tick `[s]`.
     pub period_s: f64,
+    /// Form of the filter.
+    pub filter: Form,
     /// Air and filament before the hot end `[K]`.
     pub ambient_k: f64,
     /// Spread of the sigma points.
@@ -123,6 +126,10 @@ pub struct RawTrust {
     pub gate: f64,
     /// Innovations looked at for a step of the state behind the channel.
     pub step_samples: u32,
+    /// Share of the older half's mean below which the newer half's tells of a transient that fades, not of a step `[-]`.
+    pub step_fade: f64,
+    /// Gate after a rejection until one is accepted again, where the encoder vouches for the flow `[-]`.
+    pub gate_again: f64,
     /// Bound of their sum over the root of their number, above which a step is taken as given `[-]`.
     pub step_threshold: f64,
 }

@@ -93,14 +93,17 @@ pub struct Ukf<const N: usize> {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Weights {
-    scale: f64,
-    covariance_centre: f64,
+pub(crate) struct Weights {
+    pub(crate) scale: f64,
+    pub(crate) covariance_centre: f64,
     side: f64,
 }
 
 impl Weights {
-    fn new(spread: Spread, dimension: f64) -> Self {
+    /// Weights for `N` states.
+    pub(crate) fn of<const N: usize>(spread: Spread) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "dimension of a state vector")]
+        let dimension = N as f64;
         let total = spread.alpha * spread.alpha * (dimension + spread.kappa);
         let mean_centre = (total - dimension) / total;
         Self {
@@ -114,14 +117,14 @@ impl Weights {
 /// Sigma points as deviations of a function's values from its value at the mean.
 ///
 /// The weight of the centre is large and negative for a small alpha; sums over deviations avoid the cancellation.
-struct Transformed<const N: usize, const M: usize> {
+pub(crate) struct Transformed<const N: usize, const M: usize> {
     centre: SVector<f64, M>,
     plus: [SVector<f64, M>; N],
     minus: [SVector<f64, M>; N],
 }
 
 impl<const N: usize, const M: usize> Transformed<N, M> {
-    fn new(
+    pub(crate) fn new(
         belief: &Gaussian<N>,
         offsets: &SMatrix<f64, N, N>,
         mut function: impl FnMut(&SVector<f64, N>) -> SVector<f64, M>,
@@ -137,12 +140,28 @@ impl<const N: usize, const M: usize> Transformed<N, M> {
         Self { centre, plus, minus }
     }
 
+    /// The function's value at the mean.
+    pub(crate) fn centre(&self) -> SVector<f64, M> {
+        self.centre
+    }
+
+    /// Deviations of the outer points from the mean, weighted: the sum of their squares is the covariance but for the
+    /// centre's share.
+    pub(crate) fn deviations(
+        &self,
+        weights: Weights,
+        shift: &SVector<f64, M>,
+    ) -> impl Iterator<Item = SVector<f64, M>> {
+        let (root, shift) = (weights.side.sqrt(), *shift);
+        self.plus.iter().chain(&self.minus).map(move |point| (point - shift) * root)
+    }
+
     /// Mean relative to the centre.
-    fn mean_shift(&self, weights: Weights) -> SVector<f64, M> {
+    pub(crate) fn mean_shift(&self, weights: Weights) -> SVector<f64, M> {
         self.plus.iter().chain(&self.minus).fold(SVector::zeros(), |sum, point| sum + point) * weights.side
     }
 
-    fn covariance(&self, weights: Weights, shift: &SVector<f64, M>) -> SMatrix<f64, M, M> {
+    pub(crate) fn covariance(&self, weights: Weights, shift: &SVector<f64, M>) -> SMatrix<f64, M, M> {
         let mut covariance = shift * shift.transpose() * weights.covariance_centre;
         for point in self.plus.iter().chain(&self.minus) {
             let deviation = point - shift;
@@ -152,7 +171,7 @@ impl<const N: usize, const M: usize> Transformed<N, M> {
     }
 
     /// Covariance of the filter's state with the function's value; the centre point has no state deviation.
-    fn cross(&self, weights: Weights, offsets: &SMatrix<f64, N, N>) -> SMatrix<f64, N, M> {
+    pub(crate) fn cross(&self, weights: Weights, offsets: &SMatrix<f64, N, N>) -> SMatrix<f64, N, M> {
         let mut cross = SMatrix::zeros();
         for (index, (up, down)) in self.plus.iter().zip(&self.minus).enumerate() {
             cross += offsets.column(index) * (up - down).transpose() * weights.side;
@@ -165,9 +184,7 @@ impl<const N: usize> Ukf<N> {
     /// Starts from a prior.
     #[must_use]
     pub fn new(prior: Gaussian<N>, spread: Spread) -> Self {
-        #[expect(clippy::cast_precision_loss, reason = "dimension of a state vector")]
-        let dimension = N as f64;
-        Self { belief: prior, weights: Weights::new(spread, dimension) }
+        Self { belief: prior, weights: Weights::of::<N>(spread) }
     }
 
     /// What is believed now.
@@ -176,9 +193,9 @@ impl<const N: usize> Ukf<N> {
         &self.belief
     }
 
-    /// Adds to the covariance: for a state that may have jumped.
-    pub fn inflate(&mut self, addition: &SMatrix<f64, N, N>) {
-        self.belief.covariance += addition;
+    /// Replaces the covariance.
+    pub fn set_covariance(&mut self, covariance: SMatrix<f64, N, N>) {
+        self.belief.covariance = covariance;
     }
 
     /// Carries the belief through `process` and adds `noise`.
@@ -239,7 +256,7 @@ impl<const N: usize> Ukf<N> {
     }
 }
 
-fn symmetric<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+pub(crate) fn symmetric<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
     (matrix + matrix.transpose()) * 0.5
 }
 

@@ -2,6 +2,7 @@
 
 pub mod consistency;
 pub mod corners;
+mod fitted;
 pub mod foresight;
 pub mod message;
 pub mod printing;
@@ -16,6 +17,7 @@ use crate::job::GcodeFile;
 use crate::output::{self, Json};
 use anyhow::bail;
 use clap::Args;
+use fitted::{SENSORS, without};
 use models::status::JobPhase;
 use mpc_controller::params::{AdvanceSource, Level};
 use printer_sim::Scenario;
@@ -58,9 +60,13 @@ pub struct SimArgs {
     /// Render the camera's frames and judge them, sample accelerations; else a stand-in gives the road's width.
     #[arg(long)]
     camera: bool,
-    /// Source of the pressure advance: none, file (`M900`), material (a constant) or predicted (the advance predictor).
-    #[arg(long, default_value = "material", value_parser = ADVANCES)]
+    /// Source of the pressure advance: none, file (`M900`), material (a constant), planned (preview: the melt's law
+    /// attached to coming moves) or predicted (the advance predictor).
+    #[arg(long, default_value = "planned", value_parser = ADVANCES)]
     advance: String,
+    /// Sensors that are not fitted, separated by commas: encoder, width, tachometer.
+    #[arg(long, value_delimiter = ',', value_parser = SENSORS)]
+    without: Vec<String>,
     /// Moves that the firmware knows ahead of the current one; else the printer's own look-ahead.
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     buffer: Option<u32>,
@@ -77,6 +83,9 @@ struct Task {
     names: Names,
 }
 
+/// Time for which a width has to be back to count as recovered `[s]`.
+const HELD_S: f64 = 5.0;
+
 struct Names {
     scenario: String,
     host: String,
@@ -85,7 +94,7 @@ struct Names {
 }
 
 /// Sources of the pressure advance.
-pub const ADVANCES: [&str; 4] = ["none", "file", "material", "predicted"];
+pub const ADVANCES: [&str; 5] = ["none", "file", "material", "planned", "predicted"];
 
 /// Runs the command.
 ///
@@ -106,6 +115,7 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
         host: args.host.clone(),
         advance: advance(&args.advance)?,
         camera: args.camera,
+        overrides: without(&args.without),
         ..Choice::of(material, levels[0])
     };
     let mut setup = config.load(&choice)?;
@@ -208,6 +218,9 @@ impl Task {
             recovery_time_s: fault_free
                 .zip(printing.onset_path_s)
                 .and_then(|(fault_free, onset_s)| printing.width.recovery_s(fault_free, onset_s)),
+            recovery_5s_s: fault_free
+                .zip(printing.onset_path_s)
+                .and_then(|(fault_free, onset_s)| printing.width.recovery_for_s(fault_free, onset_s, HELD_S)),
             nis_mean: channels.into_iter().zip(printing.nis_mean).collect(),
             nees_median: printing.consistency.median(),
             detections: printing.noticed.iter().filter(|found| found.onset_s.is_some()).cloned().collect(),
@@ -263,6 +276,7 @@ pub fn advance(name: &str) -> anyhow::Result<AdvanceSource> {
         "none" => AdvanceSource::None,
         "file" => AdvanceSource::File,
         "material" => AdvanceSource::Material,
+        "planned" => AdvanceSource::Planned,
         "predicted" => AdvanceSource::Predicted,
         _ => bail!("--advance {name}: must be {}", ADVANCES.join(", ")),
     })

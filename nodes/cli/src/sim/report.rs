@@ -84,6 +84,8 @@ pub struct Run {
     pub feed_error_after_2s_rel: Option<f64>,
     /// Time until the width is back, see `architecture.md`; `null` if never or without a fault.
     pub recovery_time_s: Option<f64>,
+    /// Time until the width is back within 2 % for 5 s; `null` if never or without a fault.
+    pub recovery_5s_s: Option<f64>,
     /// Mean NIS by channel.
     pub nis_mean: BTreeMap<&'static str, Option<f64>>,
     /// Median NEES; six states.
@@ -128,7 +130,7 @@ pub struct Comparison {
 type Figure = (&'static str, fn(&Run) -> Option<f64>);
 
 /// Figures that are averaged.
-const FIGURES: [Figure; 9] = [
+const FIGURES: [Figure; 10] = [
     ("quality_mean", |run| run.quality_mean),
     ("width_rms_rel", |run| run.width_rms_rel),
     ("corner_width_rms_rel", |run| run.corner_width_rms_rel),
@@ -136,6 +138,7 @@ const FIGURES: [Figure; 9] = [
     ("feed_error_rel", |run| run.feed_error_rel),
     ("feed_error_after_2s_rel", |run| run.feed_error_after_2s_rel),
     ("recovery_time_s", |run| run.recovery_time_s),
+    ("recovery_5s_s", |run| run.recovery_5s_s),
     ("nees_median", |run| run.nees_median),
     ("realtime_factor", |run| Some(run.realtime_factor)),
 ];

@@ -21,7 +21,7 @@ pub fn table(groups: &[Group]) -> String {
     _ = writeln!(
         text,
         "{:<9} {:>15} {:>15} {:>15} {:>15} {:>13} {:>7} {:>9}",
-        "control", "Q", "width RMS %", "feed error %", "after 2 s %", "recovery s", "NEES", "x real"
+        "control", "Q", "width RMS %", "feed error %", "after 2 s %", "back for 5 s", "NEES", "x real"
     );
     for group in groups {
         let cell = |name: &str, scale: f64| match (group.mean.get(name), group.spread.get(name)) {
@@ -37,7 +37,7 @@ pub fn table(groups: &[Group]) -> String {
             cell("width_rms_rel", 100.0),
             cell("feed_error_rel", 100.0),
             cell("feed_error_after_2s_rel", 100.0),
-            cell("recovery_time_s", 1.0),
+            cell("recovery_5s_s", 1.0),
             plain("nees_median"),
             plain("realtime_factor"),
         );

@@ -37,10 +37,21 @@ impl WidthTrace {
     /// within 2 %; `None` if it never does.
     #[must_use]
     pub fn recovery_s(&self, fault_free: &Self, onset_s: f64) -> Option<f64> {
+        self.recovery_for_s(fault_free, onset_s, f64::INFINITY)
+    }
+
+    /// As [`WidthTrace::recovery_s`], but the error has to stay within 2 % for `hold_s` only: what a later corner or
+    /// another fault does is not this one's.
+    #[must_use]
+    pub fn recovery_for_s(&self, fault_free: &Self, onset_s: f64, hold_s: f64) -> Option<f64> {
         let first = bin_of(onset_s);
         let window = bin_of(WINDOW_S).max(1);
         let mut recovered = None;
         for end in first..self.bins.len() {
+            #[allow(clippy::cast_precision_loss, reason = "bins of a print are far below 2^52")]
+            if recovered.is_some_and(|since| (end - first - since) as f64 * BIN_S >= hold_s) {
+                break;
+            }
             let bins = first.max((end + 1).saturating_sub(window))..=end;
             let Some(excess) = self.mean(bins.clone()).zip(fault_free.mean(bins)) else { continue };
             if (excess.0 - excess.1).abs() >= RECOVERED_REL {

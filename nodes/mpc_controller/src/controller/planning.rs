@@ -23,7 +23,12 @@ impl Controller {
         let target_m = status.target_width_m.filter(|_| status.depositing);
         let steady = exposed.0 >= self.steady_since_s + self.params.trims.steady_s;
         let (Some(target_m), true, Level::Mpc) = (target_m, steady, self.params.control) else { return };
-        let error = self.params.deadband.relative(width_m / target_m - 1.0);
+        let error = width_m / target_m - 1.0;
+        let vouched = self.estimate.is_some_and(|estimate| estimate.encoder_alive);
+        if vouched && error.abs() > self.params.trims.transient {
+            return;
+        }
+        let error = self.params.deadband.relative(error);
         let (low, high, rate) =
             (self.params.limits.low(), self.params.limits.high(), self.params.limits.rate());
         let around = |index: usize| {
@@ -86,9 +91,9 @@ impl Controller {
         if ratio <= 0.0 {
             return None;
         }
-        let flow_error = if estimate.encoder_alive { self.flow_error } else { 0.0 };
+        let flow_error = self.flow_error;
         let ambient = Kelvin(self.params.ambient_k);
-        let Printer { hotend, material, melt } = &self.printer;
+        let Printer { hotend, material, melt, .. } = &self.printer;
         let block: Kelvin = status.hotend_sliced_target.into();
         let reference = nozzle_reference(hotend, material, block, (self.params.reference.flow_m3_s, ambient));
         let flow_max = melt.flow_max_m3_s(estimate.nozzle, ambient, self.params.limits.force_margin);
@@ -112,7 +117,11 @@ impl Controller {
         let least_m_s = settings.flow_min_rel * estimate.reference_feed_m_s;
         let nominal = self.nominal.flow_m_s(settings.settle_lags).filter(|flow_m_s| *flow_m_s > least_m_s);
         if let (Some(nominal_m_s), true) = (nominal, status.depositing) {
-            let share = 1.0 - (-dt_s / settings.flow_averaging_s).exp();
+            let averaging_s = match estimate.encoder_alive {
+                true => settings.flow_averaging_s,
+                false => settings.flow_averaging_alone_s,
+            };
+            let share = 1.0 - (-dt_s / averaging_s).exp();
             self.flow_error += share * (estimate.flow_m_s / nominal_m_s - 1.0 - self.flow_error);
         }
     }

@@ -15,6 +15,8 @@ pub struct Report {
     pub fallbacks: u64,
     /// Solves whose ceiling of the feed had to give way.
     pub softened: u64,
+    /// Coming moves with a trim of their own.
+    pub scheduled: u64,
     /// How long an actuator has stood at its stop `[s]`.
     pub saturated_s: f64,
     /// Estimates or ticks without a command, since an input was too old.

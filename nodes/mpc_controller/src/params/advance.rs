@@ -13,6 +13,8 @@ pub enum AdvanceSource {
     File,
     /// The material's constant.
     Material,
+    /// The law of melt and filament, attached to coming moves; the material's constant where a host cannot do that.
+    Planned,
     /// The advance predictor; without a word of it the file's own.
     Predicted,
 }

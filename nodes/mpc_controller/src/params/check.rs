@@ -36,6 +36,7 @@ pub(super) fn trims(raw: &RawTrims) -> Result<(), ParamError> {
     in_range("trims.speed_gain", raw.speed_gain, "-", (0.0, 1.0))?;
     positive("trims.frame_period_s", raw.frame_period_s, "s")?;
     in_range("trims.delay_s", raw.delay_s, "s", (0.0, 60.0))?;
+    in_range("trims.transient", raw.transient, "-", (0.0, 1.0))?;
     in_range("trims.steady_s", raw.steady_s, "s", (0.0, 10.0))?;
     in_range("trims.speed_spread", raw.speed_spread, "-", (0.0, 1.0))?;
     let samples = (raw.delay_s / raw.frame_period_s).ceil();

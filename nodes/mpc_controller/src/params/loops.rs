@@ -14,6 +14,8 @@ pub struct RawTrims {
     pub frame_period_s: f64,
     /// Exposure to effect `[s]`.
     pub delay_s: f64,
+    /// A larger relative width error is one of the flow while the encoder speaks: a diameter does not jump `[-]`.
+    pub transient: f64,
     /// Wait after a change of path speed `[s]`.
     pub steady_s: f64,
     /// What counts as a change of path speed `[-]`.
@@ -52,4 +54,6 @@ pub struct RawBumpless {
     pub settle_lags: f64,
     /// Time constant of the flow error `[s]`.
     pub flow_averaging_s: f64,
+    /// The same where no encoder closes a loop `[s]`.
+    pub flow_averaging_alone_s: f64,
 }

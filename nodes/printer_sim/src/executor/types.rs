@@ -14,6 +14,12 @@ pub struct Settings {
     pub serial_buffer_moves: usize,
     /// Time that a serial host keeps in the firmware's buffer `[s]`.
     pub serial_buffer_s: f64,
+    /// Moves that a firmware which plans the file itself knows ahead, at most `[-]`.
+    pub plan_moves: usize,
+    /// Time that it knows ahead `[s]`.
+    pub plan_s: f64,
+    /// Highest advance that a scheduled move may have `[s]`.
+    pub schedule_advance_max_s: f64,
     /// Time to stop for a pause and to get going again `[s]`.
     pub pause_ramp_s: f64,
     /// Time that homing takes `[s]`.

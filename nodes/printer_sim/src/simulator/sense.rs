@@ -30,7 +30,8 @@ impl Simulator {
         if self.paces.temperature.due(self.now) {
             self.regulate();
         }
-        if self.paces.encoder.due(self.now) {
+        let fitted = self.params.simulator.sensors.encoder_period_s > 0.0;
+        if fitted && self.paces.encoder.due(self.now) {
             let counts = self.counts();
             self.outputs.push_back(Output::Encoder { stamp: self.now, counts });
         }

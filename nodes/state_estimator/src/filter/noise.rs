@@ -5,6 +5,9 @@ use crate::channel::Channel;
 use crate::printer_model::{State, state};
 use models::status::PrinterStatus;
 
+/// Smallest deviation of a process noise `[-]`: a root has to exist.
+const FLOOR: f64 = 1e-9;
+
 impl Filter {
     /// Process noise over `dt_s`: a random walk, and the flow's own share where the lag is at work. What stands behind a
     /// width, flow and gain, is scaled as the widths' innovations have taught.
@@ -24,16 +27,30 @@ impl Filter {
             match (status.depositing, known) {
                 (true, _) => std * root,
                 (false, true) => std * root * process.frozen,
-                (false, false) => 0.0,
+                (false, false) => FLOOR,
             }
+        };
+        // what nothing is known of grows to what the prior knew; a variance of zero has no root
+        let frozen = |std: f64| {
+            let known = belief.covariance[(state::SLIP, state::SLIP)] < self.params.prior.slip_std.powi(2);
+            if known { std * root * process.frozen } else { FLOOR }
         };
         variances([
             process.block_k * root,
             process.nozzle_k * root,
             process.sensor_k * root,
             flow_std_m_s,
-            walk(process.slip, state::SLIP, self.params.prior.slip_std),
-            walk(learnt * process.gain, state::GAIN, self.params.prior.gain_std),
+            if run.encoder_alive {
+                walk(process.slip, state::SLIP, self.params.prior.slip_std)
+            } else {
+                frozen(process.slip)
+            },
+            // without the encoder the gain is that of gear and road together, and wanders as both do
+            walk(
+                learnt * if run.encoder_alive { process.gain } else { process.gain.hypot(process.slip) },
+                state::GAIN,
+                self.params.prior.gain_std,
+            ),
         ])
     }
 

@@ -6,6 +6,8 @@ use models::params::{ParamError, in_range, ordered, positive};
 fn check_trust(raw: &RawTrust) -> Result<(), ParamError> {
     in_range("trust.age_limit_s", raw.age_limit_s, "s", (0.02, 60.0))?;
     in_range("trust.gate", raw.gate, "-", (1.0, 1e6))?;
+    in_range("trust.gate_again", raw.gate_again, "-", (1.0, raw.gate))?;
+    in_range("trust.step_fade", raw.step_fade, "-", (0.0, 1.0))?;
     in_range("trust.step_samples", f64::from(raw.step_samples), "samples", (1.0, 20.0))?;
     in_range("trust.step_threshold", raw.step_threshold, "-", (1.0, 100.0))?;
     Ok(())

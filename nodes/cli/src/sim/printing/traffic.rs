@@ -41,6 +41,11 @@ impl Printing {
                 let told = self.foresight.on_motion(start, &segment);
                 self.tell(told);
             }
+            Output::Coming { sequence, segment, .. } => {
+                if let Some(trim) = self.controller.on_coming(sequence, &segment) {
+                    _ = self.simulator.on_schedule(trim);
+                }
+            }
             Output::Note { .. } => {}
         }
     }

@@ -1,0 +1,41 @@
+//! Preview: trims attached to coming moves. A corner is planned before it comes, not chased after it.
+
+use super::Controller;
+use crate::params::{AdvanceSource, Level};
+use models::command::{AdvanceLaw, MotionTrim};
+use models::motion::{MoveKind, Segment};
+use models::units::Kelvin;
+
+impl Controller {
+    /// The trim of a coming move, number `sequence`; `None` where corrections or preview are off, nothing is laid, or
+    /// the nozzle's temperature is not known.
+    ///
+    /// The filament held compressed follows the nominal law `x = a(T_m) u^n + K_lin u` (model book 1.2) at the melt's
+    /// estimated temperature; flow and speed are the plan's.
+    #[must_use]
+    pub fn on_coming(&mut self, sequence: u64, segment: &Segment) -> Option<MotionTrim> {
+        if self.params.control == Level::Off
+            || self.params.advance.source != AdvanceSource::Planned
+            || segment.kind != MoveKind::Deposit
+        {
+            return None;
+        }
+        let estimate = self.estimate?;
+        let (flow, speed) = self.scheduled();
+        let cruise_m_s = segment.filament_per_path() * segment.profile.cruise_m_s * flow * speed;
+        let melt = &self.printer.melt;
+        let flow_m3_s = cruise_m_s * melt.filament_area_m2();
+        let temp = melt.melt_temperature(estimate.nozzle, Kelvin(self.params.ambient_k), flow_m3_s);
+        let extruder = &self.printer.extruder;
+        let advance = AdvanceLaw {
+            linear_s: extruder.linear_lag_s,
+            shear: extruder.compliance_m_n * melt.force_n(melt.filament_area_m2(), temp),
+            index: melt.flow_index(),
+        };
+        let trim = MotionTrim { sequence, flow, speed, advance };
+        trim.is_valid().then(|| {
+            self.report.scheduled += 1;
+            trim
+        })
+    }
+}

@@ -1,0 +1,79 @@
+//! Looking ahead: what moves are coming, and the filament that their roads will hold compressed.
+
+use super::{Coming, Executor, Queued};
+use models::command::{MotionTrim, Trims};
+use models::motion::{MoveKind, Segment};
+use models::units::Seconds;
+
+/// Trims of coming moves that are kept: a second of the shortest ones.
+const SCHEDULED: usize = 1024;
+
+/// What the schedule says of a moment ahead.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ahead {
+    /// Filament that is to be held compressed then `[m]`.
+    Advance(f64),
+    /// No road is laid then, whatever is scheduled.
+    NoRoad,
+    /// A road without a trim of its own.
+    Unscheduled,
+}
+
+impl Executor {
+    /// Moves that have become known since the last call.
+    pub fn take_coming(&mut self) -> Vec<Coming> {
+        std::mem::take(&mut self.coming)
+    }
+
+    /// Attaches a trim to a move that has not begun; one that has, or is out of order, is not taken.
+    pub fn schedule(&mut self, trim: MotionTrim) -> bool {
+        let late = self.active.as_ref().is_some_and(|active| trim.sequence <= active.sequence);
+        let order = self.schedule.back().is_none_or(|last| last.sequence < trim.sequence);
+        if late || !order || self.schedule.len() >= SCHEDULED {
+            return false;
+        }
+        self.schedule.push_back(trim);
+        true
+    }
+
+    /// What the schedule says of `ahead_s` from now, under the trims in force.
+    #[must_use]
+    pub fn ahead(&self, ahead_s: f64, trims: &Trims) -> Ahead {
+        let pace = trims.speed * self.pace * self.sliced.speed_factor;
+        let mut left_s = ahead_s * pace;
+        let scale = trims.flow * pace * self.sliced.flow_factor;
+        if let Some(active) = &self.active {
+            let remains_s = active.segment.profile.duration().0 - active.elapsed_s;
+            if left_s <= remains_s {
+                return self.held(active.sequence, &active.segment, (active.elapsed_s + left_s, scale));
+            }
+            left_s -= remains_s;
+        }
+        for queued in &self.queue {
+            match queued {
+                Queued::Move(Coming { sequence, segment }, _) => {
+                    let duration_s = segment.profile.duration().0;
+                    if left_s <= duration_s {
+                        return self.held(*sequence, segment, (left_s, scale));
+                    }
+                    left_s -= duration_s;
+                }
+                Queued::Act(action) if action.stops() => return Ahead::NoRoad,
+                Queued::Act(_) => {}
+            }
+        }
+        Ahead::NoRoad
+    }
+
+    /// Compressed filament of a move at a time into it.
+    fn held(&self, sequence: u64, segment: &Segment, (at_s, scale): (f64, f64)) -> Ahead {
+        if segment.kind != MoveKind::Deposit {
+            return Ahead::NoRoad;
+        }
+        let Some(trim) = self.schedule.iter().find(|trim| trim.sequence == sequence) else {
+            return Ahead::Unscheduled;
+        };
+        let feed_m_s = segment.filament_per_path() * segment.profile.at(Seconds(at_s)).speed_m_s * scale;
+        Ahead::Advance(trim.advance.held_m(feed_m_s).min(self.settings.schedule_advance_max_s * feed_m_s))
+    }
+}

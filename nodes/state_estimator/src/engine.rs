@@ -1,0 +1,174 @@
+//! The filter's form, behind one parameter: all three have the same interface and know nothing of the printer.
+
+use crate::extended::Ekf;
+use crate::square_root::SquareRootUkf;
+use crate::ukf::{Gaussian, Health, Measurement, Spread, Ukf, Update};
+use nalgebra::{SMatrix, SVector};
+use serde::Deserialize;
+
+/// Which filter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Form {
+    /// Unscented, carrying the root of the covariance.
+    SquareRoot,
+    /// Unscented, carrying the covariance.
+    Unscented,
+    /// Extended.
+    Extended,
+}
+
+/// A filter of one of the forms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one a process, never moved")]
+pub enum Engine<const N: usize> {
+    /// See [`Form::SquareRoot`].
+    SquareRoot(SquareRootUkf<N>),
+    /// See [`Form::Unscented`].
+    Unscented(Ukf<N>),
+    /// See [`Form::Extended`].
+    Extended(Ekf<N>),
+}
+
+impl<const N: usize> Engine<N> {
+    /// Starts from a prior; the spread is that of sigma points, which the extended form has none of.
+    #[must_use]
+    pub fn new(form: Form, prior: Gaussian<N>, spread: Spread) -> Self {
+        match form {
+            Form::SquareRoot => Self::SquareRoot(SquareRootUkf::new(prior, spread)),
+            Form::Unscented => Self::Unscented(Ukf::new(prior, spread)),
+            Form::Extended => Self::Extended(Ekf::new(prior)),
+        }
+    }
+
+    /// What is believed now.
+    #[must_use]
+    pub fn belief(&self) -> &Gaussian<N> {
+        match self {
+            Self::SquareRoot(filter) => filter.belief(),
+            Self::Unscented(filter) => filter.belief(),
+            Self::Extended(filter) => filter.belief(),
+        }
+    }
+
+    fn set_covariance(&mut self, covariance: SMatrix<f64, N, N>) {
+        match self {
+            Self::SquareRoot(filter) => filter.set_covariance(covariance),
+            Self::Unscented(filter) => filter.set_covariance(covariance),
+            Self::Extended(filter) => filter.set_covariance(covariance),
+        }
+    }
+
+    /// Adds to the covariance: for a state that may have jumped.
+    pub fn inflate(&mut self, addition: &SMatrix<f64, N, N>) {
+        self.set_covariance(self.belief().covariance + addition);
+    }
+
+    /// Takes a state's correlations away: what is measured of others says nothing of it any more, so that it stands
+    /// while its own uncertainty goes on.
+    pub fn freeze(&mut self, index: usize) {
+        let mut covariance = self.belief().covariance;
+        let own = covariance[(index, index)];
+        covariance.row_mut(index).fill(0.0);
+        covariance.column_mut(index).fill(0.0);
+        covariance[(index, index)] = own;
+        self.set_covariance(covariance);
+    }
+
+    /// Carries the belief through `process` and adds `noise`.
+    pub fn predict(
+        &mut self,
+        noise: &SMatrix<f64, N, N>,
+        process: impl FnMut(&SVector<f64, N>) -> SVector<f64, N>,
+    ) -> Health {
+        match self {
+            Self::SquareRoot(filter) => filter.predict(noise, process),
+            Self::Unscented(filter) => filter.predict(noise, process),
+            Self::Extended(filter) => filter.predict(noise, process),
+        }
+    }
+
+    /// Takes a measurement in, unless its normalised innovation exceeds the gate.
+    pub fn update<const M: usize>(
+        &mut self,
+        measurement: &Measurement<M>,
+        observe: impl FnMut(&SVector<f64, N>) -> SVector<f64, M>,
+    ) -> Update<M> {
+        match self {
+            Self::SquareRoot(filter) => filter.update(measurement, observe),
+            Self::Unscented(filter) => filter.update(measurement, observe),
+            Self::Extended(filter) => filter.update(measurement, observe),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{matrix, vector};
+
+    const SPREAD: Spread = Spread { alpha: 0.3, beta: 2.0, kappa: 0.0 };
+
+    /// The root form equals the plain one on any model.
+    #[test]
+    fn the_forms_agree() {
+        let prior = Gaussian {
+            mean: vector![1.0, 0.5, 0.1],
+            covariance: SMatrix::from_diagonal(&vector![0.04, 0.01, 0.01]),
+        };
+        let noise = SMatrix::from_diagonal(&vector![1e-4, 1e-4, 1e-6]);
+        let form = |form| Engine::new(form, prior, SPREAD);
+        let mut filters = [form(Form::Unscented), form(Form::SquareRoot)];
+        for step in 0..200 {
+            let value = vector![0.4 + 0.1 * (f64::from(step) * 0.3).sin()];
+            for filter in &mut filters {
+                let health =
+                    filter.predict(&noise, |x| vector![x[0] * 0.9 + 0.1 + x[1] * x[2], x[1], x[2].sin()]);
+                assert_eq!(health, Health::Sound);
+                let measurement = Measurement { value, noise: matrix![0.01], gate: f64::INFINITY };
+                assert!(matches!(filter.update(&measurement, |x| vector![x[0] * x[1]]), Update::Applied(_)));
+            }
+            let [plain, root] = &filters;
+            assert!((plain.belief().mean - root.belief().mean).amax() < 1e-11);
+            assert!((plain.belief().covariance - root.belief().covariance).amax() < 1e-11);
+        }
+    }
+
+    /// Central differences of a line are its slope but for rounding: on a linear model all forms are Kalman's filter.
+    #[test]
+    fn the_forms_agree_on_a_linear_model() {
+        let prior = Gaussian { mean: vector![1.0, -0.5], covariance: matrix![1.0, 0.2; 0.2, 0.5] };
+        let transition = matrix![1.0, 0.1; -0.2, 0.9];
+        let noise = SMatrix::from_diagonal(&vector![1e-3, 2e-3]);
+        let mut filters = [Form::Unscented, Form::Extended].map(|form| Engine::new(form, prior, SPREAD));
+        for step in 0..50 {
+            let value = vector![(f64::from(step) * 0.3).sin()];
+            for filter in &mut filters {
+                assert_eq!(filter.predict(&noise, |x| transition * x), Health::Sound);
+                let measurement = Measurement { value, noise: matrix![0.04], gate: f64::INFINITY };
+                assert!(matches!(
+                    filter.update(&measurement, |x| vector![x[0] + 2.0 * x[1]]),
+                    Update::Applied(_)
+                ));
+            }
+            let [plain, extended] = &filters;
+            // rounding of the differences: 1e-16 over a step of 1e-3 deviations, over fifty steps
+            assert!((plain.belief().mean - extended.belief().mean).amax() < 1e-9);
+            assert!((plain.belief().covariance - extended.belief().covariance).amax() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_frozen_state_is_not_moved_by_measurements_of_others() {
+        for form in [Form::SquareRoot, Form::Unscented, Form::Extended] {
+            let prior = Gaussian { mean: vector![0.0, 0.0], covariance: matrix![1.0, 0.8; 0.8, 1.0] };
+            let mut filter = Engine::new(form, prior, SPREAD);
+            filter.freeze(1);
+            let measurement = Measurement { value: vector![2.0], noise: matrix![0.1], gate: f64::INFINITY };
+            filter.update(&measurement, |x| vector![x[0]]);
+            let belief = filter.belief();
+            assert!(belief.mean[0] > 1.0 && belief.mean[1].abs() < 1e-12);
+            assert!((belief.covariance[(1, 1)] - 1.0).abs() < 1e-12);
+        }
+    }
+}
