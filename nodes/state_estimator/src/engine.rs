@@ -20,7 +20,6 @@ pub enum Form {
 
 /// A filter of one of the forms.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one a process, never moved")]
 pub enum Engine<const N: usize> {
     /// See [`Form::SquareRoot`].
     SquareRoot(SquareRootUkf<N>),

@@ -109,8 +109,7 @@ fn rank_one<const N: usize>(root: &mut SMatrix<f64, N, N>, mut vector: SVector<f
     for k in 0..N {
         let (diagonal, entry) = (root[(k, k)], vector[k]);
         let square = diagonal * diagonal + sign * entry * entry;
-        // also refuses NaN
-        if !(square > 0.0) {
+        if square.is_nan() || square <= 0.0 {
             return Health::Diverged;
         }
         let radius = square.sqrt();
