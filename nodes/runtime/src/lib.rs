@@ -61,6 +61,7 @@ mod environment;
 mod error;
 mod heartbeat;
 mod inlet;
+mod installed;
 mod lifecycle;
 mod logging;
 mod names;

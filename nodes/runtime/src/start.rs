@@ -3,6 +3,7 @@
 use crate::args::{Args, ArgsError};
 use crate::bounds;
 use crate::error::{RuntimeError, chain};
+use crate::installed;
 use crate::lifecycle;
 use crate::logging;
 use crate::node::Node;
@@ -53,7 +54,7 @@ where
     E: Error + 'static,
 {
     bounds::set()?;
-    let args = Args::from_env()?;
+    let args = installed::complete(Args::from_env()?, name);
     if let Some(word) = args.rest.first() {
         return Err(ArgsError::NotTaken(word.clone()).into());
     }

@@ -1,6 +1,7 @@
 //! What is installed where, and with which contents.
 
 use super::{MANIFEST, PACKAGE};
+use crate::config::ConfigDir;
 use crate::up::recipes::NODES;
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
@@ -9,6 +10,8 @@ use std::path::{Path, PathBuf};
 const MORE_PROGRAMS: [&str; 2] = ["printer_bridge", "fdm"];
 /// A file that `fdm up` can print at once.
 const EXAMPLE: &str = "prusa_cube_pla_marlin_relE.gcode";
+/// Material of the nodes that `ros2 run` starts without a parameter file.
+const MATERIAL: &str = "PLA";
 /// What parameter files of a clone call their networks, and what they become.
 const IN_A_CLONE: &str = ": config/models/";
 /// The setup file of a package, as ament calls it; one text suits all three shells.
@@ -63,6 +66,7 @@ impl Layout {
         layout.programs(programs)?;
         let share = PathBuf::from("share").join(PACKAGE);
         layout.config(&source.join("config"), &share.join("config"), prefix)?;
+        layout.lists_of_files(&source.join("config"), &share.join("config"))?;
         let scripts = source.join("launch_scripts");
         layout.launch_files(&scripts, &share.join("launch"))?;
         layout.copy(&scripts.join("package.xml"), share.join("package.xml"))?;
@@ -127,6 +131,21 @@ impl Layout {
             if text.contains(IN_A_CLONE) {
                 file.contents = Contents::Text(text.replace(IN_A_CLONE, &here));
             }
+        }
+        Ok(())
+    }
+
+    /// What a node reads that is started without a parameter file, see `runtime/src/installed.rs`.
+    fn lists_of_files(&mut self, from: &Path, to: &Path) -> anyhow::Result<()> {
+        let config = ConfigDir::find(Some(from))?;
+        for node in NODES.into_iter().chain(["printer_bridge"]) {
+            let mut list = String::new();
+            for file in config.files_of(node, MATERIAL) {
+                let name = file.strip_prefix(from)?.display().to_string();
+                list.push_str(&name);
+                list.push('\n');
+            }
+            self.text(to.join(format!("{node}.files")), list);
         }
         Ok(())
     }
