@@ -5,6 +5,8 @@
 #[path = "idl_conformance/definition.rs"]
 #[allow(dead_code, reason = "one of two users of it")]
 mod definition;
+#[path = "install/first.rs"]
+mod first;
 #[path = "install/layouts.rs"]
 mod layouts;
 #[path = "install/package.rs"]

@@ -164,11 +164,11 @@ impl Layout {
         Ok(())
     }
 
-    /// The Python files of a folder: launch files, and what they share.
+    /// Launch files, what they share, and parameters of tools.
     fn launch_files(&mut self, from: &Path, to: &Path) -> anyhow::Result<()> {
         for entry in std::fs::read_dir(from).with_context(|| from.display().to_string())? {
             let name = entry?.file_name();
-            if name.to_string_lossy().ends_with(".py") {
+            if [".py", ".yaml"].iter().any(|ending| name.to_string_lossy().ends_with(ending)) {
                 self.copy(&from.join(&name), to.join(&name))?;
             }
         }
