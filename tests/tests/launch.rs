@@ -184,11 +184,22 @@ fn a_replay_is_fdm_play_with_the_clock() {
     let bag = std::env::temp_dir().join(format!("fdm_launch_replay_{}", std::process::id()));
     std::fs::create_dir_all(&bag).unwrap();
     std::fs::write(bag.join("metadata.yaml"), "").unwrap();
-    let replay = processes(&launched("replay", &[&format!("bag:={}", bag.display()), "rate:=2.5"]));
+    let argument = format!("bag:={}", bag.display());
+    let replay = processes(&launched("replay", &[&argument, "rate:=2.5"]));
     assert_eq!(replay[0]["program"], binaries().join("fdm").to_str().unwrap());
-    let expected = serde_json::json!(["play", bag, "--clock", "--rate", "2.5"]);
-    assert_eq!((replay.len(), &replay[0]["arguments"]), (1, &expected));
+    let words =
+        serde_json::json!(["play", bag, "--clock", "--rate", "2.5", "--start", "0.0", "--times", "1"]);
+    assert_eq!((replay.len(), &replay[0]["arguments"]), (1, &words));
     assert_eq!(replay[0]["ends_all"], true);
+    // With the brains only inputs are played: nobody says a second time what a brain says.
+    let brains = processes(&launched("replay", &[&argument, "brains:=true", "control:=encoder"]));
+    let (player, nodes) = brains.split_last().unwrap();
+    assert!(player["arguments"].as_array().unwrap().contains(&"--inputs".into()), "{player}");
+    assert_eq!(nodes.len(), 4);
+    for node in nodes.iter().map(meaning) {
+        assert!(node[3].contains("use_sim_time: true"), "{node:?}");
+        assert!(node[0] != "mpc_controller" || node[3].contains("control: \"encoder\""), "{node:?}");
+    }
     std::fs::remove_dir_all(bag).unwrap();
 }
 
@@ -236,6 +247,7 @@ fn what_is_wrong_is_told_before_anything_starts() {
         ),
         ("monitor", &["camera:=video"], "a driver of its own needs a source"),
         ("replay", &["bag:=config"], "no bag (metadata.yaml is missing)"),
+        ("replay", &["bag:=config", "brains:=perhaps"], "brains:=perhaps is not one of"),
     ] {
         let output = launched(file, arguments);
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
