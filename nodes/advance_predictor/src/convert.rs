@@ -11,13 +11,13 @@ use crate::predictor::{Event, Output};
 const TARGET_MAX_C: f64 = 600.0;
 
 /// A move that begins.
-pub(crate) fn motion(wire: &MotionSegment) -> Result<(Seconds, Event), WireError> {
+pub fn motion(wire: &MotionSegment) -> Result<(Seconds, Event), WireError> {
     let planned = motion_from_wire(wire)?;
     Ok((planned.start, Event::Move(planned.segment)))
 }
 
 /// The set-point in force.
-pub(crate) fn printer(wire: &PrinterState) -> Result<(Seconds, Event), WireError> {
+pub fn printer(wire: &PrinterState) -> Result<(Seconds, Event), WireError> {
     let stamp = stamp_from_wire(&wire.header)?;
     let value = wire.hotend_target_degc;
     if !value.is_finite() {
@@ -35,7 +35,7 @@ pub(crate) fn printer(wire: &PrinterState) -> Result<(Seconds, Event), WireError
 }
 
 /// What is known at `now`.
-pub(crate) fn prediction(now: Seconds, output: &Output) -> AdvancePrediction {
+pub fn prediction(now: Seconds, output: &Output) -> AdvancePrediction {
     let mut wire = AdvancePrediction { header: Header::at(now.0), ..AdvancePrediction::default() };
     if let Some(advance) = &output.advance {
         wire.advance_known = true;

@@ -12,7 +12,8 @@
 
 pub mod compensation;
 #[cfg(feature = "ros")]
-mod convert;
+#[doc(hidden)] // for `fdm replay`, which reads and says what the node does
+pub mod convert;
 pub mod network;
 #[cfg(feature = "ros")]
 pub mod node;

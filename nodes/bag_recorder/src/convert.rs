@@ -1,13 +1,13 @@
 //! Between the graph's types and the bag's.
 
+use crate::contents::Channel;
+use crate::offered_qos::OfferedQos;
+use crate::params::Params;
 use crate::writer::Recorded;
-use bag_recorder::contents::Channel;
-use bag_recorder::offered_qos::OfferedQos;
-use bag_recorder::params::Params;
 use fdm_loop_msgs::PrintInfo;
+use runtime::Node;
 use runtime::qos::{Durability, Reliability};
 use runtime::topics::TopicInfo;
-use runtime::{Node, RawSubscription};
 use std::collections::BTreeMap;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -17,19 +17,16 @@ fn build() -> String {
     format!("{} {commit}", env!("CARGO_PKG_VERSION"))
 }
 
-/// How a topic stands in a bag.
-pub(crate) fn recorded(subscription: &RawSubscription, topic: &TopicInfo) -> Recorded {
+/// How a topic stands in a bag; `resolved` is its name on the graph.
+pub fn recorded(resolved: String, topic: &TopicInfo) -> Recorded {
     let offered = topic.qos.offered;
     let qos = OfferedQos {
         reliable: offered.reliability == Reliability::Reliable,
         transient_local: offered.durability == Durability::TransientLocal,
         depth: offered.depth,
     };
-    let channel = Channel {
-        topic: subscription.topic().to_owned(),
-        type_name: subscription.type_name().to_owned(),
-        offered_qos: qos.text(),
-    };
+    let channel =
+        Channel { topic: resolved, type_name: topic.definition.full_name(), offered_qos: qos.text() };
     Recorded { channel, schema: topic.definition.schema_text() }
 }
 

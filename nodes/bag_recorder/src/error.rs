@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// The recorder's errors.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub(crate) enum RecorderError {
+pub enum RecorderError {
     /// The graph.
     #[error(transparent)]
     Runtime(#[from] RuntimeError),
@@ -45,12 +45,12 @@ pub(crate) enum RecorderError {
 
 impl RecorderError {
     /// For `map_err` of file operations.
-    pub(crate) fn file(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+    pub fn file(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::File { what, path: path.to_path_buf(), source }
     }
 
     /// For `map_err` of MCAP operations.
-    pub(crate) fn mcap(what: &'static str, path: &Path) -> impl FnOnce(mcap::McapError) -> Self {
+    pub fn mcap(what: &'static str, path: &Path) -> impl FnOnce(mcap::McapError) -> Self {
         move |source| Self::Mcap { what, path: path.to_path_buf(), source }
     }
 }

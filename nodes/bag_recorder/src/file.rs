@@ -1,7 +1,7 @@
 //! One MCAP file of a bag while it is written.
 
+use crate::contents::{Channel, FileContents};
 use crate::error::RecorderError;
-use bag_recorder::contents::{Channel, FileContents};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, WriteOptions, Writer};
 use std::collections::BTreeMap;
@@ -10,9 +10,9 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 /// Name of the metadata records that say what was printed, by what software, with what configuration.
-pub(crate) const NOTE: &str = "fdm_loop";
+pub const NOTE: &str = "fdm_loop";
 /// Key of a channel's metadata that holds the quality of service.
-pub(crate) const QOS_KEY: &str = "offered_qos_profiles";
+pub const QOS_KEY: &str = "offered_qos_profiles";
 /// Encoding of the schemas.
 const SCHEMA_ENCODING: &str = "ros2msg";
 /// Encoding of the messages.
@@ -22,7 +22,7 @@ const BUFFER: usize = 256 * 1024;
 
 /// How messages lie in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Form {
+pub enum Form {
     /// Record after record: what is written is readable after a kill.
     Plain,
     /// In compressed chunks with an index.
@@ -31,17 +31,17 @@ pub(crate) enum Form {
 
 /// Times and number of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Stamp {
+pub struct Stamp {
     /// Time of receipt on the node's clock `[ns]`.
-    pub(crate) log_ns: u64,
+    pub log_ns: u64,
     /// Time of sending by the publisher `[ns]`.
-    pub(crate) publish_ns: u64,
+    pub publish_ns: u64,
     /// Number of the message by its publisher, modulo 2^32.
-    pub(crate) sequence: u32,
+    pub sequence: u32,
 }
 
 /// A file being written.
-pub(crate) struct BagFile {
+pub struct BagFile {
     writer: Writer<BufWriter<File>>,
     path: PathBuf,
     ids: BTreeMap<Channel, u16>,
@@ -50,7 +50,7 @@ pub(crate) struct BagFile {
 
 impl BagFile {
     /// Makes a file that is not there yet; `contents` names it as it will be called when finished.
-    pub(crate) fn create(path: &Path, form: Form, number: u32, name: String) -> Result<Self, RecorderError> {
+    pub fn create(path: &Path, form: Form, number: u32, name: String) -> Result<Self, RecorderError> {
         let file = OpenOptions::new()
             .write(true)
             .create_new(true)
@@ -70,12 +70,12 @@ impl BagFile {
     }
 
     /// A second handle, for the thread that syncs.
-    pub(crate) fn handle(&self) -> Result<File, RecorderError> {
+    pub fn handle(&self) -> Result<File, RecorderError> {
         File::open(&self.path).map_err(RecorderError::file("open", &self.path))
     }
 
     /// Appends a message; the channel is written with its first one.
-    pub(crate) fn write(
+    pub fn write(
         &mut self,
         channel: &Channel,
         schema: &str,
@@ -107,17 +107,17 @@ impl BagFile {
     }
 
     /// Appends a metadata record.
-    pub(crate) fn note(&mut self, note: &Metadata) -> Result<(), RecorderError> {
+    pub fn note(&mut self, note: &Metadata) -> Result<(), RecorderError> {
         self.writer.write_metadata(note).map_err(RecorderError::mcap("write to", &self.path))
     }
 
     /// Hands everything to the system: it survives the end of this process from here on.
-    pub(crate) fn flush(&mut self) -> Result<(), RecorderError> {
+    pub fn flush(&mut self) -> Result<(), RecorderError> {
         self.writer.flush().map_err(RecorderError::mcap("write to", &self.path))
     }
 
     /// Writes summary and footer, waits for the disk, and gives the file its final name.
-    pub(crate) fn finish(mut self) -> Result<FileContents, RecorderError> {
+    pub fn finish(mut self) -> Result<FileContents, RecorderError> {
         self.writer.finish().map_err(RecorderError::mcap("finish", &self.path))?;
         let file = self
             .writer

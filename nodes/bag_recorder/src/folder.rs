@@ -1,10 +1,10 @@
 //! The folder of a bag: lock, listing, and the files `metadata.yaml` and `counts.json` that describe it.
 
+use crate::contents::{Contents, FileContents};
 use crate::error::RecorderError;
+use crate::layout::{Layout, Survey};
+use crate::metadata::{counts_json, metadata_yaml};
 use crate::tally::Tally;
-use bag_recorder::contents::{Contents, FileContents};
-use bag_recorder::layout::{Layout, Survey};
-use bag_recorder::metadata::{counts_json, metadata_yaml};
 use std::fs::{File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A bag's folder; clones share it.
 #[derive(Debug, Clone)]
-pub(crate) struct Folder {
+pub struct Folder {
     shared: Arc<Shared>,
 }
 
@@ -34,7 +34,7 @@ struct State {
 
 impl Folder {
     /// Opens a folder, or makes it, and locks it.
-    pub(crate) fn open(path: &Path, name: &str, tally: Arc<Tally>) -> Result<Self, RecorderError> {
+    pub fn open(path: &Path, name: &str, tally: Arc<Tally>) -> Result<Self, RecorderError> {
         std::fs::create_dir_all(path).map_err(RecorderError::file("make", path))?;
         let lock = File::open(path).map_err(RecorderError::file("open", path))?;
         lock.try_lock().map_err(|error| match error {
@@ -52,17 +52,17 @@ impl Folder {
     }
 
     /// Names of the files.
-    pub(crate) fn layout(&self) -> &Layout {
+    pub fn layout(&self) -> &Layout {
         &self.shared.layout
     }
 
     /// Path of a file.
-    pub(crate) fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.shared.path.join(name)
     }
 
     /// Looks through the folder and removes what a kill left half-made.
-    pub(crate) fn survey(&self) -> Result<Survey, RecorderError> {
+    pub fn survey(&self) -> Result<Survey, RecorderError> {
         let failed = || RecorderError::file("list", &self.shared.path);
         let mut names = Vec::new();
         for entry in std::fs::read_dir(&self.shared.path).map_err(failed())? {
@@ -76,20 +76,20 @@ impl Folder {
     }
 
     /// Removes a file.
-    pub(crate) fn remove(&self, name: &str) -> Result<(), RecorderError> {
+    pub fn remove(&self, name: &str) -> Result<(), RecorderError> {
         let path = self.path(name);
         std::fs::remove_file(&path).map_err(RecorderError::file("remove", &path))
     }
 
     /// Takes a finished file in and describes the folder anew.
-    pub(crate) fn add(&self, file: FileContents) -> Result<(), RecorderError> {
+    pub fn add(&self, file: FileContents) -> Result<(), RecorderError> {
         let mut state = self.state();
         state.contents.add(file);
         self.describe(&state)
     }
 
     /// Names the file that is being written, or `None` at the end, and describes the folder anew.
-    pub(crate) fn set_active(&self, active: Option<String>) -> Result<(), RecorderError> {
+    pub fn set_active(&self, active: Option<String>) -> Result<(), RecorderError> {
         let mut state = self.state();
         state.active = active;
         self.describe(&state)

@@ -18,11 +18,33 @@
 //! | [`offered_qos`] | quality of service as bags write it |
 //! | [`order`] | log time of each message |
 //! | [`params`] | the parameters |
+//! | `node`, `writer`, `file`, `folder`, `recovery` | the shell, behind the feature `ros`: files and threads; `fdm` uses them too |
 #![forbid(unsafe_code)]
 
 pub mod contents;
+#[cfg(feature = "ros")]
+mod convert;
+#[cfg(feature = "ros")]
+pub mod error;
+#[cfg(feature = "ros")]
+pub mod file;
+#[cfg(feature = "ros")]
+pub mod folder;
 pub mod layout;
 pub mod metadata;
+#[cfg(feature = "ros")]
+pub mod node;
 pub mod offered_qos;
 pub mod order;
 pub mod params;
+#[cfg(feature = "ros")]
+pub mod recovery;
+#[cfg(feature = "ros")]
+pub mod tally;
+#[cfg(feature = "ros")]
+pub mod whole;
+#[cfg(feature = "ros")]
+pub mod writer;
+
+#[cfg(feature = "ros")]
+pub use convert::recorded;

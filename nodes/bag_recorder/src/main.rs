@@ -1,16 +1,5 @@
-//! Records every topic of a printer to a rosbag2-compatible MCAP bag.
-#![forbid(unsafe_code)]
+//! Entry point.
 
-mod convert;
-mod error;
-mod file;
-mod folder;
-mod node;
-mod recovery;
-mod tally;
-mod writer;
-
-/// Entry point.
 fn main() -> std::process::ExitCode {
-    runtime::run("bag_recorder", node::run)
+    runtime::run("bag_recorder", bag_recorder::node::run)
 }

@@ -3,9 +3,9 @@
 use crate::convert;
 use crate::error::RecorderError;
 use crate::folder::Folder;
+use crate::params::Params;
 use crate::tally::Tally;
 use crate::writer::{Item, Queue, Recorded, Recorder, Sample, Settings};
-use bag_recorder::params::Params;
 use runtime::{Diagnostics, Gid, Level, Node, RawMessage, RawSubscription, Shutdown, Work, topics};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ const CLOCK_LOOK: Duration = Duration::from_millis(5);
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Records until the end is demanded.
-pub(crate) async fn run(mut node: Node) -> Result<(), RecorderError> {
+pub async fn run(mut node: Node) -> Result<(), RecorderError> {
     let params: Params = node.parameters()?;
     let (recorded, subscriptions) = subscribe(&mut node, &params)?;
     node.activated().await;
@@ -72,7 +72,7 @@ fn subscribe(
         let resolved = node.resolve(topic.name);
         if !params.leave_out.iter().any(|name| *name == topic.name || *name == resolved) {
             let subscription = node.subscribe_raw(&convert::requested(topic, params))?;
-            recorded.push(convert::recorded(&subscription, topic));
+            recorded.push(convert::recorded(subscription.topic().to_owned(), topic));
             subscriptions.push(subscription);
         }
     }

@@ -1,10 +1,10 @@
 //! Earlier files of a bag: what finished ones hold, and finished ones made out of what a kill left.
 
+use crate::contents::{Channel, FileContents};
 use crate::error::RecorderError;
 use crate::file::{BagFile, Form, QOS_KEY, Stamp};
 use crate::folder::Folder;
 use crate::tally::Tally;
-use bag_recorder::contents::{Channel, FileContents};
 use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions, SummaryReadEvent, SummaryReader};
 use mcap::{McapError, Summary};
@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Reads what a finished file holds from its summary.
-pub(crate) fn read_finished(folder: &Folder, number: u32) -> Result<FileContents, RecorderError> {
+pub fn read_finished(folder: &Folder, number: u32) -> Result<FileContents, RecorderError> {
     let name = folder.layout().finished(number);
     let path = folder.path(&name);
     let summary = read_summary(&path).map_err(RecorderError::mcap("read", &path))?;
@@ -59,7 +59,7 @@ fn channel_of(topic: &str, type_name: String, metadata: &BTreeMap<String, String
 
 /// Copies the whole records of each leftover into a finished file. `stop` ends it early: the rest waits for the next
 /// start. What cannot be read at all is left as it is, and told.
-pub(crate) fn recover_all(folder: &Folder, leftover: &[u32], tally: &Tally, stop: &AtomicBool) {
+pub fn recover_all(folder: &Folder, leftover: &[u32], tally: &Tally, stop: &AtomicBool) {
     for number in leftover {
         match recover(folder, *number, stop) {
             Ok(Some(total)) => {

@@ -1,12 +1,12 @@
 //! The thread that writes, and the one that waits for the disk.
 
+use crate::contents::Channel;
 use crate::error::RecorderError;
 use crate::file::{BagFile, Form, NOTE, Stamp};
 use crate::folder::Folder;
+use crate::order::{Order, Place};
 use crate::recovery;
 use crate::tally::Tally;
-use bag_recorder::contents::Channel;
-use bag_recorder::order::{Order, Place};
 use mcap::records::Metadata;
 use models::units::Seconds;
 use std::collections::BTreeMap;
@@ -19,15 +19,15 @@ use std::time::Duration;
 
 /// A topic that is recorded.
 #[derive(Debug, Clone)]
-pub(crate) struct Recorded {
+pub struct Recorded {
     /// How the bag names it.
-    pub(crate) channel: Channel,
+    pub channel: Channel,
     /// Schema text.
-    pub(crate) schema: String,
+    pub schema: String,
 }
 
 /// What waits for the writer.
-pub(crate) enum Item {
+pub enum Item {
     /// A message.
     Message(Sample),
     /// Keys and values of a `fdm_loop` record.
@@ -35,39 +35,39 @@ pub(crate) enum Item {
 }
 
 /// A message to be written.
-pub(crate) struct Sample {
+pub struct Sample {
     /// Number of the topic.
-    pub(crate) topic: usize,
+    pub topic: usize,
     /// Time of receipt on the node's clock.
-    pub(crate) received: Seconds,
+    pub received: Seconds,
     /// Time of sending by the publisher `[ns]`.
-    pub(crate) publish_ns: Option<u64>,
+    pub publish_ns: Option<u64>,
     /// Number of the message by its publisher.
-    pub(crate) sequence: u32,
+    pub sequence: u32,
     /// CDR with its encapsulation header.
-    pub(crate) payload: Vec<u8>,
+    pub payload: Vec<u8>,
 }
 
 /// What the writer is told at the start.
-pub(crate) struct Settings {
-    pub(crate) topics: Vec<Recorded>,
-    pub(crate) tally: Arc<Tally>,
-    pub(crate) note: BTreeMap<String, String>,
-    pub(crate) queue_length: usize,
-    pub(crate) sync_period: Duration,
-    pub(crate) late_max: Seconds,
+pub struct Settings {
+    pub topics: Vec<Recorded>,
+    pub tally: Arc<Tally>,
+    pub note: BTreeMap<String, String>,
+    pub queue_length: usize,
+    pub sync_period: Duration,
+    pub late_max: Seconds,
 }
 
 /// One end of the bounded queue to the writer; clones share it.
 #[derive(Clone)]
-pub(crate) struct Queue {
+pub struct Queue {
     sender: SyncSender<Item>,
     waiting: Arc<AtomicUsize>,
 }
 
 impl Queue {
     /// Hands an item to the writer; false where the queue is full, or the writer has ended. Never waits.
-    pub(crate) fn offer(&self, item: Item) -> bool {
+    pub fn offer(&self, item: Item) -> bool {
         // Counted before: the writer may have taken it by the next line.
         self.waiting.fetch_add(1, Ordering::Relaxed);
         match self.sender.try_send(item) {
@@ -80,13 +80,13 @@ impl Queue {
     }
 
     /// Items that wait.
-    pub(crate) fn waiting(&self) -> usize {
+    pub fn waiting(&self) -> usize {
         self.waiting.load(Ordering::Relaxed)
     }
 }
 
 /// The running threads.
-pub(crate) struct Recorder {
+pub struct Recorder {
     queue: Queue,
     writer: JoinHandle<Result<(), RecorderError>>,
     syncer: JoinHandle<()>,
@@ -96,7 +96,7 @@ pub(crate) struct Recorder {
 
 impl Recorder {
     /// Begins the next file of the folder. Leftovers of a kill are recovered beside it: nothing waits for them.
-    pub(crate) fn start(folder: Folder, settings: Settings) -> Result<Self, RecorderError> {
+    pub fn start(folder: Folder, settings: Settings) -> Result<Self, RecorderError> {
         let survey = folder.survey()?;
         let tally = Arc::clone(&settings.tally);
         for number in &survey.finished {
@@ -124,17 +124,17 @@ impl Recorder {
     }
 
     /// The queue to the writer.
-    pub(crate) fn queue(&self) -> Queue {
+    pub fn queue(&self) -> Queue {
         self.queue.clone()
     }
 
     /// Whether the writer ended by itself: it failed.
-    pub(crate) fn has_failed(&self) -> bool {
+    pub fn has_failed(&self) -> bool {
         self.writer.is_finished()
     }
 
     /// Finishes the file. Every other end of the queue must be gone.
-    pub(crate) fn finish(self) -> Result<(), RecorderError> {
+    pub fn finish(self) -> Result<(), RecorderError> {
         self.stop_recovery.store(true, Ordering::Relaxed);
         drop(self.queue);
         _ = self.recoverer.join();

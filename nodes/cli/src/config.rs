@@ -1,6 +1,6 @@
 //! Finds and loads the files of `config/`: the same ones, through the same checks, as the nodes get.
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use models::material::Material;
 use models::motion::MotionParams;
 use models::printer::Printer;
@@ -11,8 +11,11 @@ use std::path::{Path, PathBuf};
 
 mod foresight;
 mod machine;
+mod sight;
+mod texts;
 
 pub use foresight::Foresight;
+pub use sight::Sight;
 
 /// Everything that a loop needs to know.
 #[derive(Debug, Clone)]
@@ -35,15 +38,6 @@ pub struct Setup {
     pub sight: Option<Sight>,
     /// The advance predictor, where it is asked.
     pub foresight: Option<Foresight>,
-}
-
-/// Parameters and trained networks of the camera's judge.
-#[derive(Debug, Clone)]
-pub struct Sight {
-    /// Parameters.
-    pub params: defect_classifier::Params,
-    /// Networks and nominal printer.
-    pub models: defect_classifier::Models,
 }
 
 /// A folder like the repository's `config/`.
@@ -203,32 +197,6 @@ impl ConfigDir {
         let path = NodePath { qualified: "/printer/printer_sim".into(), base: "printer_sim".into() };
         let parameters = Parameters::read(&[self.file("printers/ender3_motion.yaml")], &[], &path)?;
         Ok(parameters.block("printer_motion")?)
-    }
-
-    /// The camera's judge.
-    ///
-    /// # Errors
-    /// File, line, field, value and range of what is refused, networks that cannot be read.
-    pub fn sight(&self, material: &str) -> anyhow::Result<Sight> {
-        let path =
-            NodePath { qualified: "/printer/defect_classifier".into(), base: "defect_classifier".into() };
-        let files = self.files_of("defect_classifier", material);
-        let parameters = Parameters::read(&files, &self.model_overrides(), &path)?;
-        let params: defect_classifier::Params =
-            parameters.without(&["printer", "material", "quality"]).parse()?;
-        let text = |file: &Path| {
-            std::fs::read_to_string(file).with_context(|| format!("models: {}", file.display()))
-        };
-        let models = defect_classifier::Models {
-            network: defect_classifier::network::Network::parse(&text(&params.models.network)?)?,
-            edge: defect_classifier::width::EdgeModel::parse(&text(&params.models.edge)?)?,
-            nominal: defect_classifier::layer::Nominal {
-                quality: parameters.block("quality")?,
-                printer: parameters.block("printer")?,
-                material: parameters.block("material")?,
-            },
-        };
-        Ok(Sight { params, models })
     }
 
     /// Path of a network as a parameter.

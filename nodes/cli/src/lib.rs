@@ -14,6 +14,7 @@ pub mod operate;
 pub mod options;
 pub mod output;
 pub mod process;
+pub mod replay;
 pub mod report;
 pub mod sim;
 pub mod up;
@@ -63,6 +64,8 @@ enum Command {
     Install(install::InstallArgs),
     /// Make an HTML page out of a bag: plots, events, pictures, layers.
     Report(report::ReportArgs),
+    /// Run the brains over a bag in virtual time, as recorded or with other parameters.
+    Replay(replay::ReplayArgs),
     /// Judge pictures; train the networks that do.
     Classify(classify::ClassifyArgs),
     /// Parse and plan a file: layers, moves, filament, time, oddities.
@@ -92,6 +95,7 @@ pub fn main() -> ExitCode {
         Command::Doctor(args) => doctor::run(&args),
         Command::Install(args) => install::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::Classify(args) => classify::run(&args),
         Command::Gcode(args) => gcode::run(&args),
         Command::Advance(args) => advance::run(&args),
@@ -106,6 +110,7 @@ pub fn main() -> ExitCode {
             let failed = error.is::<up::PrintFailed>()
                 || error.is::<doctor::Unfit>()
                 || error.is::<faults::LimitsMissed>()
+                || error.is::<replay::Differs>()
                 || error.is::<wire::up::Unfinished>();
             ExitCode::from(if failed { FAILED } else { USAGE })
         }

@@ -17,22 +17,22 @@ const CAMERA_FRAME: &str = "camera_optical";
 /// Source that a width states.
 const SOURCE: &str = "camera";
 
-pub(crate) fn frame(wire: &CompressedImage) -> Result<(Seconds, Event), WireError> {
+pub fn frame(wire: &CompressedImage) -> Result<(Seconds, Event), WireError> {
     let JpegFrame { exposed, jpeg } = wire::frame_from_wire(wire)?;
     Ok((exposed, Event::Frame { exposed, jpeg }))
 }
 
-pub(crate) fn motion(wire: &MotionSegment) -> Result<(Seconds, Event), WireError> {
+pub fn motion(wire: &MotionSegment) -> Result<(Seconds, Event), WireError> {
     let planned = wire::motion_from_wire(wire)?;
     Ok((planned.start, Event::Motion { start: planned.start, segment: Box::new(planned.segment) }))
 }
 
-pub(crate) fn printer(wire: &PrinterState) -> Result<(Seconds, Event), WireError> {
+pub fn printer(wire: &PrinterState) -> Result<(Seconds, Event), WireError> {
     let status = wire::status_from_wire(wire)?;
     Ok((status.stamp, Event::Printer(Box::new(status))))
 }
 
-pub(crate) fn estimate(wire: &StateEstimate) -> Result<(Seconds, Event), WireError> {
+pub fn estimate(wire: &StateEstimate) -> Result<(Seconds, Event), WireError> {
     let reading = wire::estimate_from_wire(wire)?;
     let estimate = EstimateReading {
         stamp: reading.stamp,
@@ -43,7 +43,7 @@ pub(crate) fn estimate(wire: &StateEstimate) -> Result<(Seconds, Event), WireErr
     Ok((reading.stamp, Event::Estimate(estimate)))
 }
 
-pub(crate) fn width(width: &WidthMeasurement) -> BeadWidth {
+pub fn width(width: &WidthMeasurement) -> BeadWidth {
     BeadWidth {
         header: Header::at(width.laid.0),
         width_m: width.width_m,
@@ -52,7 +52,7 @@ pub(crate) fn width(width: &WidthMeasurement) -> BeadWidth {
     }
 }
 
-pub(crate) fn picture(exposed: Seconds, jpeg: Vec<u8>) -> CompressedImage {
+pub fn picture(exposed: Seconds, jpeg: Vec<u8>) -> CompressedImage {
     CompressedImage {
         header: in_camera(exposed),
         format: "bgr8; jpeg compressed bgr8".to_owned(),
@@ -64,7 +64,7 @@ fn in_camera(exposed: Seconds) -> Header {
     Header { frame_id: CAMERA_FRAME.to_owned(), ..Header::at(exposed.0) }
 }
 
-pub(crate) fn defects(defects: &Defects, classes: &[String]) -> DefectReport {
+pub fn defects(defects: &Defects, classes: &[String]) -> DefectReport {
     let blank = DefectReport {
         header: in_camera(defects.exposed),
         frame: defects.frame,
@@ -94,7 +94,7 @@ pub(crate) fn defects(defects: &Defects, classes: &[String]) -> DefectReport {
     }
 }
 
-pub(crate) fn quality(figure: &LayerFigure, machine: &MachineParams) -> LayerQuality {
+pub fn quality(figure: &LayerFigure, machine: &MachineParams) -> LayerQuality {
     LayerQuality {
         header: Header::at(figure.stamp.0),
         layer: figure.layer,
@@ -114,7 +114,7 @@ pub(crate) fn quality(figure: &LayerFigure, machine: &MachineParams) -> LayerQua
     }
 }
 
-pub(crate) fn note(note: &Note, who: &str) -> PrintEvent {
+pub fn note(note: &Note, who: &str) -> PrintEvent {
     PrintEvent {
         header: Header::at(note.stamp.0),
         severity: match note.weight {

@@ -18,7 +18,8 @@ pub mod annotate;
 pub mod camera;
 pub mod classifier;
 #[cfg(feature = "ros")]
-mod convert;
+#[doc(hidden)] // for `fdm replay`, which reads and says what the node does
+pub mod convert;
 mod event;
 pub mod features;
 pub mod frame;

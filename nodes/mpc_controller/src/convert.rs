@@ -12,7 +12,7 @@ use crate::wire::{Measured, WireEvent};
 /// Highest advance that is believed `[s]`, as in commands.
 const ADVANCE_MAX_S: f64 = 10.0;
 
-pub(crate) fn estimate(message: &StateEstimate) -> Result<(Seconds, Event), WireError> {
+pub fn estimate(message: &StateEstimate) -> Result<(Seconds, Event), WireError> {
     let read = wire::estimate_from_wire(message)?;
     let estimate = Estimate {
         stamp: read.stamp,
@@ -27,23 +27,23 @@ pub(crate) fn estimate(message: &StateEstimate) -> Result<(Seconds, Event), Wire
     Ok((read.stamp, Event::Estimate(estimate)))
 }
 
-pub(crate) fn printer(message: &PrinterState) -> Result<(Seconds, Event), WireError> {
+pub fn printer(message: &PrinterState) -> Result<(Seconds, Event), WireError> {
     let status = wire::status_from_wire(message)?;
     Ok((status.stamp, Event::Printer(status)))
 }
 
-pub(crate) fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), WireError> {
+pub fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), WireError> {
     let read = wire::filament_from_wire(message)?;
     Ok((read.stamp, Event::Encoder { stamp: read.stamp, position_m: read.position_m }))
 }
 
-pub(crate) fn width(message: &BeadWidth) -> Result<(Seconds, Event), WireError> {
+pub fn width(message: &BeadWidth) -> Result<(Seconds, Event), WireError> {
     let read = wire::bead_width_from_wire(message)?;
     Ok((read.exposed, Event::Width { exposed: read.exposed, width_m: read.width_m }))
 }
 
 /// A word of the advance predictor; what a flag declares unknown is not read.
-pub(crate) fn prediction(message: &AdvancePrediction) -> Result<(Seconds, Event), WireError> {
+pub fn prediction(message: &AdvancePrediction) -> Result<(Seconds, Event), WireError> {
     let stamp = wire::stamp_from_wire(&message.header)?;
     let advance = message.advance_known.then_some(message).map(foretold).transpose()?;
     let turn = message.turn_known.then_some(message).map(turn).transpose()?;
@@ -91,7 +91,7 @@ fn within(field: &'static str, value: f64, high: f64) -> Result<f64, WireError> 
 }
 
 /// A height; layers count from 0 on the wire, from 1 in the profile.
-pub(crate) fn height(message: &LayerHeight) -> Result<(Seconds, WireEvent), WireError> {
+pub fn height(message: &LayerHeight) -> Result<(Seconds, WireEvent), WireError> {
     let read = wire::layer_height_from_wire(message)?;
     let measured = Measured {
         stamp: read.stamp,
@@ -102,13 +102,13 @@ pub(crate) fn height(message: &LayerHeight) -> Result<(Seconds, WireEvent), Wire
     Ok((read.stamp, WireEvent::Height(measured)))
 }
 
-pub(crate) fn wire_printer(message: &PrinterState) -> Result<(Seconds, WireEvent), WireError> {
+pub fn wire_printer(message: &PrinterState) -> Result<(Seconds, WireEvent), WireError> {
     let status = wire::status_from_wire(message)?;
     Ok((status.stamp, WireEvent::Printer(Box::new(status))))
 }
 
 /// The brain's counters by the reasons of the diagnostics.
-pub(crate) fn reasons(refused: &Refused) -> [(Reason, u64); 2] {
+pub fn reasons(refused: &Refused) -> [(Reason, u64); 2] {
     [(Reason::OutOfRange, refused.invalid), (Reason::Order, refused.late)]
 }
 

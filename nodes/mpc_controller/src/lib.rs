@@ -18,7 +18,8 @@ pub mod advance;
 mod catch_up;
 mod controller;
 #[cfg(feature = "ros")]
-mod convert;
+#[doc(hidden)] // for `fdm replay`, which reads and says what the node does
+pub mod convert;
 mod deadband;
 mod fallback;
 mod input;

@@ -19,28 +19,28 @@ const CAMERA_FRAME: &str = "camera_optical";
 /// Source that a width measurement states until it is made from camera frames.
 const STAND_IN: &str = "stand-in";
 
-pub(crate) fn temperatures(stamp: Seconds, hotend: Celsius, bed: Celsius) -> TemperatureReport {
+pub fn temperatures(stamp: Seconds, hotend: Celsius, bed: Celsius) -> TemperatureReport {
     TemperatureReport { header: Header::at(stamp.0), hotend_degc: hotend.0, bed_degc: bed.0 }
 }
 
-pub(crate) fn filament(stamp: Seconds, counts: i64, quantum_m: f64) -> FilamentReport {
+pub fn filament(stamp: Seconds, counts: i64, quantum_m: f64) -> FilamentReport {
     FilamentReport { header: Header::at(stamp.0), counts, quantum_m }
 }
 
-pub(crate) fn width(exposed: Seconds, width_m: f64, sigma_m: f64) -> BeadWidth {
+pub fn width(exposed: Seconds, width_m: f64, sigma_m: f64) -> BeadWidth {
     BeadWidth { header: Header::at(exposed.0), width_m, sigma_m, source: STAND_IN.into() }
 }
 
-pub(crate) fn imu(batch: Batch) -> ImuBatch {
+pub fn imu(batch: Batch) -> ImuBatch {
     let Batch { first, first_sequence, period, range_m_s2, samples } = batch;
     wire::imu_to_wire(&ImuReading { first, first_sequence, period, range_m_s2, samples }, IMU_FRAME)
 }
 
-pub(crate) fn frame(exposed: Seconds, jpeg: Vec<u8>) -> CompressedImage {
+pub fn frame(exposed: Seconds, jpeg: Vec<u8>) -> CompressedImage {
     wire::frame_to_wire(JpegFrame { exposed, jpeg }, CAMERA_FRAME)
 }
 
-pub(crate) fn note(who: &str, stamp: Seconds, text: String) -> PrintEvent {
+pub fn note(who: &str, stamp: Seconds, text: String) -> PrintEvent {
     PrintEvent {
         header: Header::at(stamp.0),
         severity: PrintEvent::SEVERITY_INFO,
@@ -52,7 +52,7 @@ pub(crate) fn note(who: &str, stamp: Seconds, text: String) -> PrintEvent {
     }
 }
 
-pub(crate) fn truth(truth: &Truth, motor_position_m: f64, first_onset: Option<Seconds>) -> SimTruth {
+pub fn truth(truth: &Truth, motor_position_m: f64, first_onset: Option<Seconds>) -> SimTruth {
     let degc = |kelvin: f64| Celsius::from(Kelvin(kelvin)).0;
     SimTruth {
         header: Header::at(truth.stamp_s),
@@ -87,7 +87,7 @@ pub(crate) fn truth(truth: &Truth, motor_position_m: f64, first_onset: Option<Se
 }
 
 /// A height as sent: layers count from 0 there.
-pub(crate) fn layer_height(sample: &HeightSample, sigma_m: f64) -> LayerHeight {
+pub fn layer_height(sample: &HeightSample, sigma_m: f64) -> LayerHeight {
     LayerHeight {
         header: Header::at(sample.stamp.0),
         layer: sample.layer.saturating_sub(1),
@@ -97,7 +97,7 @@ pub(crate) fn layer_height(sample: &HeightSample, sigma_m: f64) -> LayerHeight {
     }
 }
 
-pub(crate) fn wire_truth(truth: &WireTruth) -> SimWire {
+pub fn wire_truth(truth: &WireTruth) -> SimWire {
     SimWire {
         header: Header::at(truth.stamp.0),
         layer: truth.layer,
@@ -113,7 +113,7 @@ pub(crate) fn wire_truth(truth: &WireTruth) -> SimWire {
 }
 
 /// A fault as the service asks for it, from `now` on.
-pub(crate) fn fault(now: Seconds, asked: &InjectFaultRequest) -> Result<Entry, FaultError> {
+pub fn fault(now: Seconds, asked: &InjectFaultRequest) -> Result<Entry, FaultError> {
     let unknown = |kind: &str, allowed| FaultError::Unknown {
         component: asked.component.clone(),
         kind: kind.to_owned(),

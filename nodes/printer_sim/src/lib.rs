@@ -16,7 +16,8 @@
 
 pub mod camera;
 #[cfg(feature = "ros")]
-mod convert;
+#[doc(hidden)] // for `fdm sim --bag`, which says what the node does
+pub mod convert;
 pub mod drive;
 pub mod executor;
 pub mod fan;

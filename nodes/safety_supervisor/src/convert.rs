@@ -10,46 +10,46 @@ use runtime::wire::{self, WireError};
 
 use crate::event::{Decision, Defect, Event, Operator, PrinterReport, SafetyState, VisionReport, What};
 
-pub(crate) fn hotend(message: &Temperature) -> Result<(Seconds, Event), WireError> {
+pub fn hotend(message: &Temperature) -> Result<(Seconds, Event), WireError> {
     let (stamp, temp) = wire::temperature_from_wire(message)?;
     Ok((stamp, Event::Hotend { stamp, temp }))
 }
 
-pub(crate) fn bed(message: &Temperature) -> Result<(Seconds, Event), WireError> {
+pub fn bed(message: &Temperature) -> Result<(Seconds, Event), WireError> {
     let (stamp, temp) = wire::temperature_from_wire(message)?;
     Ok((stamp, Event::Bed { stamp, temp }))
 }
 
-pub(crate) fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), WireError> {
+pub fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), WireError> {
     let read = wire::filament_from_wire(message)?;
     Ok((read.stamp, Event::Encoder { stamp: read.stamp, position_m: read.position_m }))
 }
 
-pub(crate) fn printer(message: &PrinterState) -> Result<(Seconds, Event), WireError> {
+pub fn printer(message: &PrinterState) -> Result<(Seconds, Event), WireError> {
     let status = wire::status_from_wire(message)?;
     Ok((status.stamp, Event::Printer(PrinterReport::from(&status))))
 }
 
 /// A wish, and what the controller says of the work behind it.
-pub(crate) fn command(message: &ControlCommand) -> Result<(Seconds, [Event; 2]), WireError> {
+pub fn command(message: &ControlCommand) -> Result<(Seconds, [Event; 2]), WireError> {
     let health = wire::control_health_from_wire(message)?;
     let wish = Event::Command(wire::command_from_wire(message)?);
     Ok((wire::stamp_from_wire(&message.header)?, [Event::ControlHealth(health), wish]))
 }
 
 /// Of an estimate the supervisor takes that there is one, and its health; a broken one is none.
-pub(crate) fn estimate(message: &StateEstimate) -> Result<(Seconds, [Event; 2]), WireError> {
+pub fn estimate(message: &StateEstimate) -> Result<(Seconds, [Event; 2]), WireError> {
     let read = wire::estimate_from_wire(message)?;
     let heard = Event::EstimateHeartbeat { stamp: read.stamp };
     Ok((read.stamp, [Event::EstimateHealth(read.health), heard]))
 }
 
-pub(crate) fn imu(message: &ImuBatch) -> Result<(Seconds, Event), WireError> {
+pub fn imu(message: &ImuBatch) -> Result<(Seconds, Event), WireError> {
     let read = wire::imu_from_wire(message)?;
     Ok((read.first, Event::Imu { first: read.first, period: read.period, samples: read.samples }))
 }
 
-pub(crate) fn vision(message: &DefectReport) -> Result<(Seconds, Event), WireError> {
+pub fn vision(message: &DefectReport) -> Result<(Seconds, Event), WireError> {
     let read = wire::defects_from_wire(message)?;
     let report = VisionReport {
         usable: read.usable,
@@ -62,12 +62,12 @@ pub(crate) fn vision(message: &DefectReport) -> Result<(Seconds, Event), WireErr
 }
 
 /// A mode that a person may set.
-pub(crate) fn set_mode(value: u8) -> Option<Mode> {
+pub fn set_mode(value: u8) -> Option<Mode> {
     [Mode::Observe, Mode::Advise, Mode::Act].into_iter().find(|mode| *mode as u8 == value)
 }
 
 /// State as sent, without the counters of the shell.
-pub(crate) fn state(now: Seconds, state: &SafetyState) -> StateMessage {
+pub fn state(now: Seconds, state: &SafetyState) -> StateMessage {
     StateMessage {
         header: Header::at(now.0),
         mode: state.mode as u8,
@@ -83,7 +83,7 @@ pub(crate) fn state(now: Seconds, state: &SafetyState) -> StateMessage {
 }
 
 /// A decision as sent.
-pub(crate) fn event(now: Seconds, who: &str, decision: &Decision) -> PrintEvent {
+pub fn event(now: Seconds, who: &str, decision: &Decision) -> PrintEvent {
     PrintEvent {
         header: Header::at(now.0),
         severity: severity(decision),
@@ -138,7 +138,7 @@ fn operator_name(request: Operator) -> &'static str {
 }
 
 /// Name of a mode, snake_case.
-pub(crate) fn mode_name(mode: Mode) -> &'static str {
+pub fn mode_name(mode: Mode) -> &'static str {
     match mode {
         Mode::Init => "init",
         Mode::Observe => "observe",

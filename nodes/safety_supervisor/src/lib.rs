@@ -27,7 +27,8 @@ pub mod attention;
 pub mod cause;
 pub mod checks;
 #[cfg(feature = "ros")]
-mod convert;
+#[doc(hidden)] // for `fdm replay`, which reads and says what the node does
+pub mod convert;
 pub mod envelope;
 pub mod event;
 pub mod modes;

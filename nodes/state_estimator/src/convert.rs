@@ -9,29 +9,29 @@ use crate::channel::{CHANNELS, Channel, WINDOW};
 use crate::estimator::Estimate;
 use crate::input::{Event, Refused};
 
-pub(crate) fn hotend(message: &Temperature) -> Result<(Seconds, Event), WireError> {
+pub fn hotend(message: &Temperature) -> Result<(Seconds, Event), WireError> {
     let (stamp, temp) = wire::temperature_from_wire(message)?;
     Ok((stamp, Event::Hotend { stamp, temp }))
 }
 
-pub(crate) fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), WireError> {
+pub fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), WireError> {
     let read = wire::filament_from_wire(message)?;
     Ok((read.stamp, Event::Encoder { stamp: read.stamp, position_m: read.position_m }))
 }
 
-pub(crate) fn width(message: &BeadWidth) -> Result<(Seconds, Event), WireError> {
+pub fn width(message: &BeadWidth) -> Result<(Seconds, Event), WireError> {
     let read = wire::bead_width_from_wire(message)?;
     let event = Event::Width { exposed: read.exposed, width_m: read.width_m, sigma_m: read.sigma_m };
     Ok((read.exposed, event))
 }
 
-pub(crate) fn printer(message: &PrinterState) -> Result<(Seconds, Event), WireError> {
+pub fn printer(message: &PrinterState) -> Result<(Seconds, Event), WireError> {
     let status = wire::status_from_wire(message)?;
     Ok((status.stamp, Event::Printer(status)))
 }
 
 /// The brain's counters by the reasons of the diagnostics.
-pub(crate) fn reasons(refused: &Refused) -> [(Reason, u64); 4] {
+pub fn reasons(refused: &Refused) -> [(Reason, u64); 4] {
     [
         (Reason::NotFinite, refused.not_finite),
         (Reason::OutOfRange, refused.out_of_range),
@@ -41,7 +41,7 @@ pub(crate) fn reasons(refused: &Refused) -> [(Reason, u64); 4] {
 }
 
 /// An estimate as sent.
-pub(crate) fn estimate(estimate: &Estimate) -> StateEstimate {
+pub fn estimate(estimate: &Estimate) -> StateEstimate {
     let or_zero = |values: [Option<f64>; CHANNELS]| values.map(|value| value.unwrap_or(0.0)).to_vec();
     StateEstimate {
         header: Header::at(estimate.stamp.0),

@@ -16,7 +16,8 @@
 mod adaptation;
 mod channel;
 #[cfg(feature = "ros")]
-mod convert;
+#[doc(hidden)] // for `fdm replay`, which reads and says what the node does
+pub mod convert;
 pub mod engine;
 mod estimator;
 pub mod extended;

@@ -1,5 +1,5 @@
 use super::*;
-use bag_recorder::layout::Layout;
+use crate::layout::Layout;
 use std::path::PathBuf;
 use std::sync::Arc;
 

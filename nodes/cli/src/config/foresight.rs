@@ -22,11 +22,18 @@ impl ConfigDir {
     /// # Errors
     /// File, line, field, value and range of what is refused, networks that cannot be read.
     pub fn foresight(&self, material: &str) -> anyhow::Result<Foresight> {
-        use advance_predictor::{compensation, turn};
         let path =
             NodePath { qualified: "/printer/advance_predictor".into(), base: "advance_predictor".into() };
         let files = self.files_of("advance_predictor", material);
-        let parameters = Parameters::read(&files, &self.foresight_overrides(material), &path)?;
+        self.foresight_of(&Parameters::read(&files, &self.foresight_overrides(material), &path)?)
+    }
+
+    /// The advance predictor with these parameters.
+    ///
+    /// # Errors
+    /// As [`Self::foresight`].
+    pub fn foresight_of(&self, parameters: &Parameters) -> anyhow::Result<Foresight> {
+        use advance_predictor::{compensation, turn};
         let params: advance_predictor::Params = parameters.without(&["advance_physics"]).parse()?;
         let physics = parameters.block("advance_physics")?;
         let text = |file: &Path| {

@@ -3,10 +3,10 @@
 //! The bag is read once, record by record, in bounded memory, and never changed. What a bag says comes from anywhere:
 //! every text is escaped and cut, every number checked, every count bounded.
 
-mod bag;
+pub(crate) mod bag;
 pub(crate) mod decode;
 mod record;
-mod scan;
+pub(crate) mod scan;
 mod series;
 mod timeline;
 mod view;

@@ -1,6 +1,7 @@
 //! Reads the records of an MCAP file one by one, up to the first that is not whole. The file is only read.
 
 use anyhow::Context;
+use bag_recorder::file::QOS_KEY;
 use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
@@ -16,8 +17,6 @@ const BUFFER: usize = 1024 * 1024;
 
 /// Read at once of a file that is longer than it was when it was opened `[byte]`.
 const BLOCK: usize = 64 * 1024;
-/// Sequence and both times in front of a message's data `[byte]`.
-const STAMPS: usize = 4 + 8 + 8;
 /// What a checksum that does not fit means.
 const CHANGED: &str =
     "does not fit the checksum of its data: something in it was changed or damaged after it was written";
@@ -28,6 +27,10 @@ pub(crate) struct Raw<'a> {
     pub(crate) topic: &'a str,
     pub(crate) type_name: &'a str,
     pub(crate) encoding: &'a str,
+    /// Quality of service as the channel has it; empty where it says none.
+    pub(crate) offered_qos: &'a str,
+    /// Log time `[ns]`.
+    pub(crate) log_ns: u64,
     pub(crate) payload: &'a [u8],
 }
 
@@ -62,6 +65,7 @@ struct Channel {
     topic: String,
     type_name: String,
     encoding: String,
+    offered_qos: String,
 }
 
 /// Schemas and channels by their numbers in the file.
@@ -133,22 +137,21 @@ impl Seen {
                 let (id, schema, topic) = (fields.u16()?, fields.u16()?, fields.text()?.to_owned());
                 let type_name = self.schemas.get(&schema).cloned().unwrap_or_default();
                 let encoding = fields.text()?.to_owned();
-                self.channels.insert(id, Channel { topic, type_name, encoding });
+                let offered_qos = fields.pairs()?.remove(QOS_KEY).unwrap_or_default();
+                self.channels.insert(id, Channel { topic, type_name, encoding, offered_qos });
             }
             op::MESSAGE => {
                 let id = fields.u16()?;
-                let payload = fields.0.get(STAMPS..)?;
-                if let Some(Channel { topic, type_name, encoding }) = self.channels.get(&id) {
-                    visitor.message(&Raw { topic, type_name, encoding, payload });
+                let (_sequence, log_ns) = (fields.u32()?, fields.u64()?);
+                let _publish_ns = fields.u64()?;
+                let payload = fields.0;
+                if let Some(Channel { topic, type_name, encoding, offered_qos }) = self.channels.get(&id) {
+                    visitor.message(&Raw { topic, type_name, encoding, offered_qos, log_ns, payload });
                 }
             }
             op::METADATA => {
-                let (name, mut pairs) = (fields.text()?, Fields(fields.bytes()?));
-                let mut values = BTreeMap::new();
-                while !pairs.0.is_empty() {
-                    values.insert(pairs.text()?.to_owned(), pairs.text()?.to_owned());
-                }
-                visitor.note(name, &values);
+                let name = fields.text()?;
+                visitor.note(name, &fields.pairs()?);
             }
             op::DATA_END => {
                 self.ends += 1;
@@ -185,6 +188,20 @@ impl<'a> Fields<'a> {
         let (front, rest) = self.0.split_at_checked(length)?;
         self.0 = rest;
         Some(front)
+    }
+
+    fn u64(&mut self) -> Option<u64> {
+        self.array().map(u64::from_le_bytes)
+    }
+
+    /// Keys and values behind the count of their bytes.
+    fn pairs(&mut self) -> Option<BTreeMap<String, String>> {
+        let mut pairs = Fields(self.bytes()?);
+        let mut values = BTreeMap::new();
+        while !pairs.0.is_empty() {
+            values.insert(pairs.text()?.to_owned(), pairs.text()?.to_owned());
+        }
+        Some(values)
     }
 
     fn text(&mut self) -> Option<&'a str> {

@@ -32,19 +32,17 @@ impl Foresight {
     }
 
     /// A move begins.
-    pub fn on_motion(&mut self, start: Seconds, segment: &Segment) -> Option<Prediction> {
-        let output = self.predictor.as_mut()?.on_event(Event::Move(*segment))?;
-        Some(told(start, &output))
+    pub fn on_motion(&mut self, segment: &Segment) -> Option<Output> {
+        self.predictor.as_mut()?.on_event(Event::Move(*segment))
     }
 
     /// The set-point in force.
-    pub fn on_status(&mut self, status: &PrinterStatus) -> Option<Prediction> {
+    pub fn on_status(&mut self, status: &PrinterStatus) -> Option<Output> {
         if status.depositing {
             self.sum_s.0 += status.advance_s;
             self.sum_s.1 += 1.0;
         }
-        let output = self.predictor.as_mut()?.on_event(Event::Target(status.hotend_target))?;
-        Some(told(status.stamp, &output))
+        self.predictor.as_mut()?.on_event(Event::Target(status.hotend_target))
     }
 
     /// What became of the pressure advance.
@@ -61,7 +59,7 @@ impl Foresight {
 }
 
 /// What the controller's shell makes of the message.
-fn told(stamp: Seconds, output: &Output) -> Prediction {
+pub(super) fn told(stamp: Seconds, output: &Output) -> Prediction {
     let advance = output.advance.map(|advance| Foretold {
         advance_s: advance.advance().0,
         half_width_s: advance.half_width().0,

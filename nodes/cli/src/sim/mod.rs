@@ -1,5 +1,7 @@
 //! `fdm sim`: the whole loop in one process and virtual time.
 
+pub mod bagging;
+mod choices;
 pub mod consistency;
 pub mod corners;
 mod fitted;
@@ -16,15 +18,19 @@ use crate::config::{Choice, ConfigDir, Setup};
 use crate::job::GcodeFile;
 use crate::output::{self, Json};
 use anyhow::bail;
+use bagging::Bagging;
+use choices::name_of;
+pub use choices::{advance, level, seed_range};
 use clap::Args;
+use fdm_loop_msgs::PrintInfo;
 use fitted::{SENSORS, without};
 use models::status::JobPhase;
-use mpc_controller::params::{AdvanceSource, Level};
+use mpc_controller::params::Level;
 use printer_sim::Scenario;
 use printing::Printing;
 use report::{Comparison, Group, Run};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use width_trace::WidthTrace;
 
@@ -70,6 +76,9 @@ pub struct SimArgs {
     /// Moves that the firmware knows ahead of the current one; else the printer's own look-ahead.
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     buffer: Option<u32>,
+    /// Write all that is said to a new bag, which `fdm replay` plays to the bit; one control level, one seed.
+    #[arg(long, conflicts_with = "seeds")]
+    bag: Option<PathBuf>,
     /// Write the figures to a file, or to standard output with `-`.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -81,6 +90,7 @@ struct Task {
     file: GcodeFile,
     scenario: Scenario,
     names: Names,
+    bag: Option<(PathBuf, PrintInfo)>,
 }
 
 /// Time for which a width has to be back to count as recovered `[s]`.
@@ -108,6 +118,9 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     let file = GcodeFile::read(&args.gcode, &config.motion()?, args.layers)?;
     let scenario = config.scenario(&args.scenario)?;
     let material = args.material.clone().unwrap_or_else(|| file.material());
+    if let (Some(bag), true) = (&args.bag, levels.len() > 1) {
+        bail!("--bag {}: one control level, not {}", bag.display(), args.control.join(","));
+    }
     let mut groups = Vec::new();
     let mut fault_free: BTreeMap<u64, WidthTrace> = BTreeMap::new();
     let progress = output::bar((levels.len() * seeds.len()) as u64, "runs");
@@ -129,7 +142,8 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
         advance: args.advance.clone(),
         buffer: args.buffer,
     };
-    let mut task = Task { setup, file, scenario, names };
+    let bag = args.bag.as_deref().map(|bag| new_bag(bag, (&config, &choice), &names, &file)).transpose()?;
+    let mut task = Task { setup, file, scenario, names, bag };
     for level in levels {
         task.setup.controller = task.setup.controller.with_level(level);
         fault_free.clear();
@@ -142,6 +156,27 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     }
     progress.finish_and_clear();
     publish(args, groups)
+}
+
+/// Refuses a bag that is there, and says what is going to be printed.
+fn new_bag(
+    bag: &Path,
+    (config, choice): (&ConfigDir, &Choice),
+    names: &Names,
+    file: &GcodeFile,
+) -> anyhow::Result<(PathBuf, PrintInfo)> {
+    crate::up::check_new_bag(bag)?;
+    let text = config.texts(choice)?;
+    let info = PrintInfo {
+        print_id: bag.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        gcode_file: file.name(),
+        config_sha256: runtime::params::sha256_hex(text.as_bytes()),
+        config: text,
+        build: runtime::build().to_owned(),
+        scenario: names.scenario.clone(),
+        ..PrintInfo::default()
+    };
+    Ok((bag.to_path_buf(), info))
 }
 
 fn publish(args: &SimArgs, groups: Vec<Group>) -> anyhow::Result<()> {
@@ -164,22 +199,34 @@ impl Task {
         fault_free: &mut BTreeMap<u64, WidthTrace>,
     ) -> anyhow::Result<Run> {
         let started = Instant::now();
-        let (printing, notes) = self.print(&self.scenario, seed)?;
+        let (printing, notes) = self.print(&self.scenario, seed, self.bag.as_ref())?;
         let wall_time_s = started.elapsed().as_secs_f64();
         if !self.scenario.faults.is_empty() && !fault_free.contains_key(&seed) {
-            fault_free.insert(seed, self.print(&Scenario::default(), seed)?.0.width);
+            fault_free.insert(seed, self.print(&Scenario::default(), seed, None)?.0.width);
         }
         Ok(self.report(&printing, fault_free.get(&seed), (level, seed, wall_time_s, notes)))
     }
 
-    fn print(&self, scenario: &Scenario, seed: u64) -> anyhow::Result<(Printing, Option<String>)> {
+    fn print(
+        &self,
+        scenario: &Scenario,
+        seed: u64,
+        bag: Option<&(PathBuf, PrintInfo)>,
+    ) -> anyhow::Result<(Printing, Option<String>)> {
         let mut printing = Printing::new(&self.setup, self.file.job(&self.setup), scenario, seed)?;
+        if let Some((bag, info)) = bag {
+            let machine = self.setup.sight.as_ref().map(|sight| sight.params.machine);
+            printing = printing.with_bagging(Bagging::create(bag, info, machine)?);
+        }
+        let mut stuck = None;
         while printing.step() {
             if printing.is_stuck() {
-                return Ok((printing, Some("paused".to_owned())));
+                stuck = Some("paused".to_owned());
+                break;
             }
         }
-        Ok((printing, None))
+        printing.take_bagging().map(Bagging::finish).transpose()?;
+        Ok((printing, stuck))
     }
 
     fn report(
@@ -240,52 +287,4 @@ impl Task {
 
 fn seeds(args: &SimArgs) -> anyhow::Result<Vec<u64>> {
     args.seeds.as_deref().map_or_else(|| Ok(vec![args.seed]), seed_range)
-}
-
-/// Seeds from `A..B`, both included.
-///
-/// # Errors
-/// Anything else.
-pub fn seed_range(range: &str) -> anyhow::Result<Vec<u64>> {
-    let bounds = range.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
-    match bounds {
-        Some((first, last)) if first <= last && last - first < 10_000 => Ok((first..=last).collect()),
-        _ => bail!("--seeds {range}: must be A..B with A <= B, both included, at most 10000 of them"),
-    }
-}
-
-/// A control level by name.
-///
-/// # Errors
-/// Names the levels that there are.
-pub fn level(name: &str) -> anyhow::Result<Level> {
-    Ok(match name {
-        "off" => Level::Off,
-        "encoder" => Level::Encoder,
-        "mpc" => Level::Mpc,
-        _ => bail!("--control {name}: must be off, encoder or mpc"),
-    })
-}
-
-/// A source of the pressure advance by name.
-///
-/// # Errors
-/// Names the sources that there are.
-pub fn advance(name: &str) -> anyhow::Result<AdvanceSource> {
-    Ok(match name {
-        "none" => AdvanceSource::None,
-        "file" => AdvanceSource::File,
-        "material" => AdvanceSource::Material,
-        "planned" => AdvanceSource::Planned,
-        "predicted" => AdvanceSource::Predicted,
-        _ => bail!("--advance {name}: must be {}", ADVANCES.join(", ")),
-    })
-}
-
-fn name_of(level: Level) -> &'static str {
-    match level {
-        Level::Off => "off",
-        Level::Encoder => "encoder",
-        Level::Mpc => "mpc",
-    }
 }

@@ -2,6 +2,7 @@
 
 mod traffic;
 
+use super::bagging::Bagging;
 use super::consistency::Consistency;
 use super::foresight::Foresight;
 use super::relay::Relay;
@@ -36,6 +37,7 @@ pub struct Printing {
     /// Ages at which the supervisor takes no stamp any more.
     stale: Stales,
     relay: Option<Relay>,
+    bagging: Option<Bagging>,
     /// The supervisor's state as it was last said.
     pub safety: Option<SafetyState>,
     estimate_pace: Pace,
@@ -83,6 +85,7 @@ impl Printing {
             supervisor: Supervisor::new(setup.supervisor, SUPERVISOR_SESSION, None),
             stale: setup.supervisor.stale,
             relay: None,
+            bagging: None,
             safety: None,
             estimate_pace: Pace::new(setup.estimator.period_s),
             control_pace: Pace::new(setup.controller.period_s),
@@ -104,7 +107,7 @@ impl Printing {
     /// Advances by one step; false once the job has ended.
     pub fn step(&mut self) -> bool {
         self.simulator.step(Seconds(STEP_S));
-        let now = self.simulator.now();
+        let now = self.now();
         while let Some(output) = self.simulator.poll() {
             self.pass_on(now, output);
         }
@@ -120,8 +123,34 @@ impl Printing {
         if self.permit_pace.due(now) {
             self.permit(now);
         }
+        if let Some(bagging) = &mut self.bagging {
+            bagging.truth(now, &self.simulator);
+        }
         self.observe();
         !matches!(self.simulator.phase(), JobPhase::Done | JobPhase::Failed)
+    }
+
+    /// The same loop with a bag of all that is said. What the brains get went over the wire, so that they can get the same
+    /// from the bag.
+    #[must_use]
+    pub fn with_bagging(mut self, bagging: Bagging) -> Self {
+        self.bagging = Some(bagging);
+        self
+    }
+
+    /// The bag, to close it.
+    pub fn take_bagging(&mut self) -> Option<Bagging> {
+        self.bagging.take()
+    }
+
+    /// Time of the simulation; where a bag is written, without what summing its steps has left.
+    fn now(&self) -> Seconds {
+        let now = self.simulator.now();
+        if self.bagging.is_some() {
+            super::bagging::as_stamped(Seconds((now.0 * 1e6).round() / 1e6))
+        } else {
+            now
+        }
     }
 
     /// The same loop with a relay on the ways of its messages.

@@ -76,17 +76,17 @@ impl Sight {
     }
 
     /// A move begins.
-    pub fn on_motion(&mut self, start: Seconds, segment: &Segment) {
-        self.classifier.on_event(Event::Motion { start, segment: Box::new(*segment) });
+    pub fn on_motion(&mut self, start: Seconds, segment: &Segment) -> Vec<Output> {
+        self.classifier.on_event(Event::Motion { start, segment: Box::new(*segment) })
     }
 
     /// State of printer and job.
-    pub fn on_status(&mut self, status: &PrinterStatus) {
-        self.classifier.on_event(Event::Printer(Box::new(*status)));
+    pub fn on_status(&mut self, status: &PrinterStatus) -> Vec<Output> {
+        self.classifier.on_event(Event::Printer(Box::new(*status)))
     }
 
     /// The estimator's newest word.
-    pub fn on_estimate(&mut self, estimate: &Estimate) {
+    pub fn on_estimate(&mut self, estimate: &Estimate) -> Vec<Output> {
         let sum =
             |window: &Option<_>| window.as_ref().map_or(0.0, |window: &state_estimator::Window| window.chi2);
         self.classifier.on_event(Event::Estimate(defect_classifier::EstimateReading {
@@ -94,7 +94,7 @@ impl Sight {
             nozzle: Kelvin(estimate.x[state::NOZZLE]),
             chi_square: estimate.window.iter().map(sum).collect(),
             window: u32::try_from(state_estimator::WINDOW).unwrap_or(u32::MAX),
-        }));
+        }))
     }
 
     /// Keeps the truth that a width will be compared with.
@@ -107,13 +107,18 @@ impl Sight {
         }
     }
 
-    /// A frame, and what it tells the other brains.
-    pub fn on_frame(&mut self, exposed: Seconds, jpeg: Vec<u8>) -> Vec<Seen> {
-        let outputs = self.classifier.on_event(Event::Frame { exposed, jpeg });
-        outputs.into_iter().filter_map(|output| self.seen(output)).collect()
+    /// A frame, and what the classifier says of it.
+    pub fn on_frame(&mut self, exposed: Seconds, jpeg: Vec<u8>) -> Vec<Output> {
+        self.classifier.on_event(Event::Frame { exposed, jpeg })
     }
 
-    fn seen(&mut self, output: Output) -> Option<Seen> {
+    /// Names of the classes.
+    pub fn classes(&self) -> &[String] {
+        self.classifier.classes()
+    }
+
+    /// What the other brains get of it.
+    pub fn seen(&mut self, output: Output) -> Option<Seen> {
         match output {
             Output::Width(found) => {
                 self.compare(found.laid, found.width_m);

@@ -1,12 +1,14 @@
 //! Who gets what: messages between printer and brains, through the relay where there is one.
 
 use super::Printing;
+use crate::sim::bagging::as_stamped;
+use crate::sim::foresight;
 use crate::sim::message::{Content, Lane, Message};
 use crate::sim::report::Detection;
 use crate::sim::sight::Seen;
 use models::command::{Command, Mode};
+use models::motion::Segment;
 use models::units::{Kelvin, Seconds};
-use mpc_controller::advance::Prediction;
 use printer_sim::Output;
 use safety_supervisor::{Event as Safety, PrinterReport, Stream, What};
 use state_estimator::{Channel, state};
@@ -23,7 +25,13 @@ impl Printing {
                 let position_m = counts as f64 * self.encoder_quantum_m;
                 self.send(now, Message::new(stamp, Content::Encoder(position_m)));
             }
-            Output::Width { exposed, width_m, sigma_m } => self.deliver_width(exposed, width_m, sigma_m),
+            Output::Width { exposed, width_m, sigma_m } => {
+                let exposed = match &mut self.bagging {
+                    None => exposed,
+                    Some(bagging) => bagging.width(now, exposed, (width_m, sigma_m)),
+                };
+                self.deliver_width(exposed, width_m, sigma_m);
+            }
             Output::Status(status) => {
                 self.note_extremes(&status.trims);
                 self.send(now, Message::new(status.stamp, Content::Printer(status)));
@@ -34,13 +42,7 @@ impl Printing {
                     self.send(now, Message::new(exposed, Content::Frame(jpeg)));
                 }
             }
-            Output::Motion { start, segment } => {
-                if let Some(sight) = &mut self.sight {
-                    sight.on_motion(start, &segment);
-                }
-                let told = self.foresight.on_motion(start, &segment);
-                self.tell(told);
-            }
+            Output::Motion { start, segment } => self.move_on(now, start, *segment),
             Output::Coming { sequence, segment, .. } => {
                 if let Some(trim) = self.controller.on_coming(sequence, &segment) {
                     _ = self.simulator.on_schedule(trim);
@@ -57,6 +59,14 @@ impl Printing {
     }
 
     pub(super) fn send(&mut self, now: Seconds, message: Message) {
+        if let Some(bagging) = &mut self.bagging {
+            bagging.message(now, &message);
+            let stream = stream_of(message.lane());
+            return match message.over_the_wire() {
+                Ok(sound) => self.deliver(now, Message { stamp: as_stamped(sound.stamp), ..sound }),
+                Err(_refused) => self.refuse(now, stream),
+            };
+        }
         let Some(relay) = self.relay.as_mut().filter(|relay| relay.is_active()) else {
             return self.deliver(now, message);
         };
@@ -110,13 +120,12 @@ impl Printing {
                 self.hand_to_supervisor(now, stamp, (Stream::Encoder, Safety::Encoder { stamp, position_m }));
             }
             Content::Printer(status) => {
-                if let Some(sight) = &mut self.sight {
-                    sight.on_status(&status);
-                }
+                let seen = self.sight.as_mut().map(|sight| sight.on_status(&status));
+                self.keep(now, seen.as_deref());
                 self.estimator.on_event(state_estimator::Event::Printer(*status));
                 let told = self.foresight.on_status(&status);
                 self.controller.on_event(mpc_controller::Event::Printer(*status));
-                self.tell(told);
+                self.tell((now, status.stamp), told);
                 self.hand_to_supervisor(
                     now,
                     stamp,
@@ -157,18 +166,55 @@ impl Printing {
         self.controller.on_event(mpc_controller::Event::Width { exposed, width_m });
     }
 
-    fn tell(&mut self, told: Option<Prediction>) {
-        if let Some(prediction) = told {
-            self.controller.on_event(mpc_controller::Event::Prediction(prediction));
+    /// A move begins.
+    fn move_on(&mut self, now: Seconds, start: Seconds, segment: Segment) {
+        let (start, segment) = match &mut self.bagging {
+            None => (start, segment),
+            Some(bagging) => {
+                let path_time_s = self.simulator.truth().path_time_s;
+                let Some(read) = bagging.motion(now, (start, path_time_s), &segment) else { return };
+                read
+            }
+        };
+        let seen = self.sight.as_mut().map(|sight| sight.on_motion(start, &segment));
+        self.keep(now, seen.as_deref());
+        let told = self.foresight.on_motion(&segment);
+        self.tell((now, start), told);
+    }
+
+    fn tell(&mut self, (now, stamp): (Seconds, Seconds), told: Option<advance_predictor::Output>) {
+        let Some(output) = told else { return };
+        let prediction = match &mut self.bagging {
+            None => Some(mpc_controller::Event::Prediction(foresight::told(stamp, &output))),
+            Some(bagging) => bagging.prediction(now, &output),
+        };
+        if let Some(event) = prediction {
+            self.controller.on_event(event);
+        }
+    }
+
+    /// Keeps what the classifier says, where a bag is written.
+    fn keep(&mut self, now: Seconds, outputs: Option<&[defect_classifier::Output]>) {
+        if let (Some(bagging), Some(sight), Some(outputs)) = (&mut self.bagging, &self.sight, outputs) {
+            bagging.sight(now, outputs, sight.classes());
         }
     }
 
     fn see(&mut self, now: Seconds, exposed: Seconds, jpeg: Vec<u8>) {
         let Some(sight) = &mut self.sight else { return };
-        for seen in sight.on_frame(exposed, jpeg) {
+        let outputs = sight.on_frame(exposed, jpeg);
+        for output in outputs {
+            self.keep(now, Some(std::slice::from_ref(&output)));
+            let seen = self.sight.as_mut().and_then(|sight| sight.seen(output));
             match seen {
-                Seen::Width { laid, width_m, sigma_m } => self.deliver_width(laid, width_m, sigma_m),
-                Seen::Report(report) => self.send(now, Message::new(exposed, Content::Vision(report))),
+                None => {}
+                Some(Seen::Width { laid, width_m, sigma_m }) => {
+                    let laid = if self.bagging.is_some() { as_stamped(laid) } else { laid };
+                    self.deliver_width(laid, width_m, sigma_m);
+                }
+                Some(Seen::Report(report)) => {
+                    self.send(now, Message::new(exposed, Content::Vision(report)));
+                }
             }
         }
     }
@@ -177,9 +223,11 @@ impl Printing {
         let Some(estimate) = self.estimator.on_event(state_estimator::Event::Tick { now }) else { return };
         self.consistency.add(&estimate, self.simulator.truth());
         self.nis_mean = estimate.nis_mean;
-        if let Some(sight) = &mut self.sight {
-            sight.on_estimate(&estimate);
+        if let Some(bagging) = &mut self.bagging {
+            bagging.estimate(now, &estimate);
         }
+        let seen = self.sight.as_mut().map(|sight| sight.on_estimate(&estimate));
+        self.keep(now, seen.as_deref());
         self.send(now, Message::new(now, Content::Estimate(estimate.health)));
         let for_control = mpc_controller::Estimate {
             stamp: estimate.stamp,
@@ -210,6 +258,9 @@ impl Printing {
         self.send(now, Message::new(now, Content::Permit(output.permit)));
         let onset_s = self.simulator.first_onset().map(|onset| onset.0);
         let cause = output.state.cause.map_or_else(String::new, |cause| cause.id().to_owned());
+        if let Some(bagging) = &mut self.bagging {
+            bagging.safety(now, &output);
+        }
         self.safety = Some(output.state);
         for event in &output.events {
             let (fault, action) = match event.what {

@@ -1,0 +1,230 @@
+//! `fdm replay`: the brains over a bag in virtual time, as recorded or with other parameters.
+//!
+//! Every brain hears what the bag holds, in its order, and what it says is compared with what was recorded. Where a
+//! parameter is set, the run with the recorded parameters is what is compared with; brains behind a changed one then hear
+//! its new words. The printer itself does not answer: what it did is what the bag says.
+
+mod brains;
+mod compare;
+mod record;
+mod schedule;
+mod settings;
+mod text;
+
+pub(crate) use brains::encode;
+pub(crate) use record::VIRTUAL;
+
+use crate::config::ConfigDir;
+use crate::output::{self, Json};
+use anyhow::bail;
+use brains::{Brains, Feeds, Said};
+use clap::Args;
+use compare::{Output, SAID, compare};
+use record::Record;
+use runtime::topics;
+use schedule::{Schedule, Timers};
+use serde::Serialize;
+use settings::{Set, Settings, Source};
+use std::path::PathBuf;
+
+/// Runs the brains over a bag in virtual time.
+#[derive(Debug, Args)]
+pub struct ReplayArgs {
+    /// Folder of the bag, or one .mcap or .mcap.active file.
+    bag: PathBuf,
+    /// Parameter in place of the recorded one: node.parameter=value. As often as wanted.
+    #[arg(long = "set", value_name = "NODE.PARAM=VALUE")]
+    set: Vec<String>,
+    /// Namespace of the printer; the first one in the bag by default.
+    #[arg(long)]
+    namespace: Option<String>,
+    /// Folder with the parameter files, for what the bag does not say.
+    #[arg(long)]
+    config: Option<PathBuf>,
+    /// Material, for a bag that does not say its parameters.
+    #[arg(long, default_value = "PLA")]
+    material: String,
+    /// Judge the frames again too; slow. Else the recorded judgements stand.
+    #[arg(long)]
+    camera: bool,
+    /// Exit code 1 unless every output is the recorded one, bit by bit.
+    #[arg(long, conflicts_with = "set")]
+    check: bool,
+    /// Write the figures to a file, or to standard output with `-`.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// What is told of a replay.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Figures {
+    pub(crate) bag: String,
+    pub(crate) namespace: String,
+    /// `virtual`, `simulated` or `monotonic`.
+    pub(crate) clock: String,
+    pub(crate) messages: u64,
+    pub(crate) span_s: f64,
+    /// Where the parameters come from: `bag` or `config`.
+    pub(crate) parameters: &'static str,
+    pub(crate) set: Vec<String>,
+    /// What the replay is compared with: `recorded` or `replayed`.
+    pub(crate) baseline: &'static str,
+    pub(crate) outputs: Vec<Output>,
+    /// Every output is the baseline's, bit by bit.
+    pub(crate) identical: bool,
+}
+
+/// A replay differs from its record: exit code 1.
+#[derive(Debug)]
+pub struct Differs(String);
+
+impl std::fmt::Display for Differs {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Differs {}
+
+/// Runs the command.
+///
+/// # Errors
+/// One line that says what is wrong and where.
+pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
+    let json = Json::new(args.json.as_deref());
+    json.check()?;
+    let figures = figures(args)?;
+    if !json.is_stdout() {
+        output::line(&text::page(&figures))?;
+    }
+    json.write(&figures)?;
+    match figures.outputs.iter().find(|output| !output.is_identical()) {
+        Some(output) if args.check => {
+            let said = format!("{}: {} differs from its record", figures.bag, output.topic);
+            Err(Differs(said).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn figures(args: &ReplayArgs) -> anyhow::Result<Figures> {
+    let sets = args.set.iter().map(|text| Set::parse(text)).collect::<anyhow::Result<Vec<_>>>()?;
+    let judged = args.camera || sets.iter().any(|set| set.node == "defect_classifier");
+    let config = ConfigDir::find(args.config.as_deref())?;
+    config.check_material(&args.material)?;
+    let record = Record::read(&args.bag, args.namespace.as_deref(), judged)?;
+    let frames = record.has(topics::CAMERA_IMAGE.name());
+    let predictions = record.has(topics::ADVANCE_PREDICTION.name());
+    refuse_unheard(&sets, frames, predictions)?;
+    let recorded = record.parameters();
+    let source = Source {
+        config: &config,
+        recorded: &recorded,
+        material: &args.material,
+        frames,
+        predictions,
+        sessions: record.sessions(),
+    };
+    let changed = source.settings(&sets)?;
+    let as_recorded = source.settings(&[])?;
+    let base = play(&record, &as_recorded, Feeds::default())?;
+    let outputs = if sets.is_empty() {
+        beside(&of_record(&record), &base, record.is_virtual())
+    } else {
+        let feeds = feeds(&sets, frames);
+        beside(&base, &play(&record, &changed, feeds)?, true)
+    };
+    Ok(Figures {
+        bag: args.bag.display().to_string(),
+        namespace: record.namespace.clone().unwrap_or_default(),
+        clock: record.note.get("clock").cloned().unwrap_or_else(|| "unknown".to_owned()),
+        messages: record.messages,
+        span_s: record.span_s(),
+        parameters: if recorded.is_empty() { "config" } else { "bag" },
+        set: args.set.clone(),
+        baseline: if sets.is_empty() { "recorded" } else { "replayed" },
+        identical: outputs.iter().all(Output::is_identical),
+        outputs,
+    })
+}
+
+/// A parameter of a brain that would hear nothing changes nothing.
+fn refuse_unheard(sets: &[Set], frames: bool, predictions: bool) -> anyhow::Result<()> {
+    for set in sets {
+        let lacking = match set.node {
+            "defect_classifier" if !frames => topics::CAMERA_IMAGE.name(),
+            "advance_predictor" if !predictions => topics::ADVANCE_PREDICTION.name(),
+            _ => continue,
+        };
+        bail!("--set {}.{}: the bag holds nothing of {lacking}", set.node, set.name);
+    }
+    Ok(())
+}
+
+/// Whose new words are heard: those of changed brains, and of all behind them.
+fn feeds(sets: &[Set], frames: bool) -> Feeds {
+    let set = |node| sets.iter().any(|set| set.node == node);
+    // Estimates and widths feed each other.
+    let estimate = set("state_estimator") || set("defect_classifier");
+    let prediction = set("advance_predictor");
+    Feeds {
+        estimate,
+        vision: estimate && frames,
+        prediction,
+        command: estimate || prediction || set("mpc_controller"),
+    }
+}
+
+/// Lets the brains live through a record.
+fn play(record: &Record, settings: &Settings, feeds: Feeds) -> anyhow::Result<Vec<Said>> {
+    let usual = |has: bool| has && !record.is_virtual();
+    let own_period = feeds.estimate && settings_differ(record, settings);
+    let timers = Timers {
+        estimates: usual(record.has(topics::ESTIMATE.name())) && !own_period,
+        permits: usual(record.has(topics::SAFETY_COMMAND.name())),
+    };
+    let mut said = Vec::new();
+    for part in &record.parts {
+        let mut brains = Brains::new(settings, feeds)?;
+        Schedule::new(record, part, settings, (feeds, timers)).run(&mut brains);
+        said.append(&mut brains.said);
+    }
+    Ok(said)
+}
+
+/// Whether the estimator's period is not the one of the recorded estimates: 10 % apart.
+fn settings_differ(record: &Record, settings: &Settings) -> bool {
+    let stamps: Vec<u64> = record
+        .of(topics::ESTIMATE.name())
+        .filter_map(|kept| schedule::stamp_ns(&kept.payload))
+        .take(200)
+        .collect();
+    let mut gaps_ns: Vec<u64> = stamps.windows(2).map(|pair| pair[1].saturating_sub(pair[0])).collect();
+    gaps_ns.sort_unstable();
+    #[allow(clippy::cast_precision_loss, reason = "a period")]
+    let median_s = gaps_ns.get(gaps_ns.len() / 2).map(|ns| *ns as f64 * 1e-9);
+    median_s.is_some_and(|median_s| (median_s / settings.estimator.period_s - 1.0).abs() > 0.1)
+}
+
+/// What the bag says that its brains have said.
+fn of_record(record: &Record) -> Vec<Said> {
+    let said = record.parts.iter().flatten().filter(|kept| SAID.contains(&kept.topic));
+    said.map(|kept| Said { topic: kept.topic, payload: kept.payload.clone() }).collect()
+}
+
+/// Topic by topic; a topic of a brain that was not replayed is left out.
+fn beside(before: &[Said], after: &[Said], exact: bool) -> Vec<Output> {
+    let always = [topics::ESTIMATE.name(), topics::CONTROL_COMMAND.name(), topics::SAFETY_COMMAND.name()];
+    let mut outputs = Vec::new();
+    for topic in SAID {
+        let (one, other) = (on(topic, before), on(topic, after));
+        if !other.is_empty() || always.contains(&topic) || topic == topics::EVENTS.name() {
+            outputs.push(compare(topic, &one, &other, exact));
+        }
+    }
+    outputs
+}
+
+fn on<'a>(topic: &str, said: &'a [Said]) -> Vec<&'a [u8]> {
+    said.iter().filter(|said| said.topic == topic).map(|said| said.payload.as_slice()).collect()
+}

@@ -1,0 +1,209 @@
+//! The parameters with which a bag was recorded, and those that are set instead.
+
+use crate::config::{ConfigDir, Foresight, Sight};
+use anyhow::{anyhow, bail};
+use models::material::Material;
+use models::printer::Printer;
+use runtime::params::{NodePath, ParamFileError, Parameters};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Nodes with a brain that is replayed.
+pub(crate) const BRAINS: [&str; 5] =
+    ["state_estimator", "mpc_controller", "safety_supervisor", "defect_classifier", "advance_predictor"];
+/// Blocks that belong to printer and material.
+const NOMINAL: [&str; 2] = ["printer", "material"];
+
+/// Names by which commands of two runs are told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Sessions {
+    pub(crate) controller: u64,
+    pub(crate) supervisor: u64,
+}
+
+/// Parameters of every brain.
+#[derive(Debug, Clone)]
+pub(crate) struct Settings {
+    pub(crate) estimator: state_estimator::Params,
+    pub(crate) controller: mpc_controller::Params,
+    pub(crate) supervisor: safety_supervisor::Params,
+    pub(crate) printer: Printer,
+    pub(crate) material: Material,
+    pub(crate) sight: Option<Sight>,
+    pub(crate) foresight: Option<Foresight>,
+    pub(crate) sessions: Sessions,
+}
+
+/// What a bag says of its parameters: names and values by node.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Recorded(BTreeMap<String, Vec<(String, String)>>);
+
+impl Recorded {
+    /// Reads the configuration text of a record: `# node sha256`, then `name: value` line by line.
+    pub(crate) fn parse(text: &str) -> Self {
+        let mut nodes: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
+        let mut current = None;
+        for line in text.lines() {
+            if let Some(head) = line.strip_prefix("# ") {
+                current = head.split_whitespace().next().map(str::to_owned);
+            } else if let (Some(node), Some((name, value))) = (&current, line.split_once(": ")) {
+                nodes.entry(node.clone()).or_default().push((name.to_owned(), value.to_owned()));
+            }
+        }
+        Self(nodes)
+    }
+
+    /// Whether it says anything of a brain.
+    pub(crate) fn is_empty(&self) -> bool {
+        !BRAINS.iter().any(|node| self.0.contains_key(*node))
+    }
+}
+
+/// A parameter that is set instead of the recorded one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Set {
+    pub(crate) node: &'static str,
+    pub(crate) name: String,
+    pub(crate) value: String,
+}
+
+impl Set {
+    /// Reads `node.param=value`.
+    pub(crate) fn parse(text: &str) -> anyhow::Result<Self> {
+        let parts = text
+            .split_once('=')
+            .and_then(|(path, value)| path.split_once('.').map(|(node, name)| (node, name, value)))
+            .filter(|(_, name, value)| !name.is_empty() && !value.is_empty());
+        let Some((node, name, value)) = parts else {
+            bail!("--set {text}: must be node.parameter=value");
+        };
+        match BRAINS.iter().find(|brain| **brain == node) {
+            Some(node) => Ok(Self { node, name: name.to_owned(), value: value.to_owned() }),
+            None => bail!("--set {text}: no brain '{node}' is replayed; there are {}", BRAINS.join(", ")),
+        }
+    }
+}
+
+/// Where parameters come from.
+pub(crate) struct Source<'a> {
+    pub(crate) config: &'a ConfigDir,
+    pub(crate) recorded: &'a Recorded,
+    /// Material for nodes of which the bag says nothing.
+    pub(crate) material: &'a str,
+    /// Whether frames are judged, and turns foretold.
+    pub(crate) frames: bool,
+    pub(crate) predictions: bool,
+    pub(crate) sessions: Sessions,
+}
+
+impl Source<'_> {
+    /// Parameters of all brains with `sets` in place of what was recorded.
+    pub(crate) fn settings(&self, sets: &[Set]) -> anyhow::Result<Settings> {
+        let estimator = self.parameters("state_estimator", sets)?;
+        let controller = self.parameters("mpc_controller", sets)?;
+        let supervisor = self.parameters("safety_supervisor", sets)?.without(&["latch_file"]);
+        let refuse = |node| move |error: ParamFileError| refused(node, sets, &error);
+        Ok(Settings {
+            printer: estimator.block("printer").map_err(refuse("state_estimator"))?,
+            material: estimator.block("material").map_err(refuse("state_estimator"))?,
+            estimator: estimator.without(&NOMINAL).parse().map_err(refuse("state_estimator"))?,
+            controller: controller
+                .without(&NOMINAL)
+                .parse::<mpc_controller::Params>()
+                .map_err(refuse("mpc_controller"))?
+                .in_virtual_time(),
+            supervisor: supervisor.parse().map_err(refuse("safety_supervisor"))?,
+            sight: self.frames.then(|| self.sight(sets)).transpose()?,
+            foresight: self.predictions.then(|| self.foresight(sets)).transpose()?,
+            sessions: self.sessions,
+        })
+    }
+
+    fn sight(&self, sets: &[Set]) -> anyhow::Result<Sight> {
+        let node = "defect_classifier";
+        let read = self.config.sight_of(&self.parameters(node, sets)?);
+        read.map_err(|error| told(node, sets, error))
+    }
+
+    fn foresight(&self, sets: &[Set]) -> anyhow::Result<Foresight> {
+        let node = "advance_predictor";
+        let read = self.config.foresight_of(&self.parameters(node, sets)?);
+        read.map_err(|error| told(node, sets, error))
+    }
+
+    fn parameters(&self, node: &'static str, sets: &[Set]) -> anyhow::Result<Parameters> {
+        let (files, mut values) = match self.recorded.0.get(node) {
+            Some(values) => (Vec::new(), values.clone()),
+            None => (self.config.files_of(node, self.material), Vec::new()),
+        };
+        let networks = match node {
+            "defect_classifier" => self.config.model_overrides(),
+            "advance_predictor" => self.config.foresight_overrides(self.material),
+            _ => Vec::new(),
+        };
+        // Networks of another machine stand elsewhere: those of this build's configuration take their place.
+        let known: BTreeSet<String> = values.iter().map(|(name, _)| name.clone()).collect();
+        let usable = |name: &str| {
+            values.iter().any(|(known, value)| known == name && is_there(value)) && known.contains(name)
+        };
+        let missing: Vec<_> = networks.into_iter().filter(|(name, _)| !usable(name)).collect();
+        values
+            .extend(missing.into_iter().filter(|(name, _)| name != "polymer" || !known.contains("polymer")));
+        for set in sets.iter().filter(|set| set.node == node) {
+            values.push((set.name.clone(), set.value.clone()));
+        }
+        let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
+        Parameters::read(&files, &values, &path).map_err(|error| refused(node, sets, &error))
+    }
+}
+
+/// One line on what was refused: what was typed, or that the record does not fit this build.
+fn refused(node: &str, sets: &[Set], error: &ParamFileError) -> anyhow::Error {
+    let text = error.to_string();
+    let typed = sets
+        .iter()
+        .find(|set| set.node == node && text.starts_with(&format!("-p {}:={}", set.name, set.value)));
+    match (typed, text.split_once(": ")) {
+        (Some(set), Some((_, rule))) => anyhow!("--set {node}.{}={}: {rule}", set.name, set.value),
+        _ => anyhow!("parameters of {node} in the record, as this build reads them: {text}"),
+    }
+}
+
+fn told(node: &str, sets: &[Set], error: anyhow::Error) -> anyhow::Error {
+    match error.downcast::<ParamFileError>() {
+        Ok(error) => refused(node, sets, &error),
+        Err(error) => error,
+    }
+}
+
+/// Whether a recorded value names a file of this machine.
+fn is_there(value: &str) -> bool {
+    std::path::Path::new(value.trim_matches('"')).is_file()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_configuration_is_read_node_by_node() {
+        let text =
+            "# state_estimator 0f\nperiod_s: 0.05\nq.names: [\"a: b\"]\n\n# imu 1a\nuse_sim_time: true\n";
+        let recorded = Recorded::parse(text);
+        let pair = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
+        assert_eq!(
+            recorded.0["state_estimator"],
+            [("period_s", "0.05"), ("q.names", "[\"a: b\"]")].map(pair)
+        );
+        assert!(!recorded.is_empty() && Recorded::parse("no config").is_empty());
+    }
+
+    #[test]
+    fn what_is_set_is_refused_by_name() {
+        let said = |text| Set::parse(text).unwrap_err().to_string();
+        assert!(Set::parse("mpc_controller.trims.delay_s=0.2").is_ok());
+        assert_eq!(said("mpc_controller=2"), "--set mpc_controller=2: must be node.parameter=value");
+        assert!(
+            said("thermistor.x=1").contains("no brain 'thermistor' is replayed; there are state_estimator")
+        );
+    }
+}

@@ -1,0 +1,54 @@
+//! What is chosen by name: seeds, control levels, sources of the pressure advance.
+
+use super::ADVANCES;
+use anyhow::bail;
+use mpc_controller::params::{AdvanceSource, Level};
+
+/// Seeds from `A..B`, both included.
+///
+/// # Errors
+/// Anything else.
+pub fn seed_range(range: &str) -> anyhow::Result<Vec<u64>> {
+    let bounds = range.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    match bounds {
+        Some((first, last)) if first <= last && last - first < 10_000 => Ok((first..=last).collect()),
+        _ => bail!("--seeds {range}: must be A..B with A <= B, both included, at most 10000 of them"),
+    }
+}
+
+/// A control level by name.
+///
+/// # Errors
+/// Names the levels that there are.
+pub fn level(name: &str) -> anyhow::Result<Level> {
+    Ok(match name {
+        "off" => Level::Off,
+        "encoder" => Level::Encoder,
+        "mpc" => Level::Mpc,
+        _ => bail!("--control {name}: must be off, encoder or mpc"),
+    })
+}
+
+/// A source of the pressure advance by name.
+///
+/// # Errors
+/// Names the sources that there are.
+pub fn advance(name: &str) -> anyhow::Result<AdvanceSource> {
+    Ok(match name {
+        "none" => AdvanceSource::None,
+        "file" => AdvanceSource::File,
+        "material" => AdvanceSource::Material,
+        "planned" => AdvanceSource::Planned,
+        "predicted" => AdvanceSource::Predicted,
+        _ => bail!("--advance {name}: must be {}", ADVANCES.join(", ")),
+    })
+}
+
+/// Its name.
+pub(super) fn name_of(level: Level) -> &'static str {
+    match level {
+        Level::Off => "off",
+        Level::Encoder => "encoder",
+        Level::Mpc => "mpc",
+    }
+}

@@ -1,0 +1,100 @@
+//! `fdm sim --bag` and `fdm replay`: what was recorded is said again to the last bit, and a change tells what it changes.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn root() -> PathBuf {
+    std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()
+}
+
+fn fdm(arguments: &[&str]) -> Output {
+    let program = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    assert!(program.is_file(), "{} is missing: cargo build --workspace --bins", program.display());
+    Command::new(program).current_dir(root()).args(arguments).output().unwrap()
+}
+
+fn json(arguments: &[&str]) -> Value {
+    let output = fdm(&[arguments, &["--json", "-"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// A print of one layer that runs out of filament in the middle, recorded in virtual time.
+fn recorded(name: &str) -> String {
+    let bag = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    _ = std::fs::remove_dir_all(&bag);
+    let bag = bag.display().to_string();
+    let gcode = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode";
+    let print =
+        ["sim", gcode, "--layers", "1", "--scenario", "run_out", "--advance", "predicted", "--bag", &bag];
+    let output = fdm(&print);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    bag
+}
+
+fn of<'a>(figures: &'a Value, topic: &str) -> &'a Value {
+    figures["outputs"].as_array().unwrap().iter().find(|output| output["topic"] == topic).unwrap()
+}
+
+fn count(output: &Value, name: &str) -> u64 {
+    output[name].as_u64().unwrap()
+}
+
+/// Same inputs, same build: every estimate, command, permit, decision and prediction, bit by bit; twice. Another
+/// parameter: what it would have changed, in its brain and in those behind it, and nowhere else.
+#[test]
+fn a_replay_says_again_what_was_recorded_and_what_a_change_would_change() {
+    let bag = recorded("replayed");
+    let first = json(&["replay", &bag, "--check"]);
+    assert_eq!((&first["identical"], &first["parameters"]), (&true.into(), &"bag".into()), "{first}");
+    for (topic, least) in [
+        ("estimate/state", 2000),
+        ("control/command", 2000),
+        ("safety/command", 5000),
+        ("advance/prediction", 100),
+        ("events", 1),
+    ] {
+        let output = of(&first, topic);
+        let [before, after, identical] = ["before", "after", "identical"].map(|name| count(output, name));
+        assert!(before >= least && before == after && after == identical, "{output}");
+    }
+    assert_eq!(json(&["replay", &bag]), first, "a second time");
+
+    let changed = json(&["replay", &bag, "--set", "mpc_controller.trims.feed_gain=0.06"]);
+    assert_eq!((&changed["baseline"], &changed["identical"]), (&"replayed".into(), &false.into()));
+    let estimates = of(&changed, "estimate/state");
+    assert_eq!(count(estimates, "identical"), count(estimates, "before"), "estimates are ahead of control");
+    for topic in ["control/command", "safety/command"] {
+        let output = of(&changed, topic);
+        let field = &output["fields"]["flow_factor"];
+        let [rms, max] = ["rms", "max"].map(|name| field[name].as_f64().unwrap());
+        assert!(0.0 < rms && rms < max && max < 0.25, "{topic}: {field}");
+        assert!(
+            output["first_difference"]["stamp_s"].as_f64().unwrap() > 60.0,
+            "no road is laid before: {output}"
+        );
+    }
+}
+
+/// A name, a range or a bag that is none ends with code 2 and one line that says which.
+#[test]
+fn what_cannot_be_replayed_is_refused_in_one_line() {
+    let bag = recorded("refused");
+    for (set, said) in [
+        ("mpc_controller.trims.feed_gian=0.06", "unknown field `feed_gian`"),
+        ("mpc_controller.period_s=-1", "period_s = -1 s: must be in [0.05, 1]"),
+        ("thermistor.tau=1", "no brain 'thermistor' is replayed; there are state_estimator"),
+        ("mpc_controller", "must be node.parameter=value"),
+        ("defect_classifier.width.fresh_s=1", "the bag holds nothing of sensors/camera/image_raw/compressed"),
+    ] {
+        let output = fdm(&["replay", &bag, "--set", set]);
+        let line = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{line}");
+        assert!(line.starts_with(&format!("fdm: --set {}", set.split('=').next().unwrap())), "{line}");
+        assert!(line.contains(said), "{line}");
+    }
+    let output = fdm(&["replay", "tests/data/gcode"]);
+    assert_eq!(output.status.code(), Some(2));
+}
