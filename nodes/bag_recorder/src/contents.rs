@@ -64,6 +64,11 @@ impl Contents {
         self.files.insert(file.number, file);
     }
 
+    /// A file is no longer there.
+    pub fn remove(&mut self, number: u32) {
+        self.files.remove(&number);
+    }
+
     /// The files, by number.
     pub fn files(&self) -> impl Iterator<Item = &FileContents> {
         self.files.values()

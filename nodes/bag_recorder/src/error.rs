@@ -35,9 +35,14 @@ pub enum RecorderError {
     /// The folder is another recorder's.
     #[error("{}: another recorder is writing to this bag", .0.display())]
     InUse(PathBuf),
-    /// A name in `leave_out` is no topic.
-    #[error("leave_out: '{0}' is no topic of this system")]
-    NoTopic(String),
+    /// A name in `leave_out` or `topics` is no topic.
+    #[error("{parameter}: '{name}' is no topic of this system")]
+    NoTopic {
+        /// The parameter.
+        parameter: &'static str,
+        /// What it names.
+        name: String,
+    },
     /// A thread cannot be started, or ended before it should.
     #[error("{0}")]
     Thread(&'static str),

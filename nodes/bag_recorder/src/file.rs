@@ -46,7 +46,11 @@ pub struct BagFile {
     path: PathBuf,
     ids: BTreeMap<Channel, u16>,
     contents: FileContents,
+    bytes: u64,
 }
+
+/// Bytes of a message's record beside its payload.
+const RECORD: usize = 31;
 
 impl BagFile {
     /// Makes a file that is not there yet; `contents` names it as it will be called when finished.
@@ -66,7 +70,7 @@ impl BagFile {
             .create(BufWriter::with_capacity(BUFFER, file))
             .map_err(RecorderError::mcap("begin", path))?;
         let contents = FileContents { number, name, ..FileContents::default() };
-        Ok(Self { writer, path: path.to_path_buf(), ids: BTreeMap::new(), contents })
+        Ok(Self { writer, path: path.to_path_buf(), ids: BTreeMap::new(), contents, bytes: 0 })
     }
 
     /// A second handle, for the thread that syncs.
@@ -103,7 +107,20 @@ impl BagFile {
         let header = MessageHeader { channel_id, sequence, log_time: log_ns, publish_time: publish_ns };
         self.writer.write_to_known_channel(&header, payload).map_err(failed())?;
         self.contents.add(channel, log_ns);
+        self.bytes += u64::try_from(payload.len() + RECORD).unwrap_or(u64::MAX);
         Ok(())
+    }
+
+    /// What it holds so far.
+    #[must_use]
+    pub fn contents(&self) -> &FileContents {
+        &self.contents
+    }
+
+    /// Bytes of its messages so far.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 
     /// Appends a metadata record.

@@ -4,6 +4,7 @@ use crate::contents::{Contents, FileContents};
 use crate::error::RecorderError;
 use crate::layout::{Layout, Survey};
 use crate::metadata::{counts_json, metadata_yaml};
+use crate::retention::Held;
 use crate::tally::Tally;
 use std::fs::{File, TryLockError};
 use std::io::Write;
@@ -79,6 +80,52 @@ impl Folder {
     pub fn remove(&self, name: &str) -> Result<(), RecorderError> {
         let path = self.path(name);
         std::fs::remove_file(&path).map_err(RecorderError::file("remove", &path))
+    }
+
+    /// The finished files with their sizes, oldest first.
+    #[must_use]
+    pub fn held(&self) -> Vec<Held> {
+        let layout = self.layout();
+        let numbers: Vec<u32> = self.state().contents.files().map(|file| file.number).collect();
+        let size = |name: &str| std::fs::metadata(self.path(name)).map_or(0, |found| found.len());
+        let held = |number| Held {
+            number,
+            bytes: size(&layout.finished(number)),
+            kept: self.path(&layout.keep(number)).exists(),
+        };
+        numbers.into_iter().map(held).collect()
+    }
+
+    /// Marks a file, finished or not, as one that must not be dropped.
+    pub fn keep(&self, number: u32) -> Result<(), RecorderError> {
+        let path = self.path(&self.layout().keep(number));
+        File::create(&path).map(drop).map_err(RecorderError::file("mark", &path))
+    }
+
+    /// Drops a finished file: from the description first, so that none names what is not there.
+    pub fn forget(&self, number: u32) -> Result<(), RecorderError> {
+        {
+            let mut state = self.state();
+            state.contents.remove(number);
+            self.describe(&state)?;
+        }
+        self.remove(&self.layout().finished(number))
+    }
+
+    /// Bytes that the disk has left for this process.
+    pub fn free_bytes(&self) -> Result<u64, RecorderError> {
+        let failed = |error: rustix::io::Errno| {
+            RecorderError::file("ask the disk of", &self.shared.path)(error.into())
+        };
+        let disk = rustix::fs::fstatvfs(&self.shared.lock).map_err(failed)?;
+        Ok(disk.f_bavail.saturating_mul(disk.f_frsize))
+    }
+
+    /// Bytes of the file that is being written.
+    #[must_use]
+    pub fn active_bytes(&self) -> u64 {
+        let active = self.state().active.clone();
+        active.and_then(|name| std::fs::metadata(self.path(&name)).ok()).map_or(0, |found| found.len())
     }
 
     /// Takes a finished file in and describes the folder anew.

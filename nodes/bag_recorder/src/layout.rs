@@ -6,6 +6,8 @@ use std::collections::BTreeSet;
 const FINISHED: &str = ".mcap";
 /// Ending of the file that is being written.
 const ACTIVE: &str = ".mcap.active";
+/// Ending of the mark that a file is kept.
+const KEEP: &str = ".mcap.keep";
 /// Ending of a finished file in the making, out of an active one that a kill left.
 const RECOVERING: &str = ".mcap.recovering";
 
@@ -51,6 +53,12 @@ impl Layout {
     #[must_use]
     pub fn recovering(&self, number: u32) -> String {
         self.name(number, RECOVERING)
+    }
+
+    /// Name of the empty file beside a finished one that must not be dropped; a person may make it too.
+    #[must_use]
+    pub fn keep(&self, number: u32) -> String {
+        self.name(number, KEEP)
     }
 
     /// Sorts the names of a folder; foreign files are passed over.

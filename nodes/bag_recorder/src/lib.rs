@@ -5,7 +5,8 @@
 //! | while | the folder holds |
 //! |---|---|
 //! | recording | `<bag>_<n>.mcap.active`, unchunked: each whole record in it survives a kill; `metadata.yaml` lists the files before it |
-//! | after an orderly end | `<bag>_<n>.mcap` with summary, listed |
+//! | a file later, and after an orderly end | `<bag>_<n>.mcap` with summary, listed; written anew in compressed chunks with an index as time allows, at the next start at the latest |
+//! | beside a file that must not be dropped | `<bag>_<n>.mcap.keep`, empty |
 //! | after a kill | the `.active` file stays; the next recorder copies its whole records to `<bag>_<n>.mcap` and writes to `<bag>_<n+1>` |
 //!
 //! `counts.json` says how many messages each topic has in the bag; readers of bags pass over it.
@@ -18,6 +19,8 @@
 //! | [`offered_qos`] | quality of service as bags write it |
 //! | [`order`] | log time of each message |
 //! | [`params`] | the parameters |
+//! | [`retention`] | which file goes where room is short |
+//! | [`ring`] | the last seconds in memory, for a snapshot |
 //! | `node`, `writer`, `file`, `folder`, `recovery` | the shell, behind the feature `ros`: files and threads; `fdm` uses them too |
 #![forbid(unsafe_code)]
 
@@ -39,6 +42,8 @@ pub mod order;
 pub mod params;
 #[cfg(feature = "ros")]
 pub mod recovery;
+pub mod retention;
+pub mod ring;
 #[cfg(feature = "ros")]
 pub mod tally;
 #[cfg(feature = "ros")]

@@ -1,14 +1,20 @@
 //! The shell: listens to every topic, hands the bytes to the writer, reports.
 
+mod report;
+mod services;
+
 use crate::convert;
 use crate::error::RecorderError;
 use crate::folder::Folder;
 use crate::params::Params;
 use crate::tally::Tally;
-use crate::writer::{Item, Queue, Recorded, Recorder, Sample, Settings};
-use runtime::{Diagnostics, Gid, Level, Node, RawMessage, RawSubscription, Shutdown, Work, topics};
+use crate::writer::{Item, Queue, Recorded, Recorder, Sample, Settings, Wish};
+use report::Report;
+use runtime::{Gid, Node, RawMessage, RawSubscription, Shutdown, Work, topics};
+use services::Services;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::{MissedTickBehavior, interval};
@@ -17,8 +23,13 @@ use tokio::time::{MissedTickBehavior, interval};
 const CLOCK_LOOK: Duration = Duration::from_millis(5);
 /// Real time between two looks at the writer: a disk that fails is told within 1 s (T1).
 const LOOK: Duration = Duration::from_millis(100);
+/// Real time between two reports.
+const REPORT: Duration = Duration::from_secs(1);
 
 /// Records until the end is demanded.
+///
+/// # Errors
+/// [`RecorderError`]
 pub async fn run(mut node: Node) -> Result<(), RecorderError> {
     let params: Params = node.parameters()?;
     let (recorded, subscriptions) = subscribe(&mut node, &params)?;
@@ -36,8 +47,14 @@ pub async fn run(mut node: Node) -> Result<(), RecorderError> {
         queue_length: params.queue_length,
         sync_period: Duration::from_secs_f64(params.sync_period.0),
         late_max: params.late_max,
+        split: params.split,
+        room: params.room,
+        snapshot: params.snapshot,
+        compact_end: Duration::from_secs_f64(params.compact_end.0),
     };
+    tally.paused.store(params.start_paused, Ordering::Relaxed);
     let recorder = Recorder::start(folder, settings)?;
+    let services = Services::serve(&mut node, params.snapshot.span_ns > 0)?;
 
     let mut readers = JoinSet::new();
     for (topic, subscription) in subscriptions.into_iter().enumerate() {
@@ -47,7 +64,7 @@ pub async fn run(mut node: Node) -> Result<(), RecorderError> {
         readers.spawn(read(subscription, intake, node.shutdown_handle()));
     }
     let report = Report { names, tally, diagnostics: node.diagnostics() };
-    let outcome = watch(&mut node, &recorder, &report, params.sync_period.0).await;
+    let outcome = watch(&mut node, (&recorder, services), &report, &params).await;
     // The readers end with the demand; where the writer failed, there is none.
     node.stop();
     while readers.join_next().await.is_some() {}
@@ -64,13 +81,16 @@ fn subscribe(
     let known = |name: &String| {
         topics::ALL.iter().any(|topic| *name == topic.name || *name == node.resolve(topic.name))
     };
-    if let Some(unknown) = params.leave_out.iter().find(|name| !known(name)) {
-        return Err(RecorderError::NoTopic(unknown.clone()));
+    for (parameter, names) in [("leave_out", &params.leave_out), ("topics", &params.topics)] {
+        if let Some(unknown) = names.iter().find(|name| !known(name)) {
+            return Err(RecorderError::NoTopic { parameter, name: unknown.clone() });
+        }
     }
     let (mut recorded, mut subscriptions) = (Vec::new(), Vec::new());
     for topic in topics::ALL {
         let resolved = node.resolve(topic.name);
-        if !params.leave_out.iter().any(|name| *name == topic.name || *name == resolved) {
+        let named = |names: &[String]| names.iter().any(|name| *name == topic.name || *name == resolved);
+        if !named(&params.leave_out) && (params.topics.is_empty() || named(&params.topics)) {
             let subscription = node.subscribe_raw(&convert::requested(topic, params))?;
             recorded.push(convert::recorded(subscription.topic().to_owned(), topic));
             subscriptions.push(subscription);
@@ -127,7 +147,8 @@ impl Intake {
             sequence: convert::sequence(message.sequence),
             payload: message.payload,
         };
-        if self.queue.waiting() < self.most && self.queue.offer(Item::Message(sample)) {
+        let has_room = self.queue.waiting() < self.most && !self.tally.full.load(Ordering::Relaxed);
+        if has_room && self.queue.offer(Item::Message(sample)) {
             self.work.done();
         } else {
             counts.dropped.add(1);
@@ -150,81 +171,38 @@ async fn read(mut subscription: RawSubscription, mut intake: Intake, mut shutdow
     }
 }
 
-/// Notes what is printed, and reports once a period, until the end is demanded or the writer fails.
+/// Notes what is printed and what happens, does what is asked, and reports once a second, until the end is demanded or
+/// the writer fails.
 async fn watch(
     node: &mut Node,
-    recorder: &Recorder,
+    (recorder, mut services): (&Recorder, Services),
     report: &Report,
-    period_s: f64,
+    params: &Params,
 ) -> Result<(), RecorderError> {
     let mut prints = node.subscribe(&topics::PRINT_INFO)?;
+    let mut events = node.subscribe(&topics::EVENTS)?;
     let queue = recorder.queue();
-    let mut ticks = interval(Duration::from_secs_f64(period_s));
+    let mut ticks = interval(REPORT);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let mut looks = interval(LOOK);
     looks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let hand_over = |item| {
+        if !queue.offer(item) {
+            report.diagnostics.count("notes_dropped");
+        }
+    };
     loop {
         tokio::select! {
-            print = prints.recv() => {
-                if !queue.offer(Item::Note(convert::note_of_print(&print.message))) {
-                    report.diagnostics.count("notes_dropped");
-                }
-            }
+            print = prints.recv() => hand_over(Item::Note(convert::note_of_print(&print.message))),
+            event = events.recv() => if event.message.severity >= params.room.keep_severity {
+                hand_over(Item::Wish(Wish::Keep));
+            },
+            asked = services.next() => services.grant(&asked, &queue, &report.tally),
             _ = ticks.tick() => report.publish(),
             _ = looks.tick() => if recorder.has_failed() {
                 return Ok(()); // its reason comes from `finish`
             },
             () = node.shutdown() => return Ok(()),
-        }
-    }
-}
-
-/// What is told of the counts.
-struct Report {
-    names: Vec<String>,
-    tally: Arc<Tally>,
-    diagnostics: Diagnostics,
-}
-
-impl Report {
-    /// To `/diagnostics`.
-    fn publish(&self) {
-        for (name, counts) in self.names.iter().zip(&self.tally.topics) {
-            if counts.received.get() > 0 {
-                self.diagnostics.set(&format!("{name} written"), counts.written.get());
-                self.diagnostics.set(&format!("{name} dropped"), counts.dropped.get());
-            }
-        }
-        let tally = &self.tally;
-        self.diagnostics.set("written", tally.written());
-        self.diagnostics.set("dropped", tally.dropped());
-        self.diagnostics.set("missed", tally.missed());
-        self.diagnostics.set("log_time_raised", tally.raised.get());
-        self.diagnostics.set("files_recovered", tally.recovered.get());
-        self.diagnostics.set("files_unreadable", tally.unreadable.get());
-        self.diagnostics.set("sync_failed", tally.sync_failed.get());
-        let (level, message) = match () {
-            () if tally.sync_failed.get() > 0 => (Level::Error, "the disk failed"),
-            () if tally.dropped() > 0 => (Level::Warn, "messages were dropped"),
-            () if tally.unreadable.get() > 0 => (Level::Warn, "an earlier file is not readable"),
-            () => (Level::Ok, "recording"),
-        };
-        self.diagnostics.report(level, message);
-    }
-
-    /// To the log, at the end.
-    fn log(&self) {
-        for (name, counts) in self.names.iter().zip(&self.tally.topics) {
-            let (received, written) = (counts.received.get(), counts.written.get());
-            let (dropped, missed) = (counts.dropped.get(), counts.missed.get());
-            if received > 0 {
-                tracing::info!(
-                    "{name}: {received} received, {written} written, {dropped} dropped, {missed} missed"
-                );
-            }
-        }
-        if self.tally.dropped() > 0 {
-            tracing::warn!("{} messages were dropped", self.tally.dropped());
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Parameters of the recorder (`config/bag_recorder.param.yaml`).
 
+use crate::order::nanoseconds;
 use models::params::{ParamError, in_range};
 use models::units::Seconds;
 use std::path::PathBuf;
@@ -28,6 +29,47 @@ pub struct Params {
     pub image_depth: usize,
     /// Publishers with a shorter send window are listened to best effort.
     pub window_min: usize,
+    /// Topics that are recorded, as declared or as resolved; none named: all.
+    pub topics: Vec<String>,
+    /// Nothing is written until somebody asks for it.
+    pub start_paused: bool,
+    /// When a file ends and the next begins.
+    pub split: Split,
+    /// What may be dropped for room.
+    pub room: Room,
+    /// What is kept in memory while nothing is written.
+    pub snapshot: Snapshot,
+    /// Real time at the end that may go into compacting the last file.
+    pub compact_end: Seconds,
+}
+
+/// When a file ends and the next begins; `None`: never.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Split {
+    /// Log time that a file spans `[ns]`.
+    pub span_ns: Option<u64>,
+    /// Size of a file `[byte]`.
+    pub bytes: Option<u64>,
+}
+
+/// What may be dropped for room.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Room {
+    /// Most that the bag's files may take `[byte]`; `None`: what the disk has.
+    pub bag_bytes: Option<u64>,
+    /// Least that stays free on the disk `[byte]`.
+    pub free_bytes: u64,
+    /// Files with an event of this severity or a higher one, and the file before it, are never dropped.
+    pub keep_severity: u8,
+}
+
+/// What is kept in memory while nothing is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Snapshot {
+    /// Log time that it reaches back `[ns]`; 0: nothing is kept.
+    pub span_ns: u64,
+    /// Memory that it may take `[byte]`.
+    pub bytes: usize,
 }
 
 /// The parameters as they are written.
@@ -54,6 +96,26 @@ pub struct RawParams {
     pub image_depth: u32,
     /// Shortest send window that is listened to reliably `[-]`, in `[1, 100000]`.
     pub window_min: u32,
+    /// Topics that are recorded; none named: all.
+    pub topics: Vec<String>,
+    /// Nothing is written until `~/resume`, `~/record` or `~/snapshot` is called.
+    pub start_paused: bool,
+    /// Log time that a file spans `[s]`, in `[0, 1e6]`; 0: without limit.
+    pub split_s: f64,
+    /// Size of a file `[MiB]`, in `[0, 1e6]`; 0: without limit.
+    pub split_mib: u32,
+    /// Most that the bag's files take `[MiB]`, in `[0, 1e8]`; 0: what the disk has.
+    pub bag_mib: u32,
+    /// Least that stays free on the disk `[MiB]`, in `[0, 1e8]`.
+    pub disk_free_mib: u32,
+    /// Files with an event of this severity, or higher, are kept `[-]`, in `[0, 3]`; 3: none is.
+    pub keep_severity: u8,
+    /// Log time that is kept in memory while nothing is written `[s]`, in `[0, 600]`; 0: none.
+    pub snapshot_s: f64,
+    /// Memory for it `[MiB]`, in `[1, 1000]`.
+    pub snapshot_mib: u32,
+    /// Real time at the end for compacting the last file `[s]`, in `[0, 1]`.
+    pub compact_end_s: f64,
 }
 
 /// Why the parameters of the recorder were refused.
@@ -66,6 +128,34 @@ pub enum RecorderParamError {
     /// The folder has no last component to name the files by.
     #[error("bag_dir = {}: must end in a folder's name", .0.display())]
     NoName(PathBuf),
+}
+
+/// Bytes of a mebibyte.
+const MIB: u64 = 1 << 20;
+
+/// A limit in bytes; 0 is none.
+fn limit(name: &'static str, mib: u32, high: f64) -> Result<Option<u64>, ParamError> {
+    in_range(name, f64::from(mib), "MiB", (0.0, high))?;
+    Ok((mib > 0).then(|| u64::from(mib) * MIB))
+}
+
+/// The part of the parameters that says when a file ends and which may go.
+fn files(raw: &RawParams) -> Result<(Split, Room, Snapshot), ParamError> {
+    let span_ns = nanoseconds(Seconds(in_range("split_s", raw.split_s, "s", (0.0, 1e6))?));
+    in_range("keep_severity", f64::from(raw.keep_severity), "-", (0.0, 3.0))?;
+    in_range("snapshot_mib", f64::from(raw.snapshot_mib), "MiB", (1.0, 1000.0))?;
+    let split =
+        Split { span_ns: (span_ns > 0).then_some(span_ns), bytes: limit("split_mib", raw.split_mib, 1e6)? };
+    let room = Room {
+        bag_bytes: limit("bag_mib", raw.bag_mib, 1e8)?,
+        free_bytes: limit("disk_free_mib", raw.disk_free_mib, 1e8)?.unwrap_or(0),
+        keep_severity: raw.keep_severity,
+    };
+    let snapshot = Snapshot {
+        span_ns: nanoseconds(Seconds(in_range("snapshot_s", raw.snapshot_s, "s", (0.0, 600.0))?)),
+        bytes: size(raw.snapshot_mib).saturating_mul(size(1 << 20)),
+    };
+    Ok((split, room, snapshot))
 }
 
 /// A count as the machine's own size.
@@ -85,7 +175,14 @@ impl TryFrom<RawParams> for Params {
         in_range("reader_depth", f64::from(raw.reader_depth), "-", (1.0, 1e5))?;
         in_range("image_depth", f64::from(raw.image_depth), "-", (1.0, 1e5))?;
         in_range("window_min", f64::from(raw.window_min), "-", (1.0, 1e5))?;
+        let (split, room, snapshot) = files(&raw)?;
         Ok(Self {
+            split,
+            room,
+            snapshot,
+            topics: raw.topics,
+            start_paused: raw.start_paused,
+            compact_end: Seconds(in_range("compact_end_s", raw.compact_end_s, "s", (0.0, 1.0))?),
             bag_dir: raw.bag_dir,
             leave_out: raw.leave_out,
             queue_length: size(raw.queue_length),
@@ -124,7 +221,26 @@ mod tests {
             reader_depth: 1000,
             image_depth: 20,
             window_min: 100,
+            topics: Vec::new(),
+            start_paused: false,
+            split_s: 0.0,
+            split_mib: 1024,
+            bag_mib: 0,
+            disk_free_mib: 256,
+            keep_severity: 2,
+            snapshot_s: 0.0,
+            snapshot_mib: 64,
+            compact_end_s: 0.5,
         }
+    }
+
+    #[test]
+    fn a_limit_of_zero_is_none() {
+        let params = Params::try_from(raw()).unwrap();
+        assert_eq!((params.split.span_ns, params.split.bytes), (None, Some(1 << 30)));
+        assert_eq!((params.room.bag_bytes, params.room.free_bytes), (None, 256 << 20));
+        let error = Params::try_from(RawParams { keep_severity: 4, ..raw() }).unwrap_err();
+        assert_eq!(error.to_string(), "keep_severity = 4 -: must be in [0, 3]");
     }
 
     #[test]

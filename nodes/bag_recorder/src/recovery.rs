@@ -14,8 +14,17 @@ use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// What a finished file holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finished {
+    /// Channels and counts.
+    pub contents: FileContents,
+    /// Its messages lie in chunks with an index.
+    pub indexed: bool,
+}
+
 /// Reads what a finished file holds from its summary.
-pub fn read_finished(folder: &Folder, number: u32) -> Result<FileContents, RecorderError> {
+pub fn read_finished(folder: &Folder, number: u32) -> Result<Finished, RecorderError> {
     let name = folder.layout().finished(number);
     let path = folder.path(&name);
     let summary = read_summary(&path).map_err(RecorderError::mcap("read", &path))?;
@@ -32,7 +41,8 @@ pub fn read_finished(folder: &Folder, number: u32) -> Result<FileContents, Recor
             *contents.messages.entry(key).or_insert(0) += count;
         }
     }
-    Ok(contents)
+    let indexed = !summary.chunk_indexes.is_empty() || stats.message_count == 0;
+    Ok(Finished { contents, indexed })
 }
 
 /// The summary at the end of a file.
@@ -79,8 +89,11 @@ pub fn recover_all(folder: &Folder, leftover: &[u32], tally: &Tally, stop: &Atom
     }
 }
 
-/// Recovers one file; `None` where it was stopped.
-fn recover(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<u64>, RecorderError> {
+/// Makes a finished file out of what a kill left, and tells its messages; `None` where it was stopped.
+///
+/// # Errors
+/// A file that cannot be read at all, or a disk that refuses.
+pub fn recover(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<u64>, RecorderError> {
     let layout = folder.layout();
     let source = folder.path(&layout.active(number));
     let half_made = layout.recovering(number);
@@ -100,6 +113,30 @@ fn recover(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<u64
             Ok(Some(total))
         }
     }
+}
+
+/// Writes a finished file anew in compressed chunks with an index; false where it was stopped. The plain one stands until
+/// the other is whole and on disk.
+pub fn compact(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<bool, RecorderError> {
+    let layout = folder.layout();
+    let source = folder.path(&layout.finished(number));
+    let before = read_finished(folder, number)?.contents.total();
+    let half_made = layout.recovering(number);
+    let target = folder.path(&half_made);
+    let mut copy = BagFile::create(&target, Form::Indexed, number, layout.finished(number))?;
+    let copied = copy_records(&source, &mut copy, stop);
+    let whole = matches!(copied, Ok(Copied::All)) && copy.contents().total() == before;
+    if !whole {
+        drop(copy);
+        folder.remove(&half_made)?;
+        return match copied? {
+            Copied::Stopped => Ok(false),
+            Copied::All => Err(RecorderError::mcap("compact", &source)(McapError::UnexpectedEof)),
+        };
+    }
+    let contents = copy.finish()?;
+    folder.add(contents)?;
+    Ok(true)
 }
 
 /// How a copy ended.

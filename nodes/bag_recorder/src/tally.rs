@@ -1,7 +1,7 @@
 //! Counts that the threads of the recorder share.
 
 use crate::metadata::RunCounts;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Counts of one topic in this run.
 #[derive(Debug, Default)]
@@ -43,8 +43,22 @@ pub struct Tally {
     pub sync_failed: Count,
     /// Files of earlier runs made whole.
     pub recovered: Count,
-    /// Files of earlier runs that could not be read.
+    /// Files that could not be read, or not be finished.
     pub unreadable: Count,
+    /// Messages that came while nothing was written.
+    pub passed_over: Count,
+    /// Files dropped for room.
+    pub forgotten: Count,
+    /// Files written anew in compressed chunks.
+    pub compacted: Count,
+    /// Files that must not be dropped.
+    pub kept: Count,
+    /// Nothing is written until somebody asks for it.
+    pub paused: AtomicBool,
+    /// The disk is nearly full, and nothing may be dropped.
+    pub full: AtomicBool,
+    /// Bytes of the file being written that are on disk: what a loss of power leaves.
+    pub synced_bytes: AtomicU64,
 }
 
 impl Tally {

@@ -1,19 +1,26 @@
-//! The thread that writes, and the one that waits for the disk.
+//! The threads of a recorder: one writes, one waits for the disk, one closes files, compacts them and keeps room, and at
+//! the start one recovers what a kill left.
+
+mod closer;
+mod pen;
+mod queue;
+
+pub use queue::{Item, Queue, Sample, Wish};
 
 use crate::contents::Channel;
 use crate::error::RecorderError;
-use crate::file::{BagFile, Form, NOTE, Stamp};
 use crate::folder::Folder;
-use crate::order::{Order, Place};
+use crate::params::{Room, Snapshot, Split};
 use crate::recovery;
 use crate::tally::Tally;
-use mcap::records::Metadata;
+use closer::Closer;
 use models::units::Seconds;
+use pen::Pen;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -26,123 +33,140 @@ pub struct Recorded {
     pub schema: String,
 }
 
-/// What waits for the writer.
-pub enum Item {
-    /// A message.
-    Message(Sample),
-    /// Keys and values of a `fdm_loop` record.
-    Note(BTreeMap<String, String>),
-}
-
-/// A message to be written.
-pub struct Sample {
-    /// Number of the topic.
-    pub topic: usize,
-    /// Time of receipt on the node's clock.
-    pub received: Seconds,
-    /// Time of sending by the publisher `[ns]`.
-    pub publish_ns: Option<u64>,
-    /// Number of the message by its publisher.
-    pub sequence: u32,
-    /// CDR with its encapsulation header.
-    pub payload: Vec<u8>,
-}
-
 /// What the writer is told at the start.
+#[derive(Debug)]
 pub struct Settings {
+    /// The topics, by the numbers of the samples.
     pub topics: Vec<Recorded>,
+    /// Where it counts.
     pub tally: Arc<Tally>,
+    /// What each file says of recorder and print.
     pub note: BTreeMap<String, String>,
+    /// Messages that may wait.
     pub queue_length: usize,
+    /// Between two syncs.
     pub sync_period: Duration,
+    /// A message later than this behind the newest begins a new file.
     pub late_max: Seconds,
-}
-
-/// One end of the bounded queue to the writer; clones share it.
-#[derive(Clone)]
-pub struct Queue {
-    sender: SyncSender<Item>,
-    waiting: Arc<AtomicUsize>,
-}
-
-impl Queue {
-    /// Hands an item to the writer; false where the queue is full, or the writer has ended. Never waits.
-    pub fn offer(&self, item: Item) -> bool {
-        // Counted before: the writer may have taken it by the next line.
-        self.waiting.fetch_add(1, Ordering::Relaxed);
-        match self.sender.try_send(item) {
-            Ok(()) => true,
-            Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {
-                self.waiting.fetch_sub(1, Ordering::Relaxed);
-                false
-            }
-        }
-    }
-
-    /// Items that wait.
-    pub fn waiting(&self) -> usize {
-        self.waiting.load(Ordering::Relaxed)
-    }
+    /// When a file ends.
+    pub split: Split,
+    /// What may be dropped for room.
+    pub room: Room,
+    /// What is kept while nothing is written.
+    pub snapshot: Snapshot,
+    /// Time at the end for compacting.
+    pub compact_end: Duration,
 }
 
 /// The running threads.
 pub struct Recorder {
+    folder: Folder,
     queue: Queue,
     writer: JoinHandle<Result<(), RecorderError>>,
     syncer: JoinHandle<()>,
     recoverer: JoinHandle<()>,
     stop_recovery: Arc<AtomicBool>,
+    closer: JoinHandle<()>,
+    closed: Receiver<()>,
+    stop_closer: Arc<AtomicBool>,
+    compact_end: Duration,
 }
 
 impl Recorder {
     /// Begins the next file of the folder. Leftovers of a kill are recovered beside it: nothing waits for them.
+    ///
+    /// # Errors
+    /// A folder that cannot be listed or written to.
     pub fn start(folder: Folder, settings: Settings) -> Result<Self, RecorderError> {
         let survey = folder.survey()?;
         let tally = Arc::clone(&settings.tally);
-        for number in &survey.finished {
-            match recovery::read_finished(&folder, *number) {
-                Ok(contents) => folder.add(contents)?,
-                Err(error) => {
-                    tally.unreadable.add(1);
-                    tracing::error!("{error}: not listed in metadata.yaml");
-                }
-            }
-        }
-        let (sender, items) = mpsc::sync_channel(settings.queue_length);
-        let queue = Queue { sender, waiting: Arc::default() };
+        let plain = take_in(&folder, &survey.finished, &tally)?;
+        let (queue, items) = Queue::new(settings.queue_length);
         let (files, opened) = mpsc::channel();
         let (period, sync_tally) = (settings.sync_period, Arc::clone(&tally));
         let syncer = spawn("sync", move || sync(&opened, period, &sync_tally))?;
-        let writer = Writer::begin(folder.clone(), settings, files, survey.next)?;
-        let waiting = Arc::clone(&queue.waiting);
-        let writer = spawn("writer", move || writer.run(&items, &waiting))?;
+        let (ended, to_close) = mpsc::channel();
+        let (done, closed) = mpsc::channel();
+        let (compact_end, stop_closer) = (settings.compact_end, Arc::new(AtomicBool::new(false)));
+        let closer = Closer {
+            folder: folder.clone(),
+            tally: Arc::clone(&tally),
+            room: settings.room,
+            stop: Arc::clone(&stop_closer),
+            plain,
+        };
+        let pen = Pen::begin(folder.clone(), settings, (files, ended), survey.next)?;
+        let waiting = queue.count();
+        let writer = spawn("writer", move || pen.run(&items, &waiting))?;
+        let closer = spawn("closer", move || closer.run(&to_close, &done))?;
         let stop_recovery = Arc::new(AtomicBool::new(false));
-        let stop = Arc::clone(&stop_recovery);
-        let recoverer =
-            spawn("recovery", move || recovery::recover_all(&folder, &survey.leftover, &tally, &stop))?;
-        Ok(Self { queue, writer, syncer, recoverer, stop_recovery })
+        let (stop, recovering) = (Arc::clone(&stop_recovery), folder.clone());
+        let recoverer = spawn("recovery", move || {
+            recovery::recover_all(&recovering, &survey.leftover, &tally, &stop);
+        })?;
+        Ok(Self {
+            folder,
+            queue,
+            writer,
+            syncer,
+            recoverer,
+            stop_recovery,
+            closer,
+            closed,
+            stop_closer,
+            compact_end,
+        })
     }
 
     /// The queue to the writer.
+    #[must_use]
     pub fn queue(&self) -> Queue {
         self.queue.clone()
     }
 
     /// Whether the writer ended by itself: it failed.
+    #[must_use]
     pub fn has_failed(&self) -> bool {
         self.writer.is_finished()
     }
 
-    /// Finishes the file. Every other end of the queue must be gone.
+    /// Finishes the file, and compacts it as far as there is time. Every other end of the queue must be gone.
+    ///
+    /// # Errors
+    /// What the writer failed of.
     pub fn finish(self) -> Result<(), RecorderError> {
         self.stop_recovery.store(true, Ordering::Relaxed);
         drop(self.queue);
         _ = self.recoverer.join();
         let written =
             self.writer.join().unwrap_or(Err(RecorderError::Thread("the writer thread ended early")));
+        // The last file is closed by now, or will be; what is not compacted then stays plain until the next start.
+        _ = self.closed.recv_timeout(self.compact_end);
+        self.stop_closer.store(true, Ordering::Relaxed);
+        _ = self.closer.join();
         _ = self.syncer.join();
-        written
+        written.and_then(|()| self.folder.set_active(None))
     }
+}
+
+/// Lists what earlier runs finished; returns the numbers of files that are not compacted yet.
+fn take_in(folder: &Folder, finished: &[u32], tally: &Tally) -> Result<Vec<u32>, RecorderError> {
+    let mut plain = Vec::new();
+    for number in finished {
+        match recovery::read_finished(folder, *number) {
+            Ok(read) => {
+                if !read.indexed {
+                    plain.push(*number);
+                }
+                folder.add(read.contents)?;
+            }
+            Err(error) => {
+                tally.unreadable.add(1);
+                tracing::error!("{error}: not listed in metadata.yaml");
+            }
+        }
+    }
+    Ok(plain)
 }
 
 /// Starts a thread.
@@ -161,10 +185,17 @@ fn sync(opened: &Receiver<File>, period: Duration, tally: &Tally) {
     let mut newest: Option<File> = None;
     loop {
         match opened.recv_timeout(period) {
-            Ok(file) => newest = Some(file),
+            Ok(file) => {
+                newest = Some(file);
+                tally.synced_bytes.store(0, Ordering::Relaxed);
+            }
             Err(RecvTimeoutError::Timeout) => {
-                if newest.as_ref().is_some_and(|file| file.sync_data().is_err()) {
-                    tally.sync_failed.add(1);
+                let Some(file) = &newest else { continue };
+                // What is written by now is on disk when the sync returns.
+                let bytes = file.metadata().map_or(0, |found| found.len());
+                match file.sync_data() {
+                    Ok(()) => tally.synced_bytes.store(bytes, Ordering::Relaxed),
+                    Err(_) => tally.sync_failed.add(1),
                 }
             }
             Err(RecvTimeoutError::Disconnected) => return,
@@ -172,114 +203,5 @@ fn sync(opened: &Receiver<File>, period: Duration, tally: &Tally) {
     }
 }
 
-/// State of the writing thread.
-struct Writer {
-    folder: Folder,
-    settings: Settings,
-    files: Sender<File>,
-    file: BagFile,
-    next: u32,
-    order: Order,
-    /// Messages of each topic that the system does not have yet.
-    unflushed: Vec<u64>,
-}
-
-impl Writer {
-    /// Begins file number `next`.
-    fn begin(
-        folder: Folder,
-        settings: Settings,
-        files: Sender<File>,
-        next: u32,
-    ) -> Result<Self, RecorderError> {
-        let file = begin_file(&folder, next, &settings.note, &files)?;
-        let (order, topics) = (Order::new(settings.late_max), settings.topics.len());
-        Ok(Self { folder, settings, files, file, next: next + 1, order, unflushed: vec![0; topics] })
-    }
-
-    /// Writes until every other end of the queue is gone.
-    fn run(mut self, items: &Receiver<Item>, waiting: &AtomicUsize) -> Result<(), RecorderError> {
-        while let Ok(first) = items.recv() {
-            let more = items.try_iter().take(self.settings.queue_length);
-            for item in std::iter::once(first).chain(more) {
-                waiting.fetch_sub(1, Ordering::Relaxed);
-                self.take(item)?;
-            }
-            self.flush()?;
-        }
-        let contents = self.file.finish()?;
-        self.folder.add(contents)?;
-        self.folder.set_active(None)
-    }
-
-    fn take(&mut self, item: Item) -> Result<(), RecorderError> {
-        match item {
-            Item::Message(sample) => self.message(&sample),
-            Item::Note(note) => {
-                self.settings.note.extend(note);
-                self.file.note(&record(&self.settings.note))
-            }
-        }
-    }
-
-    fn message(&mut self, sample: &Sample) -> Result<(), RecorderError> {
-        let log_ns = match self.order.place(sample.received) {
-            Place::InOrder(log_ns) => log_ns,
-            Place::Raised(log_ns) => {
-                self.settings.tally.raised.add(1);
-                log_ns
-            }
-            Place::NewFile(log_ns) => {
-                self.next_file()?;
-                log_ns
-            }
-        };
-        let publish_ns = sample.publish_ns.unwrap_or(log_ns);
-        let stamp = Stamp { log_ns, publish_ns, sequence: sample.sequence };
-        let topic = &self.settings.topics[sample.topic];
-        self.file.write(&topic.channel, &topic.schema, stamp, &sample.payload)?;
-        self.unflushed[sample.topic] += 1;
-        Ok(())
-    }
-
-    /// Finishes the file and begins the next.
-    fn next_file(&mut self) -> Result<(), RecorderError> {
-        self.flush()?;
-        let next = begin_file(&self.folder, self.next, &self.settings.note, &self.files)?;
-        self.next += 1;
-        let contents = std::mem::replace(&mut self.file, next).finish()?;
-        self.folder.add(contents)
-    }
-
-    /// Hands what was written to the system, and counts it from then on.
-    fn flush(&mut self) -> Result<(), RecorderError> {
-        self.file.flush()?;
-        for (topic, count) in self.settings.tally.topics.iter().zip(&mut self.unflushed) {
-            topic.written.add(std::mem::take(count));
-        }
-        Ok(())
-    }
-}
-
-/// A `fdm_loop` record.
-fn record(note: &BTreeMap<String, String>) -> Metadata {
-    Metadata { name: NOTE.to_owned(), metadata: note.clone() }
-}
-
-/// Begins a file: named in `metadata.yaml`, with what is known of print, build and configuration at its head.
-fn begin_file(
-    folder: &Folder,
-    number: u32,
-    note: &BTreeMap<String, String>,
-    files: &Sender<File>,
-) -> Result<BagFile, RecorderError> {
-    let active = folder.layout().active(number);
-    let name = folder.layout().finished(number);
-    let mut file = BagFile::create(&folder.path(&active), Form::Plain, number, name)?;
-    file.note(&record(note))?;
-    file.flush()?;
-    // The syncing thread ends with this one; without it only a loss of power costs more.
-    _ = files.send(file.handle()?);
-    folder.set_active(Some(active))?;
-    Ok(file)
-}
+#[cfg(test)]
+mod tests;

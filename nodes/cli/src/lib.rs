@@ -1,6 +1,7 @@
 //! `fdm`: starts, watches, simulates and reports. Every figure the project states is printed by one of its commands.
 
 pub mod advance;
+pub mod bag;
 pub mod classify;
 pub mod config;
 pub mod doctor;
@@ -64,6 +65,14 @@ enum Command {
     Install(install::InstallArgs),
     /// Make an HTML page out of a bag: plots, events, pictures, layers.
     Report(report::ReportArgs),
+    /// What is in a bag.
+    Bag(bag::BagArgs),
+    /// Record a printer's topics to a bag.
+    Record(bag::record::RecordArgs),
+    /// Mend a bag after a crash.
+    Recover(bag::recover::RecoverArgs),
+    /// Publish a bag over DDS.
+    Play(bag::play::PlayArgs),
     /// Run the brains over a bag in virtual time, as recorded or with other parameters.
     Replay(replay::ReplayArgs),
     /// Judge pictures; train the networks that do.
@@ -95,6 +104,10 @@ pub fn main() -> ExitCode {
         Command::Doctor(args) => doctor::run(&args),
         Command::Install(args) => install::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Bag(args) => bag::run(&args),
+        Command::Record(args) => bag::record::run(&args),
+        Command::Recover(args) => bag::recover::run(&args),
+        Command::Play(args) => bag::play::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Classify(args) => classify::run(&args),
         Command::Gcode(args) => gcode::run(&args),
@@ -111,6 +124,7 @@ pub fn main() -> ExitCode {
                 || error.is::<doctor::Unfit>()
                 || error.is::<faults::LimitsMissed>()
                 || error.is::<replay::Differs>()
+                || error.is::<bag::recover::Unreadable>()
                 || error.is::<wire::up::Unfinished>();
             ExitCode::from(if failed { FAILED } else { USAGE })
         }

@@ -238,6 +238,16 @@ pub const GET_AVAILABLE_TRANSITIONS: Service<GetAvailableTransitions> =
     Service::new("~/get_available_transitions");
 /// All steps of a managed node.
 pub const GET_TRANSITION_GRAPH: Service<GetAvailableTransitions> = Service::new("~/get_transition_graph");
+/// Records to a new file from now on.
+pub const RECORDER_RECORD: Service<Trigger> = Service::new("~/record");
+/// Records nothing until it is asked to.
+pub const RECORDER_PAUSE: Service<Trigger> = Service::new("~/pause");
+/// Records on.
+pub const RECORDER_RESUME: Service<Trigger> = Service::new("~/resume");
+/// Writes the last seconds to a file of their own.
+pub const RECORDER_SNAPSHOT: Service<Trigger> = Service::new("~/snapshot");
+/// Ends the file and begins the next.
+pub const RECORDER_SPLIT: Service<Trigger> = Service::new("~/split_bagfile");
 /// Inject a fault into the simulated printer.
 pub const INJECT_FAULT: Service<InjectFault> = Service::new("printer_sim/inject_fault");
 

@@ -55,7 +55,7 @@ fn every_whole_record_survives_a_cut_anywhere() {
         let folder = scratch.folder();
         killed(&folder, 5, missing);
         assert_eq!(recover(&folder, 0, &AtomicBool::new(false)).unwrap(), Some(5), "{missing} bytes missing");
-        let contents = read_finished(&folder, 0).unwrap();
+        let contents = read_finished(&folder, 0).unwrap().contents;
         assert_eq!((contents.total(), contents.span_ns), (5, Some((10, 14))));
         assert_eq!(contents.messages.keys().next(), Some(&channel()));
         assert!(!folder.path("bag_0.mcap.active").exists());
@@ -116,7 +116,7 @@ fn a_file_changed_anywhere_becomes_a_sound_one_or_an_error() {
         match recover(&folder, 0, &AtomicBool::new(false)) {
             Ok(total) => {
                 recovered += 1;
-                let contents = read_finished(&folder, 0).unwrap();
+                let contents = read_finished(&folder, 0).unwrap().contents;
                 assert_eq!(Some(contents.total()), total, "file {number}");
                 assert!(contents.total() <= 6, "file {number}");
             }
@@ -149,4 +149,45 @@ fn changed(sound: &[u8], number: u64) -> Vec<u8> {
             .for_each(|place| *place = u8::try_from(random(256)).unwrap()),
     }
     bytes
+}
+
+/// A plain file becomes an indexed one with the same messages; stopped on the way it stays as it was.
+#[test]
+fn a_file_is_compacted_as_a_whole_or_not_at_all() {
+    let scratch = Scratch::new("compacted");
+    let folder = scratch.folder();
+    let active = folder.path("bag_0.mcap.active");
+    let mut file = BagFile::create(&active, Form::Plain, 0, "bag_0.mcap".into()).unwrap();
+    (0..50).for_each(|number| file.write(&channel(), "", stamp(number), &[0; 4000]).unwrap());
+    folder.add(file.finish().unwrap()).unwrap();
+    let before = read_finished(&folder, 0).unwrap();
+    assert!(!before.indexed);
+    assert!(!compact(&folder, 0, &AtomicBool::new(true)).unwrap());
+    assert_eq!(read_finished(&folder, 0).unwrap(), before);
+    assert!(compact(&folder, 0, &AtomicBool::new(false)).unwrap());
+    let after = read_finished(&folder, 0).unwrap();
+    assert_eq!((after.contents, after.indexed), (before.contents, true));
+    assert!(folder.held()[0].bytes < 50 * 4000 / 10, "zeros take little room");
+    assert!(folder.survey().unwrap().stale.is_empty());
+}
+
+/// What is dropped for room is in no list and on no disk.
+#[test]
+fn a_dropped_file_is_gone_everywhere() {
+    let scratch = Scratch::new("dropped");
+    let folder = scratch.folder();
+    for number in 0..2 {
+        let path = folder.path(&folder.layout().active(number));
+        let name = folder.layout().finished(number);
+        let mut file = BagFile::create(&path, Form::Plain, number, name).unwrap();
+        file.write(&channel(), "", stamp(1), &[0; 40]).unwrap();
+        folder.add(file.finish().unwrap()).unwrap();
+    }
+    folder.keep(1).unwrap();
+    assert_eq!(folder.held().iter().map(|file| file.kept).collect::<Vec<_>>(), [false, true]);
+    folder.forget(0).unwrap();
+    assert!(!folder.path("bag_0.mcap").exists());
+    let listed = std::fs::read_to_string(folder.path("metadata.yaml")).unwrap();
+    assert!(!listed.contains("bag_0.mcap") && listed.contains("bag_1.mcap"), "{listed}");
+    assert_eq!(folder.survey().unwrap().finished, [1]);
 }

@@ -6,6 +6,7 @@ use crate::error::RuntimeError;
 use crate::publisher::Publisher;
 use crate::qos;
 use crate::raw::{Bytes, PassThrough, RawNames, RawSubscription};
+use crate::raw_publisher::Serialized;
 use crate::service::{Client, Server};
 use crate::stats::TopicStats;
 use crate::subscription::Subscription;
@@ -71,6 +72,28 @@ impl Node {
         self.core.diagnostics.watch(Arc::clone(&stats));
         let names = RawNames { topic: name, type_name: topic.definition.full_name() };
         Ok(RawSubscription::new(reader, names, self.core.clock.clone(), stats))
+    }
+
+    /// A writer of bytes, with the name on the graph and the type as they are given.
+    pub(crate) fn raw_writer(
+        &self,
+        topic: &str,
+        type_name: &str,
+        offered: qos::End,
+    ) -> Result<rustdds::no_key::DataWriter<Serialized>, RuntimeError> {
+        let name = self.names.resolve(topic);
+        self.names.check(&name)?;
+        let failed =
+            |error: rustdds::dds::CreateError| RuntimeError::create(format!("publisher {name}"), &error);
+        let qos = QosPolicies::from(offered.profile());
+        let (package, message) = type_name.split_once("/msg/").unwrap_or(("", type_name));
+        let type_name = MessageTypeName::new(package, message).dds_msg_type();
+        let participant = self.context.domain_participant();
+        let dds_topic = participant
+            .create_topic(format!("rt{name}"), type_name, &qos, TopicKind::NoKey)
+            .map_err(failed)?;
+        let publisher = participant.create_publisher(&qos).map_err(failed)?;
+        publisher.create_datawriter_no_key_cdr::<Serialized>(&dds_topic, Some(qos)).map_err(failed)
     }
 
     /// Offers a service.

@@ -1,0 +1,183 @@
+//! `fdm bag info`: every record of a bag is looked at, not its summary alone.
+
+use super::InfoArgs;
+use crate::output::{self, Json};
+use crate::report::bag::Bag;
+use crate::report::scan::{Ended, Raw, Sum, Visitor, scan};
+use anyhow::bail;
+use bag_recorder::file::NOTE;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// What is told of a bag.
+#[derive(Debug, Default, Serialize)]
+struct Figures {
+    bag: String,
+    bytes: u64,
+    messages: u64,
+    /// First and last log time `[s]`.
+    begin_s: Option<f64>,
+    end_s: Option<f64>,
+    duration_s: f64,
+    topics: BTreeMap<String, Topic>,
+    files: Vec<File>,
+    /// `fdm_loop` record, without the texts of the parameters.
+    note: BTreeMap<String, String>,
+    /// Every file is closed, and the counts are the recorder's.
+    whole: bool,
+    /// What is not as it should be.
+    remarks: Vec<String>,
+}
+
+#[derive(Debug, Default, Serialize)]
+struct Topic {
+    #[serde(rename = "type")]
+    type_name: String,
+    messages: u64,
+    reliable: bool,
+    latched: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct File {
+    name: String,
+    bytes: u64,
+    messages: u64,
+    state: &'static str,
+}
+
+/// Longest text of a note that is told.
+const NOTE_MAX: usize = 120;
+
+#[derive(Default)]
+struct Count {
+    figures: Figures,
+    in_file: u64,
+    span_ns: Option<(u64, u64)>,
+}
+
+impl Visitor for Count {
+    fn message(&mut self, raw: &Raw<'_>) {
+        self.in_file += 1;
+        let (first, last) = self.span_ns.unwrap_or((raw.log_ns, raw.log_ns));
+        self.span_ns = Some((first.min(raw.log_ns), last.max(raw.log_ns)));
+        let topics = &mut self.figures.topics;
+        if !topics.contains_key(raw.topic) {
+            let says = |word| raw.offered_qos.contains(word);
+            let topic = Topic {
+                type_name: raw.type_name.to_owned(),
+                messages: 0,
+                reliable: says("reliability: reliable"),
+                latched: says("durability: transient_local"),
+            };
+            topics.insert(raw.topic.to_owned(), topic);
+        }
+        if let Some(topic) = topics.get_mut(raw.topic) {
+            topic.messages += 1;
+        }
+    }
+
+    fn note(&mut self, name: &str, values: &BTreeMap<String, String>) {
+        let short = |(_, value): &(&String, &String)| value.len() <= NOTE_MAX && !value.contains('\n');
+        if name == NOTE {
+            let told = values.iter().filter(short).map(|(key, value)| (key.clone(), value.clone()));
+            self.figures.note.extend(told);
+        }
+    }
+}
+
+pub(super) fn run(args: &InfoArgs) -> anyhow::Result<()> {
+    let json = Json::new(args.json.as_deref());
+    json.check()?;
+    let figures = figures(args)?;
+    if !json.is_stdout() {
+        output::line(&page(&figures))?;
+    }
+    json.write(&figures)
+}
+
+fn figures(args: &InfoArgs) -> anyhow::Result<Figures> {
+    let bag = Bag::find(&args.bag)?;
+    let mut count = Count::default();
+    for file in &bag.files {
+        count.in_file = 0;
+        let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let state = match scan(file, &mut count)? {
+            Ended::NoBag => bail!("{}: no MCAP file", file.display()),
+            Ended::Whole(Sum::Fits | Sum::Absent) => "closed",
+            Ended::Torn(why) => {
+                count.figures.remarks.push(format!("{name} {why}"));
+                if name.ends_with(".active") { "active" } else { "torn" }
+            }
+        };
+        let bytes = std::fs::metadata(file).map_or(0, |found| found.len());
+        count.figures.messages += count.in_file;
+        count.figures.files.push(File { name, bytes, messages: count.in_file, state });
+    }
+    let mut figures = count.figures;
+    #[allow(clippy::cast_precision_loss, reason = "times for people")]
+    if let Some((first, last)) = count.span_ns {
+        (figures.begin_s, figures.end_s) = (Some(first as f64 * 1e-9), Some(last as f64 * 1e-9));
+        figures.duration_s = (last - first) as f64 * 1e-9;
+    }
+    figures.bag = args.bag.display().to_string();
+    figures.bytes = bag.bytes();
+    if let Some(counts) = &bag.counts {
+        let closed: u64 =
+            figures.files.iter().filter(|file| file.state == "closed").map(|file| file.messages).sum();
+        if counts.messages != closed {
+            figures.remarks.push(format!(
+                "the recorder counted {} messages in closed files, not {closed}",
+                counts.messages
+            ));
+        }
+        if counts.run.dropped > 0 {
+            figures.remarks.push(format!("{} messages were dropped: the disk was slow", counts.run.dropped));
+        }
+        if counts.run.missed > 0 {
+            figures.remarks.push(format!("{} messages did not arrive at the recorder", counts.run.missed));
+        }
+    }
+    figures.whole = figures.files.iter().all(|file| file.state == "closed")
+        && bag.counts.is_none_or(|counts| counts.messages == figures.messages);
+    if figures.files.iter().any(|file| file.state != "closed") {
+        figures
+            .remarks
+            .push(format!("`fdm recover {}` closes it, once no recorder writes to it", figures.bag));
+    }
+    Ok(figures)
+}
+
+fn page(figures: &Figures) -> String {
+    #[allow(clippy::cast_precision_loss, reason = "a size for people")]
+    let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+    let mut page = format!(
+        "{}: {} messages of {} topics, {:.1} s, {:.1} MiB\n",
+        figures.bag,
+        figures.messages,
+        figures.topics.len(),
+        figures.duration_s,
+        mib(figures.bytes)
+    );
+    // Writing to a string cannot fail.
+    for file in &figures.files {
+        let File { name, bytes, messages, state } = file;
+        _ = writeln!(page, "  {name:<40} {messages:>10} messages {:>9.1} MiB  {state}", mib(*bytes));
+    }
+    for (name, topic) in &figures.topics {
+        let kind = match (topic.latched, topic.reliable) {
+            (true, _) => "latched",
+            (false, true) => "reliable",
+            (false, false) => "best effort",
+        };
+        _ = writeln!(page, "  {name:<48} {:<40} {:>10}  {kind}", topic.type_name, topic.messages);
+    }
+    for (key, value) in &figures.note {
+        _ = writeln!(page, "  {key}: {value}");
+    }
+    for remark in &figures.remarks {
+        _ = writeln!(page, "  ! {remark}");
+    }
+    page
+}

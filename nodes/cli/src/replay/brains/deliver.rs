@@ -1,0 +1,142 @@
+//! From messages to the brains, and from what they say to messages.
+
+use super::{Brains, CLASSIFIER, FOREVER, SUPERVISOR, Said, encode};
+use crate::report::decode::decode;
+use advance_predictor::convert as foresight;
+use defect_classifier::{Output as Saw, convert as sight};
+use fdm_loop_msgs::{ControlCommand, RosType};
+use models::units::Seconds;
+use mpc_controller::convert as control;
+use runtime::topics::{self, Topic};
+use runtime::wire::{self, WireError};
+use safety_supervisor::{Event as Safety, Stream, convert as safety};
+
+impl Brains<'_> {
+    pub(super) fn to_estimator<T: RosType>(
+        &mut self,
+        now: Seconds,
+        payload: &[u8],
+        limit_s: f64,
+        read: impl Fn(&T) -> Result<(Seconds, state_estimator::Event), WireError>,
+    ) {
+        if let Some(Ok(event)) = taken(now, payload, Seconds(limit_s), read) {
+            // Only ticks yield an estimate.
+            _ = self.estimator.on_event(event);
+        }
+    }
+
+    pub(super) fn to_controller<T: RosType>(
+        &mut self,
+        now: Seconds,
+        payload: &[u8],
+        limit_s: f64,
+        read: impl Fn(&T) -> Result<(Seconds, mpc_controller::Event), WireError>,
+    ) {
+        if let Some(Ok(event)) = taken(now, payload, Seconds(limit_s), read) {
+            self.control(now, event);
+        }
+    }
+
+    pub(super) fn to_supervisor<T: RosType, const N: usize>(
+        &mut self,
+        now: Seconds,
+        payload: &[u8],
+        (stream, limit): (Stream, Seconds),
+        read: impl Fn(&T) -> Result<(Seconds, [Safety; N]), WireError>,
+    ) {
+        match taken(now, payload, limit, read) {
+            None => {}
+            Some(Ok(events)) => events.into_iter().for_each(|event| self.supervise(now, event)),
+            Some(Err(())) => self.supervise(now, Safety::Refused { stream }),
+        }
+    }
+
+    pub(super) fn control(&mut self, now: Seconds, event: mpc_controller::Event) {
+        let Some(command) = self.controller.on_event(event) else { return };
+        let health = self.controller.health() as u8;
+        let message = ControlCommand { health, ..wire::command_to_wire(now, &command) };
+        if let Some(payload) = self.say(&topics::CONTROL_COMMAND, &message).filter(|_| self.feeds.command) {
+            self.hear_command(now, &payload);
+        }
+    }
+
+    pub(super) fn supervise(&mut self, now: Seconds, event: Safety) {
+        let Some(output) = self.supervisor.on_event(now, event) else { return };
+        self.say(&topics::SAFETY_COMMAND, &wire::permit_to_wire(now, &output.permit));
+        for decision in &output.events {
+            self.say(&topics::EVENTS, &safety::event(now, SUPERVISOR, decision));
+        }
+    }
+
+    pub(super) fn foretell<T: RosType>(
+        &mut self,
+        now: Seconds,
+        payload: &[u8],
+        read: impl Fn(&T) -> Result<(Seconds, advance_predictor::Event), WireError>,
+    ) {
+        let Some(predictor) = &mut self.predictor else { return };
+        let Some(Ok(event)) = taken(now, payload, FOREVER, read) else { return };
+        let Some(output) = predictor.on_event(event) else { return };
+        let message = foresight::prediction(now, &output);
+        let payload = self.say(&topics::ADVANCE_PREDICTION, &message);
+        if let Some(payload) = payload.filter(|_| self.feeds.prediction) {
+            let limit = self.settings.controller.advance.age_limit_s;
+            self.to_controller(now, &payload, limit, control::prediction);
+        }
+    }
+
+    pub(super) fn see<T: RosType>(
+        &mut self,
+        now: Seconds,
+        payload: &[u8],
+        read: impl Fn(&T) -> Result<(Seconds, defect_classifier::Event), WireError>,
+    ) {
+        let (Some(classifier), Some(setup)) = (&mut self.classifier, &self.settings.sight) else { return };
+        let Some(Ok(event)) = taken(now, payload, FOREVER, read) else { return };
+        let outputs = classifier.on_event(event);
+        let classes = classifier.classes().to_vec();
+        for output in outputs {
+            match output {
+                Saw::Width(width) => {
+                    let payload = self.say(&topics::BEAD_WIDTH, &sight::width(&width));
+                    if let Some(payload) = payload.filter(|_| self.feeds.vision) {
+                        self.hear_width(now, &payload);
+                    }
+                }
+                Saw::Defects(defects) => {
+                    let payload = self.say(&topics::DEFECTS, &sight::defects(&defects, &classes));
+                    if let Some(payload) = payload.filter(|_| self.feeds.vision) {
+                        self.hear(now, topics::DEFECTS.name(), &payload);
+                    }
+                }
+                Saw::Quality(figure) => {
+                    self.say(&topics::LAYER_QUALITY, &sight::quality(&figure, &setup.params.machine));
+                }
+                Saw::Note(note) => _ = self.say(&topics::EVENTS, &sight::note(&note, CLASSIFIER)),
+                Saw::Picture { .. } => {}
+            }
+        }
+    }
+
+    /// Keeps what a brain says.
+    pub(super) fn say<T: RosType>(&mut self, topic: &Topic<T>, message: &T) -> Option<Vec<u8>> {
+        let payload = encode(message)?;
+        self.said.push(Said { topic: topic.name(), payload: payload.clone() });
+        Some(payload)
+    }
+}
+
+/// A message as its reader takes it; `Err` where reading or the age of its stamp refuses it, `None` where it is none of
+/// that type.
+fn taken<T: RosType, V>(
+    now: Seconds,
+    payload: &[u8],
+    limit: Seconds,
+    read: impl Fn(&T) -> Result<(Seconds, V), WireError>,
+) -> Option<Result<V, ()>> {
+    let message: T = decode(payload)?;
+    let taken = read(&message)
+        .map_err(drop)
+        .and_then(|(stamp, value)| runtime::check_age((now - stamp).0, limit).map(|()| value).map_err(drop));
+    Some(taken)
+}
