@@ -186,7 +186,10 @@ fn sync(opened: &Receiver<File>, period: Duration, tally: &Tally) {
     loop {
         match opened.recv_timeout(period) {
             Ok(file) => {
-                newest = Some(file);
+                // Of a file that has ended everything is on disk from here on, whoever closes it and when.
+                if newest.replace(file).is_some_and(|ended| ended.sync_data().is_err()) {
+                    tally.sync_failed.add(1);
+                }
                 tally.synced_bytes.store(0, Ordering::Relaxed);
             }
             Err(RecvTimeoutError::Timeout) => {

@@ -2,6 +2,7 @@
 
 pub mod advance;
 pub mod bag;
+pub mod bench;
 pub mod classify;
 pub mod config;
 pub mod doctor;
@@ -65,6 +66,8 @@ enum Command {
     Install(install::InstallArgs),
     /// Make an HTML page out of a bag: plots, events, pictures, layers.
     Report(report::ReportArgs),
+    /// Measure: the recorder, the graph.
+    Bench(bench::BenchArgs),
     /// What is in a bag.
     Bag(bag::BagArgs),
     /// Record a printer's topics to a bag.
@@ -104,6 +107,7 @@ pub fn main() -> ExitCode {
         Command::Doctor(args) => doctor::run(&args),
         Command::Install(args) => install::run(&args),
         Command::Report(args) => report::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Bag(args) => bag::run(&args),
         Command::Record(args) => bag::record::run(&args),
         Command::Recover(args) => bag::recover::run(&args),
@@ -124,6 +128,7 @@ pub fn main() -> ExitCode {
                 || error.is::<doctor::Unfit>()
                 || error.is::<faults::LimitsMissed>()
                 || error.is::<replay::Differs>()
+                || error.is::<bench::Missed>()
                 || error.is::<bag::recover::Unreadable>()
                 || error.is::<wire::up::Unfinished>();
             ExitCode::from(if failed { FAILED } else { USAGE })

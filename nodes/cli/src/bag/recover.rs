@@ -75,6 +75,15 @@ pub fn run(args: &RecoverArgs) -> anyhow::Result<()> {
     }
 }
 
+/// Recovers a bag; returns its messages.
+pub(crate) fn messages(bag: &Path) -> anyhow::Result<u64> {
+    let figures = recover(bag)?;
+    match figures.files.iter().find(|file| file.outcome == "unreadable") {
+        Some(file) => bail!("{}: {} {}", figures.bag, file.name, file.why),
+        None => Ok(figures.messages),
+    }
+}
+
 fn recover(bag: &Path) -> anyhow::Result<Figures> {
     let failed = || bag.display().to_string();
     if !std::fs::metadata(bag).with_context(failed)?.is_dir() {

@@ -86,8 +86,8 @@ impl<'a> Brains<'a> {
         match topic {
             name if name == topics::HOTEND_TEMPERATURE.name() => {
                 let limit = self.settings.estimator.thermistor.trust.age_limit_s;
-                self.to_estimator(now, payload, limit, estimating::hotend);
-                self.to_supervisor(
+                self.give_estimator(now, payload, limit, estimating::hotend);
+                self.give_supervisor(
                     now,
                     payload,
                     (Stream::Hotend, stale.hotend.oldest_stamp()),
@@ -95,14 +95,14 @@ impl<'a> Brains<'a> {
                 );
             }
             name if name == topics::BED_TEMPERATURE.name() => {
-                self.to_supervisor(now, payload, (Stream::Bed, stale.bed.oldest_stamp()), one(safety::bed));
+                self.give_supervisor(now, payload, (Stream::Bed, stale.bed.oldest_stamp()), one(safety::bed));
             }
             name if name == topics::FILAMENT_MOTION.name() => {
                 let limit = self.settings.estimator.encoder.trust.age_limit_s;
-                self.to_estimator(now, payload, limit, estimating::encoder);
+                self.give_estimator(now, payload, limit, estimating::encoder);
                 let limit = self.settings.controller.status_age_limit_s;
-                self.to_controller(now, payload, limit, control::encoder);
-                self.to_supervisor(
+                self.give_controller(now, payload, limit, control::encoder);
+                self.give_supervisor(
                     now,
                     payload,
                     (Stream::Encoder, stale.encoder.oldest_stamp()),
@@ -113,11 +113,11 @@ impl<'a> Brains<'a> {
             name if name == topics::PRINTER_STATE.name() => self.hear_printer(now, payload),
             name if name == topics::PRINTER_MOTION.name() => self.hear_motion(now, payload),
             name if name == topics::IMU_BATCH.name() => {
-                self.to_supervisor(now, payload, (Stream::Imu, stale.imu.oldest_stamp()), one(safety::imu));
+                self.give_supervisor(now, payload, (Stream::Imu, stale.imu.oldest_stamp()), one(safety::imu));
             }
             name if name == topics::CAMERA_IMAGE.name() => self.see(now, payload, sight::frame),
             name if name == topics::DEFECTS.name() => {
-                self.to_supervisor(
+                self.give_supervisor(
                     now,
                     payload,
                     (Stream::Vision, stale.vision.oldest_stamp()),
@@ -126,7 +126,7 @@ impl<'a> Brains<'a> {
             }
             name if name == topics::ADVANCE_PREDICTION.name() => {
                 let limit = self.settings.controller.advance.age_limit_s;
-                self.to_controller(now, payload, limit, control::prediction);
+                self.give_controller(now, payload, limit, control::prediction);
             }
             name if name == topics::ESTIMATE.name() => self.hear_estimate(now, payload),
             name if name == topics::CONTROL_COMMAND.name() => self.hear_command(now, payload),
@@ -160,20 +160,20 @@ impl<'a> Brains<'a> {
 
     fn hear_width(&mut self, now: Seconds, payload: &[u8]) {
         let limit = self.settings.estimator.width.trust.age_limit_s;
-        self.to_estimator(now, payload, limit, estimating::width);
+        self.give_estimator(now, payload, limit, estimating::width);
         let limit = self.settings.controller.frame_age_limit().0;
-        self.to_controller(now, payload, limit, control::width);
+        self.give_controller(now, payload, limit, control::width);
     }
 
     fn hear_printer(&mut self, now: Seconds, payload: &[u8]) {
         self.see(now, payload, sight::printer);
         let limit = self.settings.estimator.telemetry.age_limit_s;
-        self.to_estimator(now, payload, limit, estimating::printer);
+        self.give_estimator(now, payload, limit, estimating::printer);
         let limit = self.settings.controller.status_age_limit_s;
-        self.to_controller(now, payload, limit, control::printer);
+        self.give_controller(now, payload, limit, control::printer);
         self.foretell(now, payload, foresight::printer);
         let limit = self.settings.supervisor.stale.printer.oldest_stamp();
-        self.to_supervisor(now, payload, (Stream::Printer, limit), one(safety::printer));
+        self.give_supervisor(now, payload, (Stream::Printer, limit), one(safety::printer));
     }
 
     fn hear_motion(&mut self, now: Seconds, payload: &[u8]) {
@@ -184,14 +184,14 @@ impl<'a> Brains<'a> {
     fn hear_estimate(&mut self, now: Seconds, payload: &[u8]) {
         self.see(now, payload, sight::estimate);
         let limit = self.settings.supervisor.stale.estimate.oldest_stamp();
-        self.to_supervisor(now, payload, (Stream::Estimate, limit), safety::estimate);
+        self.give_supervisor(now, payload, (Stream::Estimate, limit), safety::estimate);
         let limit = self.settings.controller.estimate_age_limit_s;
-        self.to_controller(now, payload, limit, control::estimate);
+        self.give_controller(now, payload, limit, control::estimate);
     }
 
     fn hear_command(&mut self, now: Seconds, payload: &[u8]) {
         let limit = self.settings.supervisor.stale.command.oldest_stamp();
-        self.to_supervisor(now, payload, (Stream::Command, limit), safety::command);
+        self.give_supervisor(now, payload, (Stream::Command, limit), safety::command);
     }
 }
 

@@ -12,7 +12,7 @@ use runtime::wire::{self, WireError};
 use safety_supervisor::{Event as Safety, Stream, convert as safety};
 
 impl Brains<'_> {
-    pub(super) fn to_estimator<T: RosType>(
+    pub(super) fn give_estimator<T: RosType>(
         &mut self,
         now: Seconds,
         payload: &[u8],
@@ -25,7 +25,7 @@ impl Brains<'_> {
         }
     }
 
-    pub(super) fn to_controller<T: RosType>(
+    pub(super) fn give_controller<T: RosType>(
         &mut self,
         now: Seconds,
         payload: &[u8],
@@ -37,7 +37,7 @@ impl Brains<'_> {
         }
     }
 
-    pub(super) fn to_supervisor<T: RosType, const N: usize>(
+    pub(super) fn give_supervisor<T: RosType, const N: usize>(
         &mut self,
         now: Seconds,
         payload: &[u8],
@@ -81,7 +81,7 @@ impl Brains<'_> {
         let payload = self.say(&topics::ADVANCE_PREDICTION, &message);
         if let Some(payload) = payload.filter(|_| self.feeds.prediction) {
             let limit = self.settings.controller.advance.age_limit_s;
-            self.to_controller(now, &payload, limit, control::prediction);
+            self.give_controller(now, &payload, limit, control::prediction);
         }
     }
 
