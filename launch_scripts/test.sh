@@ -52,6 +52,11 @@ if [ -n "$long" ]; then
   step "long: an independent DDS, 20 times"
   FDM_INTEROP_ROUNDS=20 cargo test -p system_tests --locked --test interop
 
+  step "long: 50 kills of a recorder at random moments; the recorder beside PyPI's writer, the graph over 10^5 samples"
+  FDM_KILLS=50 cargo test -p system_tests --locked --test replay no_kill
+  target/release/fdm bench recorder --seconds 60
+  target/release/fdm bench graph --samples 100000
+
   step "long: 10^5 malformed payloads a type, 10^6 orders to a firmware, 5000 poisoned prints"
   FDM_MALFORMED_PAYLOADS=100000 cargo test -p runtime --locked --test malformed
   FDM_MALFORMED_PAYLOADS=100000 cargo test --locked --lib -p thermistor -p filament_encoder -p imu -p mpc_controller -p advance_predictor malformed

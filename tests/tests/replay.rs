@@ -78,6 +78,70 @@ fn a_replay_says_again_what_was_recorded_and_what_a_change_would_change() {
     }
 }
 
+/// A bag cut off in its middle: `fdm bag info` says so, `fdm recover` closes it with every whole record, and again finds
+/// nothing to do.
+#[test]
+fn a_torn_bag_is_told_and_recovered() {
+    let bag = recorded("torn");
+    let file = |name: &str| PathBuf::from(&bag).join(name);
+    let whole = json(&["bag", "info", &bag]);
+    assert_eq!((&whole["whole"], &whole["remarks"]), (&true.into(), &serde_json::json!([])), "{whole}");
+    // Half of a chunked file: the chunks before the cut are whole.
+    let length = std::fs::metadata(file("torn_0.mcap")).unwrap().len();
+    std::fs::rename(file("torn_0.mcap"), file("torn_0.mcap.active")).unwrap();
+    let active = std::fs::OpenOptions::new().write(true).open(file("torn_0.mcap.active")).unwrap();
+    active.set_len(length / 2).unwrap();
+    let torn = json(&["bag", "info", &bag]);
+    assert_eq!((&torn["whole"], &torn["files"][0]["state"]), (&false.into(), &"active".into()), "{torn}");
+    let held = torn["messages"].as_u64().unwrap();
+    assert!(held > 1000 && held < whole["messages"].as_u64().unwrap(), "{held}");
+
+    let recovered = json(&["recover", &bag]);
+    assert_eq!(
+        (&recovered["messages"], &recovered["files"][0]["outcome"]),
+        (&held.into(), &"recovered".into())
+    );
+    let mended = json(&["bag", "info", &bag]);
+    assert_eq!((&mended["whole"], &mended["messages"]), (&true.into(), &held.into()), "{mended}");
+    assert_eq!(mended["topics"], torn["topics"]);
+    assert_eq!(json(&["recover", &bag])["files"][0]["outcome"], "sound");
+}
+
+/// SIGKILL at random moments under 2 kHz IMU and 30 frames of 300 kB a second, half of them among splits and compactions:
+/// no acknowledged message is lost, a loss of power would cost 1 s at most, `rosbags` counts every bag as we do.
+/// `FDM_KILLS` sets how many: 50 in the long run.
+#[test]
+fn no_kill_costs_an_acknowledged_message() {
+    let kills = std::env::var("FDM_KILLS").unwrap_or_else(|_| "4".to_owned());
+    let figures = json(&["bench", "recorder", "--kills", &kills]);
+    let figure = |name: &str| {
+        let all = figures["benchmarks"].as_array().unwrap();
+        let found = all.iter().find(|benchmark| benchmark["name"].as_str().unwrap().contains(name));
+        found.unwrap_or_else(|| panic!("{name}: {figures}"))["ours"].as_f64().unwrap()
+    };
+    assert!(figure("messages acknowledged") > 500.0, "{figures}");
+    let bad = ["acknowledged messages lost", "bags that rosbags counts otherwise"].map(figure);
+    assert_eq!(bad, [0.0; 2], "{figures}");
+    assert!(figure("lost with the power") <= 1.0, "{figures}");
+}
+
+/// What is recorded is what is asked for; who asks for a topic that there is not is told.
+#[test]
+fn the_recorder_is_started_as_asked() {
+    let asked =
+        ["record", "--bag", "x y", "--topics", "sensors/imu/batch,/clock", "--snapshot-s", "5", "--paused"];
+    let output = fdm(&[&asked[..], &["--dry-run"]].concat());
+    let line = String::from_utf8(output.stdout).unwrap();
+    for part in [
+        "bag_dir:=\"x y\"",
+        "topics:=[\"sensors/imu/batch\",\"/clock\"]",
+        "snapshot_s:=5.0",
+        "start_paused:=true",
+    ] {
+        assert!(line.contains(part), "{part}: {line}");
+    }
+}
+
 /// A name, a range or a bag that is none ends with code 2 and one line that says which.
 #[test]
 fn what_cannot_be_replayed_is_refused_in_one_line() {

@@ -33,7 +33,7 @@ pub(crate) struct LoadArgs {
     #[arg(long, value_parser = ["recorder", "dds"])]
     into: String,
     /// Folder of the bag.
-    #[arg(long, default_value = "")]
+    #[arg(long, default_value = "bag")]
     bag: PathBuf,
     #[arg(long)]
     seconds: f64,
