@@ -81,14 +81,14 @@ impl Node {
         type_name: &str,
         offered: qos::End,
     ) -> Result<rustdds::no_key::DataWriter<Serialized>, RuntimeError> {
-        let name = self.names.resolve(topic);
-        self.names.check(&name)?;
+        let name = self.core.names.resolve(topic);
+        self.core.names.check(&name)?;
         let failed =
             |error: rustdds::dds::CreateError| RuntimeError::create(format!("publisher {name}"), &error);
         let qos = QosPolicies::from(offered.profile());
         let (package, message) = type_name.split_once("/msg/").unwrap_or(("", type_name));
         let type_name = MessageTypeName::new(package, message).dds_msg_type();
-        let participant = self.context.domain_participant();
+        let participant = self.core.context.domain_participant();
         let dds_topic = participant
             .create_topic(format!("rt{name}"), type_name, &qos, TopicKind::NoKey)
             .map_err(failed)?;
