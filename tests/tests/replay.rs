@@ -121,7 +121,7 @@ fn no_kill_costs_an_acknowledged_message() {
     };
     assert!(figure("messages acknowledged") > 500.0, "{figures}");
     let bad = ["acknowledged messages lost", "bags that rosbags counts otherwise"].map(figure);
-    assert_eq!(bad, [0.0; 2], "{figures}");
+    assert!(bad.iter().sum::<f64>() < 0.5, "{figures}");
     assert!(figure("lost with the power") <= 1.0, "{figures}");
 }
 
