@@ -196,6 +196,11 @@ fn a_replay_is_fdm_play_with_the_clock() {
     let (player, nodes) = brains.split_last().unwrap();
     assert!(player["arguments"].as_array().unwrap().contains(&"--inputs".into()), "{player}");
     assert_eq!(nodes.len(), 4);
+    let help = Command::new(binaries().join("fdm")).args(["play", "--help"]).output().unwrap();
+    let help = String::from_utf8(help.stdout).unwrap();
+    for word in player["arguments"].as_array().unwrap().iter().filter_map(Value::as_str) {
+        assert!(!word.starts_with("--") || help.contains(&format!("{word} ")), "{word} in {help}");
+    }
     for node in nodes.iter().map(meaning) {
         assert!(node[3].contains("use_sim_time: true"), "{node:?}");
         assert!(node[0] != "mpc_controller" || node[3].contains("control: \"encoder\""), "{node:?}");
