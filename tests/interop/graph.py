@@ -18,7 +18,11 @@ CYCLONE = (
     '<MaxAutoParticipantIndex>60</MaxAutoParticipantIndex><Peers><Peer Address="127.0.0.1"/></Peers></Discovery>'
     "</Domain></CycloneDDS>"
 )
-os.environ["CYCLONEDDS_URI"] = CYCLONE
+MULTICAST = (
+    '<CycloneDDS><Domain><General><Interfaces><NetworkInterface name="lo" multicast="true"/></Interfaces>'
+    "</General></Domain></CycloneDDS>"
+)
+os.environ["CYCLONEDDS_URI"] = MULTICAST if "FDM_INTEROP_MULTICAST" in os.environ else CYCLONE
 
 from cyclonedds.core import InstanceState, Qos, Policy, SampleState, ViewState  # noqa: E402
 from cyclonedds.domain import DomainParticipant  # noqa: E402

@@ -198,12 +198,45 @@ def clock(domain: int) -> str:
     return "forward, and back once"
 
 
+def diagnostics(domain: int) -> str:
+    """A node that was killed is ERROR on /diagnostics within 1 s, under its own name; so is who watches the others."""
+    peer = Peer(domain)
+    nodes = {
+        "/printer/thermistor": Node("thermistor", THERMISTOR, ROS_DOMAIN_ID=domain),
+        "/printer/safety_supervisor": Node("safety_supervisor", SUPERVISOR, ROS_DOMAIN_ID=domain),
+    }
+    reader = peer.reader("/diagnostics", "diagnostic_msgs/DiagnosticArray")
+    statuses = lambda: [status for report in reader.take(100) for status in report.status]
+    seen: dict[str, str] = {}
+
+    def all_seen() -> bool:
+        seen.update((status.name, status.hardware_id) for status in statuses())
+        return set(nodes) <= set(seen)
+
+    until(all_seen, "both nodes")
+    check(set(seen.values()) == {"printer"}, f"names and hardware: {seen}")
+    time.sleep(1.0)
+    slowest_s = 0.0
+    for name, node in nodes.items():
+        statuses()
+        begin = time.monotonic()
+        node.kill()
+        until(lambda: any(s.name == name and s.level == 2 for s in statuses()), f"{name} as ERROR", 3.0)
+        slowest_s = max(slowest_s, time.monotonic() - begin)
+        node.start()
+        until(lambda: any(s.name == name and s.level < 2 for s in statuses()), f"{name} is back")
+        time.sleep(0.5)
+    check(slowest_s < 1.0, f"told after {slowest_s:.2f} s")
+    return f"told {slowest_s * 1e3:.0f} ms after kill -9"
+
+
 CHECKS = {
     "late_joiner": late_joiner,
     "killed_and_stopped": killed_and_stopped,
     "stalled": stalled,
     "ten_processes": ten_processes,
     "clock": clock,
+    "diagnostics": diagnostics,
 }
 
 

@@ -164,7 +164,57 @@ def parameters(domain: int) -> str:
     return f"{len(listed)} parameters"
 
 
-CHECKS = {"lifecycle": lifecycle, "deactivation": deactivation, "parameters": parameters}
+def live(domain: int) -> str:
+    """What a node has declared changes while it is active, and at once; a wrong value is refused with its range."""
+    peer = Peer(domain)
+    Node("thermistor", THERMISTOR, ROS_DOMAIN_ID=domain)
+    temperatures = peer.reader("/printer/sensors/hotend/temperature", "sensor_msgs/Temperature", BEST_EFFORT)
+    reports = peer.writer("/printer/printer/report/temperature", "fdm_loop_msgs/TemperatureReport")
+    set_one = peer.service("/printer/thermistor/set_parameters", "rcl_interfaces/SetParameters")
+    describe = peer.service("/printer/thermistor/describe_parameters", "rcl_interfaces/DescribeParameters")
+    told = describe(names=["hotend.sigma_k", "hotend.stamp_age_max_s"]).descriptors
+    check([one.read_only for one in told] == [False, True], f"{told}")
+
+    def variance(expected: float) -> bool:
+        reports.write(report(time.clock_gettime(time.CLOCK_MONOTONIC)))
+        return any(abs(one.variance - expected) < 1e-9 for one in temperatures.take(100))
+
+    until(lambda: variance(0.15**2), "a variance of 0.15 K")
+    refused = set_one(parameters=[double("hotend.sigma_k", 11.0)]).results[0].reason
+    check("hotend.sigma_k = 11 K: must be in [0, 10]" in refused, refused)
+    check(set_one(parameters=[double("hotend.sigma_k", 0.5)]).results[0].successful, "set while active")
+    begin = time.monotonic()
+    until(lambda: variance(0.25), "a variance of 0.5 K")
+    return f"in force {(time.monotonic() - begin) * 1e3:.0f} ms after the answer"
+
+
+def logs(domain: int) -> str:
+    """/rosout has the logger of the node and the levels of `rcl_interfaces/Log`; `--log-level` knows that logger."""
+    peer = Peer(domain)
+    lines = peer.reader("/rosout", "rcl_interfaces/Log", RELIABLE)
+    word = ["--log-level", "printer.quiet:=error"]
+    for name, words in (("thermistor", []), ("quiet", word)):
+        Node(name, THERMISTOR, "-r", f"__node:={name}", *words, program="thermistor", ROS_DOMAIN_ID=domain)
+    heard = []
+    for name in ("thermistor", "quiet"):
+        life = Life(peer, f"/printer/{name}")
+        check(life.to(4) and not life.to(4), "deactivated once")
+
+    def all_heard() -> bool:
+        heard.extend(lines.take(100))
+        return any(line.level == 30 for line in heard) and any(line.level == 20 for line in heard)
+
+    until(all_heard, "a line of level INFO and one of level WARN")
+    names = {line.name for line in heard}
+    check(names == {"printer.thermistor"}, f"loggers {names}")
+    check(all(line.file and line.line for line in heard), "each line names its place")
+    check(all(node.end() == 0 for node in Node.running), "SIGINT ends in order, as launch expects it")
+    return f"{len(heard)} lines"
+
+
+CHECKS = {
+    "lifecycle": lifecycle, "deactivation": deactivation, "parameters": parameters, "live": live, "logs": logs
+}
 
 
 if __name__ == "__main__":

@@ -26,10 +26,14 @@ fn rounds() -> u32 {
     std::env::var("FDM_INTEROP_ROUNDS").map_or(1, |rounds| rounds.parse().unwrap())
 }
 
-fn run(script: &str, domain: u32) -> Output {
+fn python() -> PathBuf {
     let python = root().join("target/venv/bin/python");
     assert!(python.is_file(), "{} is missing: run launch_scripts/test.sh once", python.display());
-    Command::new(python)
+    python
+}
+
+fn run(script: &str, domain: u32) -> Output {
+    Command::new(python())
         .arg(root().join("tests/interop").join(script))
         .arg(binaries())
         .arg(domain.to_string())
@@ -37,6 +41,26 @@ fn run(script: &str, domain: u32) -> Output {
         .env_remove("RUST_LOG")
         .output()
         .unwrap()
+}
+
+/// Two graphs are forty participants: they find each other by multicast alone, which loopback has in a network namespace
+/// of the test's own.
+#[test]
+fn two_printers_in_one_domain_do_not_hear_each_other() {
+    let lo = "ip link set lo up multicast on && ip route add 239.0.0.0/8 dev lo && exec \"$@\"";
+    for round in 1..=rounds() {
+        let output = Command::new("unshare")
+            .args(["-rn", "bash", "-c", lo, "bash"])
+            .args([python(), root().join("tests/interop/two_graphs.py"), binaries()])
+            .arg("30")
+            .env_remove("RUST_LOG")
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stdout);
+        println!("round {round}:\n{said}");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "round {round}:\n{said}{errors}");
+    }
 }
 
 /// Every check of the scripts holds, as often as is asked for. One after another: a domain of a host without multicast

@@ -6,7 +6,7 @@ use crate::fallback::Ladder;
 use crate::input::{Estimate, Event, is_valid};
 use crate::nominal::Nominal;
 use crate::params::{Level, Params};
-use crate::qp::{BuildError, Lags, Move, Qp, input};
+use crate::qp::{BuildError, Move, Qp, input};
 use crate::saturation::Saturation;
 use models::command::{Command, ControlHealth, Trims};
 use models::extruder::Extruder;
@@ -63,12 +63,6 @@ impl Controller {
         material: &Material,
         session: u64,
     ) -> Result<Self, BuildError> {
-        let lags = Lags {
-            period_s: params.period_s,
-            horizon: params.model.horizon as usize,
-            flow_s: material.lag_s,
-            thermal_s: params.model.thermal_lag_s,
-        };
         Ok(Self {
             params,
             printer: Printer {
@@ -79,8 +73,7 @@ impl Controller {
             },
             session,
             sequence: 0,
-            qp: Qp::new(params.cost, params.limits, lags, params.solver)?
-                .with_softening(params.health.soften),
+            qp: retune::problem(&params, material)?,
             catch_up: CatchUp::new(params.slip),
             advance: Advance::new(params.advance),
             nominal: Nominal::new(material.lag_s),
@@ -289,6 +282,7 @@ fn moves_of(trims: &Trims) -> Move {
 mod planning;
 mod preview;
 mod report;
+mod retune;
 
 pub use report::Report;
 

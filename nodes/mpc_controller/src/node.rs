@@ -16,9 +16,38 @@ use crate::controller::{Controller, Report};
 use crate::convert;
 use crate::input::{self, Event, Refusals};
 use crate::params::Params;
+use crate::qp::BuildError;
 use crate::wire::WireLevel;
 
 mod wall;
+
+/// What may change while the node is active: what an error costs, how far and how fast a trim may go.
+const LIVE: [&str; 24] = [
+    "cost.width_scale",
+    "cost.temperature_scale_k",
+    "cost.temperature_weight",
+    "cost.speed_scale",
+    "cost.feed_scale",
+    "cost.setpoint_weight_1_k2",
+    "cost.change_weight",
+    "cost.feed_change",
+    "cost.speed_change",
+    "cost.setpoint_change_k",
+    "limits.feed",
+    "limits.speed_low",
+    "limits.speed_high",
+    "limits.setpoint_k",
+    "limits.feed_rate",
+    "limits.speed_rate",
+    "limits.setpoint_rate_k",
+    "limits.force_margin",
+    "deadband.start",
+    "deadband.full",
+    "deadband.start_k",
+    "deadband.full_k",
+    "trims.feed_gain",
+    "trims.speed_gain",
+];
 
 /// Runs the node to its end; its last word are the slicer's own values.
 ///
@@ -42,7 +71,7 @@ enum Kind {
 }
 
 async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
-    let setup = Setup::read(&node)?;
+    let mut setup = Setup::read(&node)?;
     let params = setup.params;
     let Inlets { mut estimate, mut printer, mut encoder, mut width, mut predictions } =
         Inlets::open(&mut node, &params)?;
@@ -50,6 +79,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     let mut ticks = node.timer(Seconds(params.period_s));
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut controller, mut jumps) = (setup.controller()?, clock.jumps_back());
+    let mut live = node.live_parameters(&LIVE);
     let mut newest = setup.neutral();
     node.activated().await;
     loop {
@@ -86,6 +116,10 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
                 pass(&mut controller, Ok(Event::Tick { now }));
                 show(&diagnostics, &controller.report());
                 work.done();
+            }
+            changed = live.next() => {
+                setup = Setup::of(&changed, setup.session)?;
+                controller.retune(setup.params).map_err(refused)?;
             }
             () = node.shutdown() => break,
         }
@@ -155,11 +189,13 @@ impl Setup {
     /// A controller that has seen nothing: at the start, and when time jumped back.
     fn controller(&self) -> Result<Controller, RuntimeError> {
         let printer = (&self.printer.hotend, &self.printer.extruder);
-        Controller::new(self.params, printer, &self.material, self.session).map_err(|error| {
-            let at = "parameters of mpc_controller".to_owned();
-            ParamFileError::Refused { at, message: error.to_string() }.into()
-        })
+        Controller::new(self.params, printer, &self.material, self.session).map_err(refused)
     }
+}
+
+fn refused(error: BuildError) -> RuntimeError {
+    let at = "parameters of mpc_controller".to_owned();
+    ParamFileError::Refused { at, message: error.to_string() }.into()
 }
 
 fn pass(controller: &mut Controller, taken: Result<Event, Reason>) -> Option<Command> {

@@ -4,7 +4,7 @@ use fdm_loop_msgs::{PrintEvent, PrinterState, TemperatureReport};
 use models::units::Seconds;
 use runtime::serial::{PortEvent, SerialLine};
 use runtime::wire::status_to_wire;
-use runtime::{Diagnostics, Level, Node, Publisher, Refused, RuntimeError, topics};
+use runtime::{Diagnostics, Frames, Level, Node, Publisher, Refused, RuntimeError, topics};
 
 use crate::commands::Access;
 use crate::convert;
@@ -17,22 +17,29 @@ use crate::params::{Host, Params};
 /// Lines that may wait: a second of a Marlin that talks as fast as its line.
 const WAITING: usize = 1000;
 
+/// Block with the places of the printer's parts; not given: nobody is told.
+const FRAMES: &str = "frames";
+
 /// Runs the node to its end.
 ///
 /// # Errors
 /// [`RuntimeError`] where it cannot start, or its reader has ended.
 pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
-    let params: Params = node.parameters()?;
+    let frames = node.raw_parameters().optional(FRAMES)?;
+    let params: Params = node.raw_parameters().without(&[FRAMES]).parse()?;
+    node.check_parameters(|parameters| parameters.without(&[FRAMES]).parse::<Params>().map(drop));
     if node.clock().is_simulated() {
         return Err(RuntimeError::SimulatedTime { what: "a bridge to a real printer" });
     }
     let (Host::MarlinSerial, Access::ReadOnly) = (params.host, params.read_only);
     let mut line = node.serial_line(&params.serial, LINE_MAX, WAITING)?;
-    let mut outlets = Outlets::open(&mut node)?;
+    let frames = frames.map(|params| node.frames(params)).transpose()?;
+    let mut outlets = Outlets::open(&mut node, frames)?;
     let mut marlin = Marlin::new(params.marlin);
     let mut ticks = node.timer(Seconds(params.marlin.state_period_s.min(0.1)));
     let work = node.work();
     node.activated().await;
+    outlets.tell_frames(node.clock().now());
     loop {
         let (now, event) = tokio::select! {
             received = line.recv() => received.map(|(now, event)| (now, Some(event)))?,
@@ -58,6 +65,7 @@ fn told(event: Option<&PortEvent>) -> Event<'_> {
 
 /// Where everything goes.
 struct Outlets {
+    frames: Option<Frames>,
     temperatures: Publisher<TemperatureReport>,
     states: Publisher<PrinterState>,
     events: Publisher<PrintEvent>,
@@ -67,8 +75,9 @@ struct Outlets {
 }
 
 impl Outlets {
-    fn open(node: &mut Node) -> Result<Self, RuntimeError> {
+    fn open(node: &mut Node, frames: Option<Frames>) -> Result<Self, RuntimeError> {
         Ok(Self {
+            frames,
             temperatures: node.publish_on(&topics::TEMPERATURE_REPORT)?,
             states: node.publish_on(&topics::PRINTER_STATE)?,
             events: node.publish_on(&topics::EVENTS)?,
@@ -87,9 +96,21 @@ impl Outlets {
                     }
                 }
                 Output::Temperatures(report) => _ = self.temperatures.send(convert::temperatures(report)),
-                Output::State(state) => _ = self.states.send(status_to_wire(state)),
+                Output::State(state) => {
+                    let state = status_to_wire(state);
+                    if let Some(frames) = &mut self.frames {
+                        frames.tool_at(now, state.position_m);
+                    }
+                    self.states.send(state);
+                }
                 Output::Note(note) => self.tell(now, note),
             }
+        }
+    }
+
+    fn tell_frames(&self, now: Seconds) {
+        if let Some(frames) = &self.frames {
+            frames.tell(now);
         }
     }
 

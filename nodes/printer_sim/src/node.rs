@@ -12,7 +12,7 @@ use fdm_loop_msgs::{
 };
 use models::command::Permit;
 use models::units::Seconds;
-use runtime::{Asked, Node, Publisher, Reason, Refused, Server, Subscription, topics, wire};
+use runtime::{Asked, Frames, Node, Publisher, Reason, Refused, Server, Subscription, topics, wire};
 use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
 
@@ -47,6 +47,7 @@ struct Outlets {
 struct Shell {
     simulator: Simulator,
     outlets: Outlets,
+    frames: Option<Frames>,
     refused: Refused,
     name: String,
     quantum_m: f64,
@@ -71,11 +72,16 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
     let mut permits = node.subscribe(&topics::SAFETY_COMMAND)?;
     let mut faults = if allow_fault_injection { Some(node.serve(&topics::INJECT_FAULT)?) } else { None };
     let outlets = Outlets::new(&mut node)?;
+    let frames = node.raw_parameters().optional("frames")?;
+    let frames = frames.map(|params| node.frames(params)).transpose()?;
     let refused = Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name());
     let (work, name) = (node.work(), node.name());
-    let mut shell = Shell { simulator, outlets, refused, name, quantum_m, segments: 0, clocks: 0 };
+    let mut shell = Shell { simulator, outlets, frames, refused, name, quantum_m, segments: 0, clocks: 0 };
     node.activated().await;
     shell.outlets.info.send(info);
+    if let Some(frames) = &shell.frames {
+        frames.tell(shell.simulator.now());
+    }
     let mut pace = pace(speed);
     loop {
         tokio::select! {
@@ -182,7 +188,13 @@ impl Shell {
             }
             Output::Imu(batch) => outlets.imu.send(convert::imu(*batch)),
             Output::Frame { exposed, jpeg, .. } => outlets.frames.send(convert::frame(exposed, jpeg)),
-            Output::Status(status) => outlets.state.send(wire::status_to_wire(&status)),
+            Output::Status(status) => {
+                let state = wire::status_to_wire(&status);
+                if let Some(frames) = &mut self.frames {
+                    frames.tool_at(status.stamp, state.position_m);
+                }
+                outlets.state.send(state)
+            }
             Output::Motion { start, segment } => {
                 self.segments += 1;
                 let path_time_s = self.simulator.truth().path_time_s;

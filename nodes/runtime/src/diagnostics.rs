@@ -161,8 +161,11 @@ pub(crate) fn pair(key: String, value: impl Display) -> KeyValue {
 }
 
 /// One status.
-fn status(name: String, level: Level, message: String, values: Vec<KeyValue>) -> DiagnosticStatus {
-    DiagnosticStatus { level: level as u8, name, message, hardware_id: "fdm_loop".to_owned(), values }
+pub(crate) fn status(name: String, level: Level, message: String, values: Vec<KeyValue>) -> DiagnosticStatus {
+    // The printer is the hardware: its namespace tells it from others.
+    let hardware_id =
+        name.trim_start_matches('/').rsplit_once('/').map_or("", |(printer, _)| printer).to_owned();
+    DiagnosticStatus { level: level as u8, name, message, hardware_id, values }
 }
 
 #[cfg(test)]
@@ -179,6 +182,9 @@ mod tests {
         let array = diagnostics.array("/printer/estimator", &Clock::simulated());
         let own = &array.status[0];
         assert_eq!((own.level, own.message.as_str()), (DiagnosticStatus::WARN, "gate refuses"));
+        let topics = &array.status[1];
+        assert_eq!((own.hardware_id.as_str(), topics.hardware_id.as_str()), ("printer", "printer"));
+        assert_eq!(topics.name, "/printer/estimator: topics");
         assert!(own.values.contains(&pair("refused_nan".into(), 3)));
         assert!(own.values.contains(&pair("mode".into(), "observe")));
         assert_eq!(diagnostics.counter("refused_nan"), 3);

@@ -31,38 +31,52 @@ const MIDDLEWARE_LINES_1_S: u64 = 20;
 /// Lines that wait for `/rosout`; more are dropped (they are on standard error all the same).
 const WAITING_LINES: usize = 256;
 
+/// Logger of the node of this process, as `rclcpp` names it: `printer.thermistor`.
+static LOGGER: OnceLock<String> = OnceLock::new();
+
 /// The end that feeds `/rosout`, once a node is there to publish.
 static ROSOUT: OnceLock<Sender<Log>> = OnceLock::new();
 
 /// The filter in force: `RUST_LOG`, else `--log-level`, else the default.
-fn filter(args: &Args) -> EnvFilter {
+fn filter(args: &Args, node: &str) -> EnvFilter {
     if std::env::var_os("RUST_LOG").is_some() && args.log_levels.is_empty() {
         return EnvFilter::from_default_env();
     }
-    EnvFilter::new(directives(&args.log_levels))
+    EnvFilter::new(directives(&args.log_levels, node))
 }
 
 /// Filter directives of the levels asked for, in order: a later one wins.
-fn directives(levels: &[(Option<String>, LogLevel)]) -> String {
+fn directives(levels: &[(Option<String>, LogLevel)], node: &str) -> String {
     let mut all = format!("{DEFAULT_LEVEL},{MIDDLEWARE}");
     for (logger, level) in levels {
         let level = level.directive();
         // Writing to a string cannot fail.
         _ = match logger {
-            Some(logger) => write!(all, ",{}={level}", logger.replace('.', "::")),
-            None => write!(all, ",{level}"),
+            Some(logger) if !is_of(node, logger) => write!(all, ",{}={level}", logger.replace('.', "::")),
+            _ => write!(all, ",{level}"),
         };
     }
     all
 }
 
+/// Whether a logger is the node's own or one above it.
+fn is_of(node: &str, logger: &str) -> bool {
+    node.strip_prefix(logger).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+}
+
+/// Logger of a node, by its name with its namespace.
+pub(crate) fn logger(qualified: &str) -> String {
+    qualified.trim_start_matches('/').replace('/', ".")
+}
+
 /// Starts logging; a second call in the same process changes nothing.
-pub(crate) fn start(args: &Args) {
+pub(crate) fn start(args: &Args, node: &str) {
+    _ = LOGGER.set(logger(node));
     let console = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal());
     _ = tracing_subscriber::registry()
-        .with(filter(args))
+        .with(filter(args, &logger(node)))
         .with(Throttle)
         .with(console)
         .with(Rosout)
@@ -142,8 +156,10 @@ impl<S: Subscriber> Layer<S> for Rosout {
         event.record(&mut text);
         let line = Log {
             level: level_number(*metadata.level()),
-            name: target.to_owned(),
+            name: LOGGER.get().map_or(target, String::as_str).to_owned(),
             msg: text.0,
+            // Where in the node's code: modules, for there is no name of a function.
+            function: target.to_owned(),
             file: metadata.file().unwrap_or_default().to_owned(),
             line: metadata.line().unwrap_or_default(),
             ..Log::default()
@@ -196,9 +212,21 @@ mod tests {
 
     #[test]
     fn a_level_for_all_leaves_the_middleware_quiet() {
-        let all = directives(&[(None, LogLevel::Debug), (Some("thermistor".into()), LogLevel::Error)]);
+        let all = directives(&[(None, LogLevel::Debug), (Some("thermistor".into()), LogLevel::Error)], "");
         assert!(all.ends_with(",debug,thermistor=error"), "{all}");
         assert!(all.contains("rustdds=warn"), "{all}");
         assert!(all.parse::<EnvFilter>().is_ok());
+    }
+
+    /// `--log-level printer.thermistor:=debug`, as `rclcpp` names loggers, and what stands above it.
+    #[test]
+    fn the_nodes_own_logger_is_the_whole_node() {
+        let node = logger("/printer/thermistor");
+        for (wanted, all) in
+            [("printer.thermistor", true), ("printer", true), ("print", false), ("rcl", false)]
+        {
+            let text = directives(&[(Some(wanted.into()), LogLevel::Debug)], &node);
+            assert_eq!(text.ends_with(",debug"), all, "{text}");
+        }
     }
 }

@@ -51,6 +51,8 @@ struct Core {
     clock: Clock,
     diagnostics: Diagnostics,
     work: Work,
+    /// Whether it speaks for nodes that have gone.
+    witness: AtomicBool,
     /// Whether a shell was configured before.
     staged: AtomicBool,
     shutdown_sender: ShutdownSender,
@@ -126,9 +128,9 @@ impl Node {
         args: Args,
         on_deaf: impl FnOnce() + Send + 'static,
     ) -> Result<Self, RuntimeError> {
-        logging::start(&args);
-        let environment = Environment::from_env()?;
-        let names = Names::new(name, &args)?;
+        let names = Names::new(name, &args);
+        logging::start(&args, &names.as_ref().map_or_else(|_| name.to_owned(), Names::qualified));
+        let (names, environment) = (names?, Environment::from_env()?);
         let path = NodePath { qualified: names.qualified(), base: names.base().to_owned() };
         let parameters = Parameters::read(&args.params_files, &args.parameters, &path)?;
         let clock = if parameters.use_sim_time() { Clock::simulated() } else { Clock::monotonic() };
@@ -157,6 +159,7 @@ impl Node {
             clock,
             diagnostics: Diagnostics::default(),
             work: Work::default(),
+            witness: AtomicBool::new(false),
             staged: AtomicBool::new(false),
             shutdown_sender,
             refused: Mutex::default(),

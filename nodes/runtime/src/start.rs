@@ -1,6 +1,6 @@
 //! From `main` to a running node and back.
 
-use crate::args::{Args, ArgsError};
+use crate::args::{Args, ArgsError, LogLevel};
 use crate::bounds;
 use crate::error::{RuntimeError, chain};
 use crate::installed;
@@ -39,7 +39,7 @@ where
                 || error.is::<ArgsError>()
                 || error.downcast_ref::<RuntimeError>().is_some_and(RuntimeError::is_usage);
             // Arguments may be what is wrong: logging starts with what can be had.
-            logging::start(&Args::default());
+            logging::start(&Args::default(), name);
             tracing::error!("{name}: {}", chain(error.as_ref()));
             ExitCode::from(if usage { USAGE } else { FAILURE })
         }
@@ -54,7 +54,11 @@ where
     E: Error + 'static,
 {
     bounds::set()?;
-    let args = installed::complete(Args::from_env()?, name);
+    let mut args = installed::complete(Args::from_env()?, name);
+    if args.log_levels.is_empty() && std::env::var_os("RUST_LOG").is_none() {
+        // As `rclcpp` has it.
+        args.log_levels.push((None, LogLevel::Info));
+    }
     if let Some(word) = args.rest.first() {
         return Err(ArgsError::NotTaken(word.clone()).into());
     }

@@ -75,6 +75,11 @@ impl<T: RosType> Subscription<T> {
         Self { reader, clock, stats, gate }
     }
 
+    /// Its counters.
+    pub(crate) fn stats(&self) -> Arc<TopicStats> {
+        Arc::clone(&self.stats)
+    }
+
     /// Waits for the next message. What cannot be decoded is counted and skipped. Cancelling loses no message.
     pub async fn recv(&mut self) -> Received<T> {
         loop {

@@ -38,6 +38,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut ticks =
         node.timer(topics::PERMIT_PERIOD).tell_irregular(node.diagnostics(), topics::PERMIT_JITTER);
     let (clock, work) = (node.clock(), node.work());
+    node.witness(&[])?;
     node.activated().await;
     loop {
         tokio::select! {

@@ -82,6 +82,11 @@ impl Channel {
         Self { params, last: None, refusals: Refusals::default(), fast: 0 }
     }
 
+    /// Other limits and noise from now on; what was seen stays.
+    pub fn retune(&mut self, params: ChannelParams) {
+        self.params = params;
+    }
+
     /// Takes a report received at `now`.
     ///
     /// # Errors

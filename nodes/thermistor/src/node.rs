@@ -13,6 +13,20 @@ use crate::serial_line::{LINE_MAX, LineError, Reading, parse};
 /// Lines that may wait: a second of reports at 10 Hz; an old temperature is of no use.
 const WAITING: usize = 10;
 
+/// What may change while the node is active: how a value is judged, not where it comes from.
+const LIVE: [&str; 10] = [
+    "hotend.min_c",
+    "hotend.max_c",
+    "hotend.rate_max_k_s",
+    "hotend.sigma_k",
+    "hotend.quantum_k",
+    "bed.min_c",
+    "bed.max_c",
+    "bed.rate_max_k_s",
+    "bed.sigma_k",
+    "bed.quantum_k",
+];
+
 /// Runs the node to its end.
 ///
 /// # Errors
@@ -22,7 +36,10 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut source = Source::open(&mut node, &params)?;
     let mut hotend = Outlet::open(&mut node, &params, "hotend")?;
     let mut bed = Outlet::open(&mut node, &params, "bed")?;
+    let mut live = node.live_parameters(&LIVE);
     let (clock, work) = (node.clock(), node.work());
+    // Who watches the others is watched too.
+    node.witness(&["safety_supervisor"])?;
     node.activated().await;
     loop {
         tokio::select! {
@@ -32,6 +49,11 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                     bed.pass(clock.now(), stamp, reading.bed);
                     work.done();
                 }
+            }
+            changed = live.next() => {
+                let params: Params = changed.parse()?;
+                hotend.channel.retune(params.hotend);
+                bed.channel.retune(params.bed);
             }
             () = node.shutdown() => return Ok(()),
         }

@@ -26,6 +26,9 @@ pub const NODES: [&str; 11] = [
     "printer_sim",
 ];
 
+/// The namespace whose clock is the domain's: tools that follow simulated time look for `/clock`.
+const DEFAULT_NAMESPACE: &str = "/printer";
+
 /// Everything that one print is started with.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -192,6 +195,10 @@ impl Plan {
                 ["--ros-args", "--log-level", "info", "-r", &format!("__ns:={}", self.namespace)]
                     .map(str::to_owned)
                     .to_vec();
+            if self.namespace != DEFAULT_NAMESPACE {
+                // The time of one simulated printer is not that of another in the same domain.
+                arguments.extend(["-r".to_owned(), format!("/clock:={}/clock", self.namespace)]);
+            }
             for file in files {
                 arguments.extend(["--params-file".to_owned(), file.display().to_string()]);
             }

@@ -50,7 +50,7 @@ impl Node {
         Ok(())
     }
 
-    fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) -> tokio::task::AbortHandle {
+    pub(crate) fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) -> tokio::task::AbortHandle {
         lock(&self.core.tasks).spawn(task)
     }
 
@@ -85,6 +85,11 @@ impl Node {
         if let Some(stage) = &self.stage {
             stage.activated().await;
         }
+    }
+
+    /// Whether it speaks for others already; it does from now on.
+    pub(crate) fn is_witness(&self) -> bool {
+        self.core.witness.swap(true, Ordering::Relaxed)
     }
 
     /// The state that its services tell.

@@ -22,6 +22,13 @@ impl Node {
     /// # Errors
     /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
     pub fn subscribe<T: RosType>(&mut self, topic: &Topic<T>) -> Result<Subscription<T>, RuntimeError> {
+        let subscription = self.listen(topic)?;
+        self.core.diagnostics.watch(subscription.stats());
+        Ok(subscription)
+    }
+
+    /// Listens to a topic that is none of the shell's: its figures are not shown.
+    pub(crate) fn listen<T: RosType>(&self, topic: &Topic<T>) -> Result<Subscription<T>, RuntimeError> {
         let name = self.core.names.resolve(topic.name());
         let profile = topic.qos().requested.profile();
         let failed =
@@ -29,7 +36,6 @@ impl Node {
         let ros_topic = self.create_topic(&name, &topic.info(), &profile)?;
         let reader = lock(&self.core.ros).create_subscription(&ros_topic, Some(profile)).map_err(failed)?;
         let stats = Arc::new(TopicStats::subscriber(&name));
-        self.core.diagnostics.watch(Arc::clone(&stats));
         Ok(Subscription::new(reader, self.core.clock.clone(), stats, self.gate.clone()))
     }
 
