@@ -62,6 +62,10 @@ def material_of(gcode):
     return stated[0].upper() if stated and stated[0] else "PLA"
 
 
+def wanted_of(chosen):
+    return [name for name in NODES if name != "advance_predictor" or chosen["advance"] == "predicted"]
+
+
 def values_of(node, chosen, bag):
     """Parameters that the arguments decide."""
     values = {
@@ -81,6 +85,8 @@ def values_of(node, chosen, bag):
             "run.allow_fault_injection": chosen["allow_fault_injection"] == "true",
             "run.config_file": "",
             "simulator.host": chosen["host"],
+            # It prints when all others work; its log names whom it waits for.
+            "start_after": [name for name in wanted_of(chosen) if name != "printer_sim"],
             # Frames in place of the stand-in that gives the road's width.
             "camera.enabled": True,
             "simulator.width_period_s": 0.0,
@@ -103,8 +109,7 @@ def nodes(context):
     fdm_launch.check_material(material, chosen["config"])
     stem = os.path.splitext(os.path.basename(chosen["gcode"]))[0]
     bag = fdm_launch.new_bag(chosen, stem, chosen["control"])
-    wanted = [name for name in NODES if name != "advance_predictor" or chosen["advance"] == "predicted"]
-    return [fdm_launch.node(name, chosen, material, values_of(name, chosen, bag)) for name in wanted]
+    return [fdm_launch.node(name, chosen, material, values_of(name, chosen, bag)) for name in wanted_of(chosen)]
 
 
 def generate_launch_description():

@@ -51,6 +51,10 @@ if [ -n "$long" ]; then
 
   step "long: an independent DDS, 20 times"
   FDM_INTEROP_ROUNDS=20 cargo test -p system_tests --locked --test interop
+  for _ in $(seq 20); do
+    unshare -rn bash -c 'ip link set lo up multicast on && ip route add 239.0.0.0/8 dev lo &&
+      exec target/venv/bin/python tests/interop/two_graphs.py target/release 30'
+  done
 
   step "long: 50 kills of a recorder at random moments; the recorder beside PyPI's writer, the graph over 10^5 samples"
   FDM_KILLS=50 cargo test -p system_tests --locked --test replay no_kill

@@ -13,12 +13,17 @@ from pathlib import Path
 
 from cyclonedds.idl import annotations, make_idl_struct, types
 
-from graph import BEST_EFFORT, DEFINITIONS, LATCHED, RELIABLE, DataReader, Node, Peer, Policy, Qos, check, matched, run, until
+from graph import (
+    BEST_EFFORT, DEFINITIONS, LATCHED, RELIABLE, ROOT, DataReader, Node, Peer, Policy, Qos, check, matched, participants,
+    run, until,
+)
 
 THERMISTOR = ["thermistor.param.yaml"]
 SUPERVISOR = ["safety_supervisor.param.yaml"]
 #: A permit holds this long `[s]`: a printer that waits longer goes back to the slicer's values.
 VALIDITY_S = 0.25
+#: Of `SafetyState` and `PrinterState`.
+SAFE_OFF, FAILED = 6, 5
 
 
 def seconds(header) -> float:
@@ -230,6 +235,41 @@ def diagnostics(domain: int) -> str:
     return f"told {slowest_s * 1e3:.0f} ms after kill -9"
 
 
+def namespaces(domain: int) -> str:
+    """Two printers in one domain: no endpoint of the one is the other's, and a stop of the left one is none of the right."""
+    peer, names = Peer(domain), ("/left", "/right")
+    nominal = ["printers/ender3.yaml", "materials/pla.yaml"]
+    printer = ["plants/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml", *nominal]
+    files = {"safety_supervisor": [], "thermistor": [], "state_estimator": nominal, "printer_sim": printer}
+    gcode = ROOT / "tests/data/gcode/quirks_handmade.gcode"
+    for namespace in names:
+        for name, more in files.items():
+            words = ["-r", f"__ns:={namespace}", "-r", f"/clock:={namespace}/clock"]
+            words += ["-p", f'run.gcode:="{gcode}"'] if name == "printer_sim" else ["-p", "use_sim_time:=true"]
+            Node(name, [f"{name}.param.yaml", *more], *words, ROS_DOMAIN_ID=domain)
+    states = {name: peer.reader(f"{name}/printer/state", "fdm_loop_msgs/PrinterState", BEST_EFFORT) for name in names}
+    modes = {name: peer.reader(f"{name}/safety/state", "fdm_loop_msgs/SafetyState", LATCHED) for name in names}
+    newest: dict[tuple[str, str], object] = {}
+
+    def look() -> bool:
+        for kind, readers in (("state", states), ("mode", modes)):
+            for name, reader in readers.items():
+                newest.update(((kind, name), sample) for sample in reader.take(1000))
+        return len(newest) == 4
+
+    until(look, "both printers")
+    found = participants(peer, names)
+    check(found == dict.fromkeys(names, len(files)), f"participants {found}")
+    stop = peer.service("/left/safety/stop", "std_srvs/Trigger")
+    check(stop().success, "the left one stops")
+    until(lambda: look() and newest["mode", "/left"].mode == SAFE_OFF, "the left supervisor's mode")
+    until(lambda: look() and newest["state", "/left"].phase == FAILED, "the left printer has given up")
+    before = seconds(newest["state", "/right"].header)
+    until(lambda: look() and seconds(newest["state", "/right"].header) > before + 0.5, "the right one goes on")
+    check(newest["mode", "/right"].mode < SAFE_OFF and newest["state", "/right"].phase != FAILED, f"{newest}")
+    return f"{found} participants"
+
+
 CHECKS = {
     "late_joiner": late_joiner,
     "killed_and_stopped": killed_and_stopped,
@@ -237,6 +277,7 @@ CHECKS = {
     "ten_processes": ten_processes,
     "clock": clock,
     "diagnostics": diagnostics,
+    "namespaces": namespaces,
 }
 
 

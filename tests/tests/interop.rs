@@ -43,26 +43,6 @@ fn run(script: &str, domain: u32) -> Output {
         .unwrap()
 }
 
-/// Two graphs are forty participants: they find each other by multicast alone, which loopback has in a network namespace
-/// of the test's own.
-#[test]
-fn two_printers_in_one_domain_do_not_hear_each_other() {
-    let lo = "ip link set lo up multicast on && ip route add 239.0.0.0/8 dev lo && exec \"$@\"";
-    for round in 1..=rounds() {
-        let output = Command::new("unshare")
-            .args(["-rn", "bash", "-c", lo, "bash"])
-            .args([python(), root().join("tests/interop/two_graphs.py"), binaries()])
-            .arg("30")
-            .env_remove("RUST_LOG")
-            .output()
-            .unwrap();
-        let said = String::from_utf8_lossy(&output.stdout);
-        println!("round {round}:\n{said}");
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "round {round}:\n{said}{errors}");
-    }
-}
-
 /// Every check of the scripts holds, as often as is asked for. One after another: a domain of a host without multicast
 /// has room for twelve processes.
 #[test]

@@ -21,7 +21,7 @@ mod values;
 mod yaml;
 
 use comments::Comments;
-use own::{AUTOSTART, OWN, USE_SIM_TIME, flag};
+use own::{AUTOSTART, OWN, START_AFTER, USE_SIM_TIME, flag, names};
 
 use serde::de::DeserializeOwned;
 use sha2::{Digest, Sha256};
@@ -77,6 +77,7 @@ pub struct Parameters {
     comments: Comments,
     use_sim_time: bool,
     autostart: bool,
+    start_after: Vec<String>,
     last_file: Option<PathBuf>,
 }
 
@@ -104,7 +105,9 @@ impl Parameters {
         }
         let use_sim_time = flag(&mut merged, USE_SIM_TIME, false)?;
         let autostart = flag(&mut merged, AUTOSTART, true)?;
-        Ok(Self { tree: merged, comments, use_sim_time, autostart, last_file: files.last().cloned() })
+        let start_after = names(&mut merged, START_AFTER)?;
+        let last_file = files.last().cloned();
+        Ok(Self { tree: merged, comments, use_sim_time, autostart, start_after, last_file })
     }
 
     /// Whether the node's time comes from `/clock`.
@@ -116,6 +119,11 @@ impl Parameters {
     /// Whether the node goes to active by itself.
     pub(crate) fn autostart(&self) -> bool {
         self.autostart
+    }
+
+    /// Nodes that have to be active before.
+    pub(crate) fn start_after(&self) -> &[String] {
+        &self.start_after
     }
 
     /// Comment beside a value of a file.

@@ -2,6 +2,7 @@
 
 use super::life::Life;
 use super::machine::{Outcome, Step};
+use super::order::all_active;
 use super::services::Order;
 use super::stage::Stage;
 use crate::error::chain;
@@ -95,6 +96,9 @@ impl<'a, F: Fn(Node) -> Work<'a>> Driver<'_, F> {
             match self.configure().await {
                 Configured::Ready(shell) => {
                     self.settle(Outcome::Success);
+                    if autostart && !self.others_are_there().await {
+                        return Ok(());
+                    }
                     if let Some(end) = self.configured(shell, autostart).await {
                         return end;
                     }
@@ -107,6 +111,15 @@ impl<'a, F: Fn(Node) -> Work<'a>> Driver<'_, F> {
                 Configured::Interrupted => return Ok(()),
             }
             autostart = false;
+        }
+    }
+
+    /// Waits for those that this node is to start after; false where the process is to end before.
+    async fn others_are_there(&mut self) -> bool {
+        let names = self.node.raw_parameters().start_after();
+        tokio::select! {
+            () = all_active(self.node, names) => true,
+            () = self.shutdown.wait() => false,
         }
     }
 

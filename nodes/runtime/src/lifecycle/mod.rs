@@ -16,6 +16,7 @@ mod driver;
 mod gate;
 mod life;
 mod machine;
+mod order;
 mod services;
 mod stage;
 

@@ -146,10 +146,17 @@ impl Node {
     where
         S: RosService<Request: Clone>,
     {
+        self.client_at(node, service)
+    }
+
+    pub(crate) fn client_at<S>(&self, node: &str, service: &Service<S>) -> Result<Client<S>, RuntimeError>
+    where
+        S: RosService<Request: Clone>,
+    {
         self.client_named(format!("{node}/{}", service.name().trim_start_matches("~/")))
     }
 
-    fn client_named<S>(&mut self, name: String) -> Result<Client<S>, RuntimeError>
+    fn client_named<S>(&self, name: String) -> Result<Client<S>, RuntimeError>
     where
         S: RosService<Request: Clone>,
     {

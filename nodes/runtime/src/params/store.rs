@@ -7,7 +7,7 @@
 use super::comments::range;
 use super::tree::{Origin, Tree};
 use super::values::{from_ros, kind_name, to_ros};
-use super::{AUTOSTART, OWN, ParamFileError, Parameters, USE_SIM_TIME};
+use super::{AUTOSTART, OWN, ParamFileError, Parameters, START_AFTER, USE_SIM_TIME};
 use fdm_loop_msgs::{
     FloatingPointRange, IntegerRange, ListParametersResult, Parameter, ParameterDescriptor, ParameterValue,
 };
@@ -286,6 +286,7 @@ impl View<'_> {
         match name {
             USE_SIM_TIME => return Some(Value::from(self.0.parameters.use_sim_time)),
             AUTOSTART => return Some(Value::from(self.0.parameters.autostart)),
+            START_AFTER => return Some(Value::from(self.0.parameters.start_after.clone())),
             _ => {}
         }
         match self.0.parameters.tree.get(name)?.0 {

@@ -77,7 +77,7 @@ fn list(prefixes: &[&str], depth: u64) -> ListParametersResult {
 fn names_are_listed_below_a_prefix_and_down_to_a_depth() {
     let all = list(&[], 0);
     let limits = ["limits.flow_max", "limits.flow_min", "limits.samples"];
-    let root = ["autostart", "names", "rate_hz", "use_sim_time"];
+    let root = ["autostart", "names", "rate_hz", "start_after", "use_sim_time"];
     assert_eq!(all.names, [&root[..1], &limits, &root[1..]].concat());
     assert_eq!(all.prefixes, ["limits"]);
     assert_eq!(list(&["limits"], 0).names, limits);
