@@ -183,7 +183,7 @@ fn few_widths_far_off_convict_as_many_that_are_less_so() {
         (1..=20_u32).zip(errors.iter().cycle()).find_map(|(step, &width_error_rel)| {
             let measured = Measured { width_error_rel, ..NOTHING };
             let fused = fusion.on_frame(Seconds(10.0 + f64::from(step)), &sure_of(0), &measured).unwrap();
-            fused.confirmed.then(|| (step, fused.cause))
+            fused.confirmed.then_some((step, fused.cause))
         })
     };
     let under = |step: u32| Some((step, "under".to_owned()));
