@@ -4,7 +4,7 @@
 mod process_spec;
 mod trial_spec;
 
-pub use process_spec::{Act, Bench, Bound, ProcessSpec};
+pub use process_spec::{Act, Bench, Bound, DiskAnswer, ProcessSpec};
 pub use trial_spec::{Mark, OnsetSpec, Person, TrialSpec};
 
 use anyhow::{Context, bail};

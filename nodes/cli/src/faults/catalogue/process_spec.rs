@@ -55,6 +55,19 @@ pub struct Bound {
     pub p999_s: Option<f64>,
 }
 
+/// What a disk that refuses answers to each write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DiskAnswer {
+    /// No room.
+    #[default]
+    Full,
+    /// An error of the device, also to a sync.
+    IoError,
+    /// It is read-only.
+    ReadOnly,
+}
+
 /// What is done to the graph.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -124,10 +137,13 @@ pub enum Act {
         /// How long `[s]`.
         for_s: f64,
     },
-    /// The recorder's disk is full.
+    /// The recorder's disk refuses.
     FullDisk {
         /// How long `[s]`.
         for_s: f64,
+        /// What it answers.
+        #[serde(default)]
+        answer: DiskAnswer,
     },
     /// Nothing is done: the memory of all nodes is watched.
     Soak {
@@ -206,7 +222,7 @@ impl Act {
             | Self::Memory { for_s, .. }
             | Self::Files { for_s }
             | Self::SlowDisk { for_s, .. }
-            | Self::FullDisk { for_s }
+            | Self::FullDisk { for_s, .. }
             | Self::Soak { for_s, .. } => Some(*for_s),
             Self::StepClock { each_s, .. } => Some(*each_s),
             Self::Kill(_) | Self::Orders { .. } | Self::Estop { .. } => None,

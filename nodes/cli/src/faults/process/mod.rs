@@ -251,7 +251,7 @@ async fn act(session: &mut Session, due: &Due<'_>, wish: &Wish) -> anyhow::Resul
         Act::Files { for_s } => limits::files(session, *for_s).await,
         Act::StepClock { to_s, each_s } => storage::step_clock(session, reaction(due), (to_s, *each_s)).await,
         Act::SlowDisk { delay_s, for_s } => storage::slow(session, *delay_s, *for_s).await,
-        Act::FullDisk { for_s } => storage::full(session, *for_s).await,
+        Act::FullDisk { for_s, answer } => storage::full(session, (*for_s, *answer)).await,
         Act::Orders { .. } => bail!("this trial has graphs of its own"),
     }
 }

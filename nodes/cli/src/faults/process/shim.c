@@ -16,7 +16,7 @@
 struct control {
     _Atomic int64_t wall_ns;  /* added to CLOCK_REALTIME */
     _Atomic int64_t delay_ns; /* time that each write and sync of the recorder takes */
-    _Atomic int64_t full;     /* not 0: the recorder's disk is full */
+    _Atomic int64_t error;    /* not 0: what the recorder's disk answers, an errno */
 };
 
 static struct control *control;
@@ -57,20 +57,29 @@ static void take_time(void) {
 ssize_t write(int file, const void *bytes, size_t count) {
     if (on_disk(file)) {
         take_time();
-        if (control->full) {
-            errno = ENOSPC;
+        if (control->error) {
+            errno = (int)control->error;
             return -1;
         }
     }
     return syscall(SYS_write, file, bytes, count);
 }
 
+/* A full disk takes no more, but keeps what it has; a broken one does not. */
+static int fails(int file) {
+    if (!on_disk(file)) return 0;
+    take_time();
+    if (control->error != EIO) return 0;
+    errno = EIO;
+    return -1;
+}
+
 int fdatasync(int file) {
-    if (on_disk(file)) take_time();
+    if (fails(file)) return -1;
     return syscall(SYS_fdatasync, file);
 }
 
 int fsync(int file) {
-    if (on_disk(file)) take_time();
+    if (fails(file)) return -1;
     return syscall(SYS_fsync, file);
 }

@@ -2,6 +2,7 @@
 
 use crate::up::fleet::Recipe;
 use anyhow::{Context, bail};
+use rustix::io::Errno;
 use std::fs::File;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
@@ -61,9 +62,9 @@ impl Shim {
         self.tell(1, delay_s * NANOS_PER_S)
     }
 
-    /// The recorder's disk is full, or not.
-    pub(super) fn set_full(&self, full: bool) -> anyhow::Result<()> {
-        self.tell(2, f64::from(u8::from(full)))
+    /// What the recorder's disk answers to each write; `None`: it writes.
+    pub(super) fn set_error(&self, error: Option<Errno>) -> anyhow::Result<()> {
+        self.tell(2, error.map_or(0.0, |error| f64::from(error.raw_os_error())))
     }
 
     fn tell(&self, number: u64, value: f64) -> anyhow::Result<()> {

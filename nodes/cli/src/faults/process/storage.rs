@@ -4,10 +4,11 @@ use super::observer::Seen;
 use super::outcome::Observed;
 use super::session::Session;
 use super::shim::Shim;
-use crate::faults::catalogue::Reaction;
+use crate::faults::catalogue::{DiskAnswer, Reaction};
 use crate::up::fleet::Happening;
 use anyhow::Context;
 use fdm_loop_msgs::DiagnosticArray;
+use rustix::io::Errno;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -22,10 +23,17 @@ fn shim(session: &Session) -> anyhow::Result<&Shim> {
     session.graph.shim.as_ref().context("this graph has its disk and clock from the system")
 }
 
-/// T1: the recorder's disk is full for a while. It ends, is started again, and records when there is room.
-pub(super) async fn full(session: &mut Session, for_s: f64) -> anyhow::Result<Observed> {
+/// T1: the recorder's disk refuses for a while. It ends, is started again, and records when there is room.
+pub(super) async fn full(
+    session: &mut Session,
+    (for_s, answer): (f64, DiskAnswer),
+) -> anyhow::Result<Observed> {
     let mut watcher = session.watcher();
-    shim(session)?.set_full(true)?;
+    shim(session)?.set_error(Some(match answer {
+        DiskAnswer::Full => Errno::NOSPC,
+        DiskAnswer::IoError => Errno::IO,
+        DiskAnswer::ReadOnly => Errno::ROFS,
+    }))?;
     let mut told = None;
     let mut look = |at, seen: &Seen| {
         watcher.take(at, seen);
@@ -39,7 +47,7 @@ pub(super) async fn full(session: &mut Session, for_s: f64) -> anyhow::Result<Ob
             false
         })
         .await?;
-    shim(session)?.set_full(false)?;
+    shim(session)?.set_error(None)?;
     let room = session.observer.now();
     let records = |seen: &Seen| matches!(seen, Seen::Report(report) if says_recording(report));
     let again = session
