@@ -19,6 +19,7 @@ struct Node {
 }
 
 mod health;
+mod storm;
 
 const SHIPPED: &str = include_str!("../../../../config/mpc_controller.param.yaml");
 
