@@ -12,7 +12,7 @@ pub struct PrinterState {
     pub header: Header,
     /// Where the job stands, one of PHASE_*. Range `[0, 5]`.
     pub phase: u8,
-    /// Who executes trims, and how fast, one of HOST_*. Range `[0, 1]`.
+    /// Who executes trims, and how fast, one of HOST_*. Range `[0, 3]`.
     pub host: u8,
     /// Share of the file's filament already commanded. Range `[0, 1]`.
     pub progress: f64,
@@ -113,6 +113,10 @@ impl PrinterState {
     pub const HOST_NATIVE: u8 = 0;
     /// `HOST_SERIAL` of the definition.
     pub const HOST_SERIAL: u8 = 1;
+    /// `HOST_MOONRAKER` of the definition.
+    pub const HOST_MOONRAKER: u8 = 2;
+    /// `HOST_OCTOPRINT` of the definition.
+    pub const HOST_OCTOPRINT: u8 = 3;
 }
 
 impl RosType for PrinterState {

@@ -29,6 +29,10 @@ pub enum HostProfile {
     Native = 0,
     /// We stream the file and attach trims to segments.
     Serial = 1,
+    /// Moonraker over HTTP: state at 4 Hz, a trim acts 0.5 to 2 s later.
+    Moonraker = 2,
+    /// `OctoPrint` over HTTP: state at 2 Hz, a trim acts 0.3 to 1 s later.
+    Octoprint = 3,
 }
 
 /// State of printer and job at one moment.

@@ -269,7 +269,9 @@ impl Controller {
         }
         Some(match status.host {
             HostProfile::Native => estimate.slip.clamp(self.params.slip.low, self.params.slip.high),
-            HostProfile::Serial => self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s),
+            HostProfile::Serial | HostProfile::Moonraker | HostProfile::Octoprint => {
+                self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s)
+            }
         })
     }
 }

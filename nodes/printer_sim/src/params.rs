@@ -56,6 +56,8 @@ pub struct Firmware {
     pub standby: Celsius,
     /// Period of the printer's state `[s]`.
     pub status_period_s: f64,
+    /// Time until a trim acts, at least and at most `[s]`; `None` where it acts at once.
+    pub effect_s: Option<(f64, f64)>,
     /// Period of the heat balance `[s]`.
     pub thermal_period_s: f64,
     /// A run-out switch is fitted.
@@ -95,6 +97,8 @@ pub struct RawSimulator {
     pub serial_buffer_moves: usize,
     pub serial_buffer_s: f64,
     pub plan_moves: usize,
+    pub moonraker: RawLink,
+    pub octoprint: RawLink,
     pub plan_s: f64,
     pub schedule_advance_max_s: f64,
     pub pause_ramp_s: f64,
@@ -122,6 +126,25 @@ pub struct RawSimulator {
     pub imu: imu::Settings,
 }
 
+/// Pace of a host over HTTP.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawLink {
+    /// Period of the printer's state `[s]`.
+    pub status_period_s: f64,
+    /// Time until a trim acts, at least and at most `[s]`.
+    pub effect_s: (f64, f64),
+}
+
+impl RawLink {
+    fn check(&self) -> Result<Self, ParamError> {
+        in_range("status_period_s", self.status_period_s, "s", (1e-3, 10.0))?;
+        in_range("effect_s", self.effect_s.0, "s", (0.0, 10.0))?;
+        in_range("effect_s", self.effect_s.1, "s", (self.effect_s.0, 10.0))?;
+        Ok(*self)
+    }
+}
+
 /// Host profile as it is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -130,18 +153,29 @@ pub enum RawHost {
     Native,
     /// See [`HostProfile::Serial`].
     Serial,
+    /// See [`HostProfile::Moonraker`].
+    Moonraker,
+    /// See [`HostProfile::Octoprint`].
+    Octoprint,
 }
 
 impl TryFrom<RawSimulator> for SimulatorParams {
     type Error = ParamError;
     fn try_from(raw: RawSimulator) -> Result<Self, ParamError> {
         let period = |name, value| in_range(name, value, "s", (1e-3, 10.0));
+        let link = match raw.host {
+            RawHost::Native | RawHost::Serial => None,
+            RawHost::Moonraker => Some(raw.moonraker.check()?),
+            RawHost::Octoprint => Some(raw.octoprint.check()?),
+        };
         let period_or_none = |name, value| if value == 0.0 { Ok(0.0) } else { period(name, value) };
         Ok(Self {
             executor: executor::Settings {
                 host: match raw.host {
                     RawHost::Native => HostProfile::Native,
                     RawHost::Serial => HostProfile::Serial,
+                    RawHost::Moonraker => HostProfile::Moonraker,
+                    RawHost::Octoprint => HostProfile::Octoprint,
                 },
                 serial_buffer_moves: raw.serial_buffer_moves.max(1),
                 serial_buffer_s: in_range("serial_buffer_s", raw.serial_buffer_s, "s", (0.0, 10.0))?,
@@ -165,7 +199,11 @@ impl TryFrom<RawSimulator> for SimulatorParams {
             firmware: Firmware {
                 advance_s: in_range("advance_s", raw.advance_s, "s", (0.0, 5.0))?,
                 standby: Celsius(in_range("standby_c", raw.standby_c, "degC", (0.0, 250.0))?),
-                status_period_s: period("status_period_s", raw.status_period_s)?,
+                status_period_s: link.map_or_else(
+                    || period("status_period_s", raw.status_period_s),
+                    |link| Ok(link.status_period_s),
+                )?,
+                effect_s: link.map(|link| link.effect_s),
                 thermal_period_s: in_range("thermal_period_s", raw.thermal_period_s, "s", (1e-3, 0.1))?,
                 runout_switch: raw.runout_switch,
                 stop_input: raw.stop_input,

@@ -15,6 +15,7 @@ use crate::scenario::{Entry, Scenario};
 use crate::score::Score;
 use crate::sensors::{Noise, Pace, Thermometer, WidthGauge};
 use crate::toolhead::Toolhead;
+use link::Link;
 use models::command::{DeadMan, InForce, Mode, Permit, Refusal, Request, Trims};
 use models::motion::{MoveKind, Step};
 use models::params::ParamError;
@@ -24,6 +25,7 @@ use std::collections::VecDeque;
 
 mod camera;
 mod faults;
+mod link;
 mod schedule;
 mod sense;
 mod status;
@@ -78,6 +80,9 @@ pub struct Simulator {
     camera: Option<Box<Rig>>,
     advance_s: f64,
     scheduled: bool,
+    link: Option<Link>,
+    /// Sum of the duty since the last status of a slow host, and the number of its steps.
+    duty: (f64, f64),
     score: Score,
     truth: Truth,
     outputs: VecDeque<Output>,
@@ -98,6 +103,7 @@ impl Simulator {
             now: Seconds(0.0),
             executor: Executor::new(host.executor, job.steps, off),
             filament_m: job.filament_m,
+            duty: (0.0, 0.0),
             drive: Drive::new(host.drive, host.executor.host),
             plant: Plant::new(plant, material, Noise::new(seed, 4)),
             heaters: Heaters::new(plant),
@@ -134,6 +140,7 @@ impl Simulator {
             camera: params.camera.enabled.then(|| Box::new(Rig::new(&params.camera, seed))),
             advance_s: host.firmware.advance_s,
             scheduled: false,
+            link: host.firmware.effect_s.map(|effect_s| Link::new(effect_s, Noise::new(seed, 7))),
             score: Score::new(params.quality),
             truth: Truth::default(),
             outputs: VecDeque::new(),
@@ -164,6 +171,9 @@ impl Simulator {
         // A person's resume ends the pause that the file itself asked for (`M0`, `M600`) as well.
         if before.request >= Request::Pause && self.in_force.request == Request::Run {
             self.executor.resume();
+        }
+        if let Some(link) = &mut self.link {
+            self.in_force.trims = link.step(self.now, self.in_force.trims);
         }
         self.obey();
         self.set_in_faults();

@@ -12,6 +12,7 @@ pub mod relay;
 pub mod report;
 pub mod sight;
 pub mod text;
+mod trimmed;
 pub mod width_trace;
 
 use crate::config::{Choice, ConfigDir, Setup};
@@ -23,7 +24,7 @@ use choices::name_of;
 pub use choices::{advance, level, seed_range};
 use clap::Args;
 use fdm_loop_msgs::PrintInfo;
-use fitted::{SENSORS, without};
+use fitted::{HOSTS, SENSORS, overrides};
 use models::status::JobPhase;
 use mpc_controller::params::Level;
 use printer_sim::Scenario;
@@ -45,8 +46,8 @@ pub struct SimArgs {
     /// Control levels, separated by commas: off, encoder, mpc.
     #[arg(long, default_value = "mpc", value_delimiter = ',')]
     control: Vec<String>,
-    /// Host profile: native or serial.
-    #[arg(long, default_value = "native", value_parser = ["native", "serial"])]
+    /// Host profile: native, serial, moonraker or octoprint.
+    #[arg(long, default_value = "native", value_parser = HOSTS)]
     host: String,
     /// PLA, PETG or ABS with its set-points, instead of the file's own.
     #[arg(long)]
@@ -128,7 +129,7 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
         host: args.host.clone(),
         advance: advance(&args.advance)?,
         camera: args.camera,
-        overrides: without(&args.without),
+        overrides: overrides(&args.host, &args.without),
         ..Choice::of(material, levels[0])
     };
     let mut setup = config.load(&choice)?;
@@ -237,7 +238,7 @@ impl Task {
     ) -> Run {
         let truth = printing.simulator().truth();
         let whole = truth.integrals.since(&Default::default());
-        let settled = printing.settled.and_then(|at| truth.integrals.since(&at));
+        let [settled, late] = printing.settled.map(|at| at.and_then(|at| truth.integrals.since(&at)));
         let channels = ["thermistor", "encoder", "width"];
         let ended = stuck.unwrap_or_else(|| match printing.simulator().phase() {
             JobPhase::Done => "done".to_owned(),
@@ -262,6 +263,7 @@ impl Task {
             corner_time_s: printing.foresight.corners.time_s(),
             feed_error_rel: whole.map(|figures| figures.feed_error_rel),
             feed_error_after_2s_rel: settled.map(|figures| figures.feed_error_rel),
+            feed_error_after_8s_rel: late.map(|figures| figures.feed_error_rel),
             recovery_time_s: fault_free
                 .zip(printing.onset_path_s)
                 .and_then(|(fault_free, onset_s)| printing.width.recovery_s(fault_free, onset_s)),
@@ -270,6 +272,8 @@ impl Task {
                 .and_then(|(fault_free, onset_s)| printing.width.recovery_for_s(fault_free, onset_s, HELD_S)),
             nis_mean: channels.into_iter().zip(printing.nis_mean).collect(),
             nees_median: printing.consistency.median(),
+            coverage: printing.consistency.coverage(),
+            trimmed_share: printing.trimmed.share(),
             detections: printing.noticed.iter().filter(|found| found.onset_s.is_some()).cloned().collect(),
             false_alarm_list: printing
                 .noticed

@@ -8,6 +8,7 @@ use super::foresight::Foresight;
 use super::relay::Relay;
 use super::report::{Detection, Extremes};
 use super::sight::{Sight, SightFigures};
+use super::trimmed::Trimmed;
 use super::width_trace::WidthTrace;
 use crate::config::Setup;
 use models::command::Trims;
@@ -55,10 +56,12 @@ pub struct Printing {
     pub nis_mean: [Option<f64>; state_estimator::CHANNELS],
     /// What the loop noticed.
     pub noticed: Vec<Detection>,
+    /// How much of the time corrections were more than small.
+    pub trimmed: Trimmed,
     /// Largest corrections so far.
     pub extremes: Extremes,
-    /// Score when the feed error starts to count as settled.
-    pub settled: Option<printer_sim::score::Integrals>,
+    /// Scores when the feed error starts to count as settled, and with a slow host.
+    pub settled: [Option<printer_sim::score::Integrals>; 2],
     /// Slicer time of the first onset `[s]`.
     pub onset_path_s: Option<f64>,
     paused_since: Option<Seconds>,
@@ -68,7 +71,7 @@ pub struct Printing {
 const PAUSED_FOR_GOOD_S: f64 = 10.0;
 
 /// From here on after the onset the feed error counts as settled `[s]`.
-const SETTLE_S: f64 = 2.0;
+const SETTLE_S: [f64; 2] = [2.0, 8.0];
 
 impl Printing {
     /// A cold printer with a job.
@@ -97,8 +100,9 @@ impl Printing {
             width: WidthTrace::default(),
             nis_mean: [None; state_estimator::CHANNELS],
             noticed: Vec::new(),
+            trimmed: Trimmed::default(),
             extremes: Extremes::default(),
-            settled: None,
+            settled: [None; 2],
             onset_path_s: None,
             paused_since: None,
         })
@@ -203,6 +207,9 @@ impl Printing {
     }
 
     fn note_extremes(&mut self, trims: &Trims) {
+        if self.simulator.truth().depositing {
+            self.trimmed.add(trims);
+        }
         let most = &mut self.extremes;
         most.flow = most.flow.max((trims.flow - 1.0).abs());
         most.speed = most.speed.max((trims.speed - 1.0).abs());
@@ -229,8 +236,10 @@ impl Printing {
         }
         let Some(onset) = self.simulator.first_onset() else { return };
         self.onset_path_s.get_or_insert(truth.path_time_s);
-        if truth.stamp_s >= onset.0 + SETTLE_S {
-            self.settled.get_or_insert(truth.integrals);
+        for (settled, after_s) in self.settled.iter_mut().zip(SETTLE_S) {
+            if truth.stamp_s >= onset.0 + after_s {
+                settled.get_or_insert(truth.integrals);
+            }
         }
     }
 }

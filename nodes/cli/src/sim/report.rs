@@ -82,6 +82,8 @@ pub struct Run {
     pub feed_error_rel: Option<f64>,
     /// The same from 2 s after the first onset on.
     pub feed_error_after_2s_rel: Option<f64>,
+    /// The same from 8 s after the first onset on.
+    pub feed_error_after_8s_rel: Option<f64>,
     /// Time until the width is back, see `architecture.md`; `null` if never or without a fault.
     pub recovery_time_s: Option<f64>,
     /// Time until the width is back within 2 % for 5 s; `null` if never or without a fault.
@@ -90,6 +92,10 @@ pub struct Run {
     pub nis_mean: BTreeMap<&'static str, Option<f64>>,
     /// Median NEES; six states.
     pub nees_median: Option<f64>,
+    /// Share of the time within the stated 95 % interval: block, nozzle, thermistor, flow, slip, gain.
+    pub coverage: Option<[f64; 6]>,
+    /// Share of the time of deposition with a trim of flow or speed beyond 1 %.
+    pub trimmed_share: Option<f64>,
     /// What the loop noticed after the onset.
     pub detections: Vec<Detection>,
     /// How often it noticed something with nothing wrong.
@@ -130,13 +136,14 @@ pub struct Comparison {
 type Figure = (&'static str, fn(&Run) -> Option<f64>);
 
 /// Figures that are averaged.
-const FIGURES: [Figure; 10] = [
+const FIGURES: [Figure; 11] = [
     ("quality_mean", |run| run.quality_mean),
     ("width_rms_rel", |run| run.width_rms_rel),
     ("corner_width_rms_rel", |run| run.corner_width_rms_rel),
     ("print_time_s", |run| Some(run.print_time_s)),
     ("feed_error_rel", |run| run.feed_error_rel),
     ("feed_error_after_2s_rel", |run| run.feed_error_after_2s_rel),
+    ("feed_error_after_8s_rel", |run| run.feed_error_after_8s_rel),
     ("recovery_time_s", |run| run.recovery_time_s),
     ("recovery_5s_s", |run| run.recovery_5s_s),
     ("nees_median", |run| run.nees_median),

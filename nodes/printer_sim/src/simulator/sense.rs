@@ -43,8 +43,14 @@ impl Simulator {
             let sigma_m = self.width_gauge.sigma_m();
             self.outputs.push_back(Output::Width { exposed, width_m, sigma_m });
         }
+        self.duty = (self.duty.0 + self.heaters.hotend_duty, self.duty.1 + 1.0);
         if self.paces.status.due(self.now) {
-            let status = self.status();
+            let mut status = self.status();
+            let (sum, count) = std::mem::take(&mut self.duty);
+            // what is seen a few times a second is told as a mean: the firmware switches more often
+            if self.link.is_some() {
+                status.hotend_duty = sum / count;
+            }
             self.outputs.push_back(Output::Status(Box::new(status)));
         }
         if !self.done_noted && self.phase() == JobPhase::Done {

@@ -145,8 +145,9 @@ fn phase_from_wire(value: u8) -> Result<JobPhase, WireError> {
 }
 
 fn host_from_wire(value: u8) -> Result<HostProfile, WireError> {
-    const HOSTS: [HostProfile; 2] = [HostProfile::Native, HostProfile::Serial];
-    HOSTS.get(usize::from(value)).copied().ok_or(unknown("host", value, 1.0))
+    const HOSTS: [HostProfile; 4] =
+        [HostProfile::Native, HostProfile::Serial, HostProfile::Moonraker, HostProfile::Octoprint];
+    HOSTS.get(usize::from(value)).copied().ok_or(unknown("host", value, 3.0))
 }
 
 /// A state that every check passes, for tests of this crate.

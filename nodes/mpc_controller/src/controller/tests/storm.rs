@@ -70,8 +70,7 @@ fn every_command_is_within_bounds_and_rates() {
         controller.on_event(Event::Printer(reported));
         let before = controller.held;
         let position_m = wanted_m * dice.between(0.5, 1.0);
-        controller
-            .on_event(Event::Encoder { stamp: Seconds(now_s), position_m: dice.poisoned(position_m) });
+        controller.on_event(Event::Encoder { stamp: Seconds(now_s), position_m: dice.poisoned(position_m) });
         let width_m = dice.between(0.0, 2e-3);
         controller.on_event(Event::Width { exposed: Seconds(now_s), width_m: dice.poisoned(width_m) });
         moved_by_a_rate(&before, &controller.held, &params);
