@@ -25,8 +25,9 @@ impl Link {
 
     /// The trims that act at `now`, while `wished` is what is to be. No request overtakes another.
     pub(super) fn step(&mut self, now: Seconds, wished: Trims) -> Trims {
-        while let Some((_, arrived)) = self.waiting.pop_front_if(|(due, _)| now.0 >= due.0) {
+        while let Some((_, arrived)) = self.waiting.front().filter(|(due, _)| now.0 >= due.0).copied() {
             self.in_force = arrived;
+            self.waiting.pop_front();
         }
         let rested = self.sent.is_none_or(|(at, _)| (now - at).0 >= REQUEST_S);
         let news = wished != self.sent.map_or(Trims::NEUTRAL, |(_, trims)| trims);
