@@ -294,7 +294,8 @@ fn a_host_without_a_loop_gets_the_shortfall_as_slip() {
         controller.on_event(Event::Encoder { stamp: Seconds(now_s), position_m: FEED_M_S * now_s - lost_m });
         last = controller.on_event(Event::Estimate(estimate(now_s))).and_then(|command| command.trims.slip);
     }
-    // 1/(1-s) = 1/0.99 + 0.5 e/v, e = 0.02 v 4.95 s
-    let expected = 1.0 - 1.0 / (1.0 / 0.99 + 0.5 * 0.02 * 4.95);
+    // 1/(1-s) = 1/0.99 + k e/v, e = 0.02 v 4.95 s
+    let gain_1_s = controller.params.slip.serial_gain_1_s;
+    let expected = 1.0 - 1.0 / (1.0 / 0.99 + gain_1_s * 0.02 * 4.95);
     assert!((last.unwrap() - expected).abs() < 2e-3, "{last:?} {expected}");
 }
