@@ -131,3 +131,12 @@ fn the_rviz_file_shows_pictures_that_are_published() {
         assert!(text.contains("Reliability Policy: Best Effort"));
     }
 }
+
+/// A node without a group is in nobody's sight, one in two is counted twice.
+#[test]
+fn the_aggregator_has_one_group_for_every_node() {
+    let text = std::fs::read_to_string(root().join("launch_scripts/diagnostics.aggregator.yaml")).unwrap();
+    for node in cli::up::recipes::NODES.into_iter().chain(["printer_bridge"]) {
+        assert_eq!(text.matches(&format!("\"/{node}\"")).count(), 1, "{node}");
+    }
+}
