@@ -141,6 +141,14 @@ impl ConfigDir {
         names.into_iter().map(|name| self.file(&name)).collect()
     }
 
+    /// The same, and what the choice's host asks of the node where it asks for something.
+    fn files_for(&self, node: &str, choice: &Choice) -> Vec<PathBuf> {
+        let host = self.file(&format!("hosts/{}.param.yaml", choice.host));
+        let mut files = self.files_of(node, &choice.material);
+        files.extend(host.is_file().then_some(host));
+        files
+    }
+
     /// Names of the scenarios.
     #[must_use]
     pub fn names_in(&self, folder: &str) -> Vec<String> {
@@ -226,7 +234,7 @@ impl ConfigDir {
             let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
             let wished = choice.overrides.get(node).into_iter().flatten();
             let overrides: Vec<_> = usual.iter().chain(wished).cloned().collect();
-            Parameters::read(&self.files_of(node, &choice.material), &overrides, &path)
+            Parameters::read(&self.files_for(node, choice), &overrides, &path)
         };
         let nominal = ["printer", "material"];
         let estimator = read("state_estimator", &[])?;

@@ -22,7 +22,7 @@ impl ConfigDir {
             let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
             let mut values = self.usual_values(node, choice);
             values.extend(choice.overrides.get(node).into_iter().flatten().cloned());
-            let parameters = Parameters::read(&self.files_of(node, &choice.material), &values, &path)?;
+            let parameters = Parameters::read(&self.files_for(node, choice), &values, &path)?;
             text.push_str(&format!("# {node} {}\n{}\n", parameters.sha256(), parameters.text()));
         }
         Ok(text)

@@ -24,7 +24,7 @@ use choices::name_of;
 pub use choices::{advance, level, seed_range};
 use clap::Args;
 use fdm_loop_msgs::PrintInfo;
-use fitted::{HOSTS, SENSORS, overrides};
+use fitted::{HOSTS, SENSORS, without};
 use models::status::JobPhase;
 use mpc_controller::params::Level;
 use printer_sim::Scenario;
@@ -129,7 +129,7 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
         host: args.host.clone(),
         advance: advance(&args.advance)?,
         camera: args.camera,
-        overrides: overrides(&args.host, &args.without),
+        overrides: without(&args.without),
         ..Choice::of(material, levels[0])
     };
     let mut setup = config.load(&choice)?;
