@@ -51,7 +51,16 @@ pub struct PlayArgs {
 /// What a printer obeys.
 const OBEYED: [&str; 2] = [topics::SAFETY_COMMAND.name(), topics::CONTROL_COMMAND.name()];
 /// What printer and sensors say, and what is known of the print.
-const INPUTS: [&str; 6] = ["sensors/", "printer/", "sim/truth/", "print/info", "tf_static", "tf"];
+const INPUTS: [&str; 8] = [
+    "sensors/",
+    "printer/state",
+    "printer/motion",
+    "printer/report/",
+    "sim/truth/",
+    "print/info",
+    "tf_static",
+    "tf",
+];
 /// Simulated time between two readings of /clock `[ns]`.
 const CLOCK_NS: u64 = 10_000_000;
 /// Depth of a topic whose quality of service the bag does not say.
@@ -166,6 +175,7 @@ impl Reel {
         {
             return false;
         }
+        // Whatever the namespace, and `/printer` is one.
         let is_input = || INPUTS.iter().any(|part| topic.contains(&format!("/{part}")));
         (self.named.is_empty() || self.named.iter().any(|name| ends(name))) && (!self.inputs || is_input())
     }
