@@ -8,20 +8,17 @@
 
 mod evidence;
 mod params;
-mod sums;
 #[cfg(test)]
 mod tests;
 
 pub use evidence::RawEvidence;
 pub use params::{ConfirmRule, FusionError, FusionParams, RawFusionParams};
-pub use sums::RawWidthSum;
 
 use crate::features::Measured;
 use crate::network::Scores;
 use models::quality::fused_confidence;
 use models::units::Seconds;
 use std::collections::VecDeque;
-use sums::WidthSums;
 
 /// What is known after a frame: the fields of the message `DefectReport`.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +33,7 @@ pub struct Fused {
     pub confidence: f64,
     /// Class that carries it; `ok` where none does.
     pub cause: String,
-    /// Enough of the last frames say the same cause, or their width errors add up to it.
+    /// Enough of the last frames say the same cause.
     pub confirmed: bool,
     /// Frames of the cause's window that say so.
     pub in_favour: u32,
@@ -53,7 +50,6 @@ pub struct Fusion {
     rules: Vec<Option<ConfirmRule>>,
     /// Votes per class, newest last.
     votes: Vec<VecDeque<bool>>,
-    sums: WidthSums,
     smoothed: Option<(Seconds, Vec<f64>)>,
     residual: Option<(Seconds, f64, f64)>,
     grace_until: Option<Seconds>,
@@ -71,7 +67,6 @@ impl Fusion {
             classes: classes.to_vec(),
             votes: vec![VecDeque::new(); rules.len()],
             rules,
-            sums: WidthSums::default(),
             smoothed: None,
             residual: None,
             grace_until: None,
@@ -80,7 +75,7 @@ impl Fusion {
 
     /// Forgets the frames; what is seen within the grace time after `now` counts for nothing (print start, resume).
     pub fn reset(&mut self, now: Seconds) {
-        self.forget();
+        self.votes.iter_mut().for_each(VecDeque::clear);
         self.smoothed = None;
         self.residual = None;
         self.grace_until = Some(Seconds(now.0 + self.params.grace_s));
@@ -116,9 +111,6 @@ impl Fusion {
             let (judged, told) = self.params.evidence.weigh(&self.classes, scores, measured);
             self.smooth(exposed, &judged);
             self.vote(&judged, &told);
-            if let Some(error_rel) = measured.width_error_rel {
-                self.sums.add(error_rel, &self.params.width_sum);
-            }
         }
         self.fuse(exposed)
     }
@@ -137,7 +129,7 @@ impl Fusion {
             // After a gap the past says nothing of now.
             (_, gap_s) => {
                 if gap_s.is_some() {
-                    self.forget();
+                    self.votes.iter_mut().for_each(VecDeque::clear);
                 }
                 // The first frame counts as one frame of an unknown past that was fine.
                 let mut calm = vec![0.0; self.classes.len()];
@@ -145,11 +137,6 @@ impl Fusion {
                 self.smoothed = Some((exposed, calm));
             }
         }
-    }
-
-    fn forget(&mut self) {
-        self.votes.iter_mut().for_each(VecDeque::clear);
-        self.sums = WidthSums::default();
     }
 
     /// A frame that could not tell a class has no vote on it.
@@ -179,7 +166,7 @@ impl Fusion {
             residual_limit,
             confidence,
             cause: self.classes[cause].clone(),
-            confirmed: self.is_confirmed(cause),
+            confirmed: rule.is_some_and(|rule| in_favour >= rule.in_favour),
             in_favour,
             window: rule.map_or(0, |rule| rule.frames),
         })
@@ -187,9 +174,10 @@ impl Fusion {
 
     /// The confirmed class with the most votes, else the most probable one after smoothing.
     fn cause(&self) -> usize {
-        let confirmed = (1..self.classes.len())
-            .filter(|class| self.is_confirmed(*class))
-            .map(|class| (self.tally(class).0, class));
+        let confirmed = (1..self.classes.len()).filter_map(|class| {
+            let (in_favour, rule) = self.tally(class);
+            rule.filter(|rule| in_favour >= rule.in_favour).map(|_| (in_favour, class))
+        });
         let (mut cause, mut most) = (0, 0);
         for (in_favour, class) in confirmed {
             if in_favour > most {
@@ -202,12 +190,6 @@ impl Fusion {
             cause = Scores { probabilities: smoothed.clone() }.best();
         }
         cause
-    }
-
-    fn is_confirmed(&self, class: usize) -> bool {
-        let (in_favour, rule) = self.tally(class);
-        rule.is_some_and(|rule| in_favour >= rule.in_favour)
-            || self.sums.convict(&self.classes[class], &self.params.width_sum)
     }
 
     fn tally(&self, class: usize) -> (u32, Option<ConfirmRule>) {

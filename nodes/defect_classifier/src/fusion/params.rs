@@ -1,6 +1,6 @@
 //! Parameters of the fusion.
 
-use super::{RawEvidence, RawWidthSum, chi_square_point};
+use super::{RawEvidence, chi_square_point};
 use models::params::{ParamError, in_range, positive};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -67,8 +67,6 @@ pub struct RawFusionParams {
     pub grace_s: f64,
     /// What a measurement says of a class.
     pub evidence: RawEvidence,
-    /// When width errors add up to `under` or `over`.
-    pub width_sum: RawWidthSum,
     /// Rule per class; a class without one is never confirmed.
     pub confirm: BTreeMap<String, ConfirmRule>,
 }
@@ -84,7 +82,6 @@ impl TryFrom<RawFusionParams> for FusionParams {
         positive("gap_max_s", raw.gap_max_s, "s")?;
         in_range("grace_s", raw.grace_s, "s", (0.0, 3600.0))?;
         raw.evidence.check()?;
-        raw.width_sum.check()?;
         for rule in raw.confirm.values() {
             in_range("frames", f64::from(rule.frames), "frames", (1.0, 1000.0))?;
             in_range("in_favour", f64::from(rule.in_favour), "frames", (1.0, f64::from(rule.frames)))?;

@@ -28,8 +28,6 @@ fn raw() -> RawFusionParams {
             offset_defect_m: 4e-4,
             machine_error_m: 0.0,
         },
-        // Out of the way where votes are meant.
-        width_sum: RawWidthSum { beyond_rel: 0.09, limit_rel: 10.0 },
         confirm: CLASSES[1..].iter().map(|&class| (class.to_owned(), rule)).collect(),
     }
 }
@@ -169,32 +167,6 @@ fn frames_without_a_width_have_no_vote_on_it() {
         })
         .collect();
     assert!(!fused[5].confirmed && fused[6].confirmed && fused[7].confirmed);
-}
-
-/// 0.17 - 0.09 three times is beyond the limit of 0.2, whatever frames without a width lie between; 0.12 - 0.09 takes
-/// seven; 0.5 counts as 0.18. A width as wanted takes 0.09 away.
-#[test]
-fn few_widths_far_off_convict_as_many_that_are_less_so() {
-    let frames_until_confirmed = |errors: &[Option<f64>]| {
-        let width_sum = RawWidthSum { beyond_rel: 0.09, limit_rel: 0.2 };
-        let confirm = BTreeMap::new();
-        let params = RawFusionParams { width_sum, confirm, ..raw() }.try_into().unwrap();
-        let mut fusion = Fusion::new(params, &classes()).unwrap();
-        (1..=20_u32).zip(errors.iter().cycle()).find_map(|(step, &width_error_rel)| {
-            let measured = Measured { width_error_rel, ..NOTHING };
-            let fused = fusion.on_frame(Seconds(10.0 + f64::from(step)), &sure_of(0), &measured).unwrap();
-            fused.confirmed.then_some((step, fused.cause))
-        })
-    };
-    let under = |step: u32| Some((step, "under".to_owned()));
-    assert_eq!(frames_until_confirmed(&[Some(-0.17)]), under(3));
-    assert_eq!(frames_until_confirmed(&[Some(-0.17), None, None]), under(7));
-    assert_eq!(frames_until_confirmed(&[Some(-0.5)]), under(3));
-    assert_eq!(frames_until_confirmed(&[Some(-0.12)]), under(7));
-    assert_eq!(frames_until_confirmed(&[Some(-0.17), Some(0.0)]), None);
-    assert_eq!(frames_until_confirmed(&[Some(-0.09), None]), None);
-    // This network tells no `over`.
-    assert_eq!(frames_until_confirmed(&[Some(0.4)]), None);
 }
 
 /// `c = 0.5 min(1, 75.132 / 37.58) + 0.5 p_det`: residuals alone give 0.5 while they are fresh.
