@@ -27,7 +27,7 @@ FOLDERS = [
     ("bin", BIN, "folder with the programs", None),
 ]
 BAG = ("bag", "", "folder of the bag, which must be new; empty: bags/<name>-<time>-<what runs>", None)
-ADVANCES = ["none", "file", "material", "predicted"]
+ADVANCES = ["none", "file", "material", "planned", "predicted"]
 
 
 def declared(arguments):

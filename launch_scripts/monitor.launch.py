@@ -42,7 +42,7 @@ ARGUMENTS = [
     ("camera_source", "", "folder, video device, file or rtsp://..., or http://... of that driver", None),
     ("control", "mpc", "control level", ["off", "encoder", "mpc"]),
     ("mode", "observe", "mode of the supervisor", ["observe", "advise", "act"]),
-    ("advance", "material", "source of the pressure advance; predicted starts advance_predictor", fdm_launch.ADVANCES),
+    ("advance", "planned", "source of the pressure advance; predicted starts advance_predictor", fdm_launch.ADVANCES),
     ("material", "PLA", "what is printed: PLA, PETG or ABS", None),
     ("latch_file", "", "where a latched stop is remembered; empty: below $XDG_STATE_HOME/fdm_loop", None),
     fdm_launch.BAG,

@@ -40,7 +40,7 @@ ARGUMENTS = [
     ("control", "mpc", "control level", ["off", "encoder", "mpc"]),
     ("mode", "act", "mode of the supervisor", ["observe", "advise", "act"]),
     ("host", "native", "host profile", ["native", "serial"]),
-    ("advance", "material", "source of the pressure advance; predicted starts advance_predictor", fdm_launch.ADVANCES),
+    ("advance", "planned", "source of the pressure advance; predicted starts advance_predictor", fdm_launch.ADVANCES),
     ("material", "", "PLA, PETG or ABS with its set-points; empty: the file's own", None),
     ("speed", "1.0", "simulated over wall time, 0.1 to 20", None),
     ("layers", "0", "print only the first layers; 0: all", None),

@@ -86,3 +86,38 @@ impl RosType for ControlCommand {
         dependencies: &[&Header::DEFINITION],
     };
 }
+
+/// Corrections attached to one coming move: the controller's wish (topic control/schedule) and what the supervisor
+/// lets through (topic safety/schedule).
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct MotionTrim {
+    /// stamp [s]: time of sending on the node's clock; deadlines run on receipt, not on it
+    pub header: Header,
+    /// Random id of the publisher's run: of its commands or permits too, and counts only beside them.
+    pub session_id: u64,
+    /// Counts up within a session.
+    pub sequence: u64,
+    /// How long after receipt the move must have begun; then the trim lapses `[s]`. Range `[0.001, 60]`.
+    pub validity_s: f64,
+    /// Number of the move, as in printer/coming and printer/motion. Range `[1, inf)`.
+    pub segment: u64,
+    /// Filament per path length relative to the slicer's. Range `[0, 10]`.
+    pub flow_factor: f64,
+    /// Path speed relative to the slicer's. Range `[0, 10]`.
+    pub speed_factor: f64,
+    /// Pressure advance that does not depend on the feed `[s]`. Range `[0, 10]`.
+    pub advance_linear_s: f64,
+    /// Scale of the melt's part, which falls as the feed rises `[m (s/m)^index]`. Range `[0, 10]`.
+    pub advance_shear_m: f64,
+    /// Flow index of the melt; above 0. Range `[0, 1]`.
+    pub advance_index: f64,
+}
+
+impl RosType for MotionTrim {
+    const DEFINITION: Definition = Definition {
+        package: "fdm_loop_msgs",
+        name: "MotionTrim",
+        text: include_str!("../msg/MotionTrim.msg"),
+        dependencies: &[&Header::DEFINITION],
+    };
+}

@@ -26,7 +26,7 @@ mod time;
 mod transforms;
 
 pub use advance::AdvancePrediction;
-pub use control::ControlCommand;
+pub use control::{ControlCommand, MotionTrim};
 pub use definition::{Definition, RosService, RosType};
 pub use estimate::StateEstimate;
 pub use lifecycle::{State, Transition, TransitionDescription, TransitionEvent};

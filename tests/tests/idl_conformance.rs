@@ -12,8 +12,8 @@ use fdm_loop_msgs::{
     AdvancePrediction, BeadWidth, CameraInfo, ChangeState, Clock, CompressedImage, ControlCommand,
     DefectReport, DescribeParameters, DiagnosticArray, FilamentMotion, FilamentReport, GetAvailableStates,
     GetAvailableTransitions, GetParameterTypes, GetParameters, GetState, Heartbeat, Imu, ImuBatch,
-    InjectFault, LayerHeight, LayerQuality, ListParameters, Log, MotionSegment, ParameterEvent, PrintEvent,
-    PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode, SetParameters,
+    InjectFault, LayerHeight, LayerQuality, ListParameters, Log, MotionSegment, MotionTrim, ParameterEvent,
+    PrintEvent, PrintInfo, PrinterState, RosService, RosType, SafetyState, SetMode, SetParameters,
     SetParametersAtomically, SimTruth, SimWire, StateEstimate, TFMessage, Temperature, TemperatureReport,
     TransitionEvent, Trigger,
 };
@@ -43,6 +43,7 @@ fn messages() -> Vec<(String, Fields, Fields)> {
         message::<LayerHeight>(),
         message::<LayerQuality>(),
         message::<MotionSegment>(),
+        message::<MotionTrim>(),
         message::<PrintEvent>(),
         message::<PrintInfo>(),
         message::<PrinterState>(),

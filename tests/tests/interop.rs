@@ -54,7 +54,7 @@ fn an_independent_dds_and_our_nodes_understand_each_other() {
     // Ports of domains up to 101 lie below the ephemeral ones.
     let domain = 20 + std::process::id() % 80;
     for round in 1..=rounds() {
-        for script in ["messages.py", "user.py", "peers.py"] {
+        for script in ["messages.py", "user.py", "recorder.py", "frames.py", "peers.py"] {
             let output = run(script, domain);
             let said = String::from_utf8_lossy(&output.stdout);
             println!("round {round}, {script}:\n{said}");

@@ -229,7 +229,7 @@ fn the_predictor_is_started_where_it_is_asked_for_alone() {
     };
     let usual = nodes(&[]);
     assert_eq!(usual.len(), 10);
-    assert!(usual.iter().all(|[node, ..]| node != "advance_predictor") && source(&usual, "material"));
+    assert!(usual.iter().all(|[node, ..]| node != "advance_predictor") && source(&usual, "planned"));
     let predicted = nodes(&["--advance", "predicted"]);
     assert_eq!(predicted.len(), 11);
     assert_eq!(predicted.iter().filter(|[node, ..]| node == "advance_predictor").count(), 1);

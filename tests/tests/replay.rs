@@ -62,6 +62,12 @@ fn a_replay_says_again_what_was_recorded_and_what_a_change_would_change() {
     }
     assert_eq!(json(&["replay", &bag]), first, "a second time");
 
+    // A print that is no experiment teaches nothing: the bag is refused, with what it lacks.
+    let refused = fdm(&["identify", &bag]);
+    let why = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!((refused.status.code(), refused.stdout.len()), (Some(2), 0), "{why}");
+    assert!(why.contains("duty: heater off at the start for") && why.contains("identify.gcode"), "{why}");
+
     let changed = json(&["replay", &bag, "--set", "mpc_controller.trims.feed_gain=0.06"]);
     assert_eq!((&changed["baseline"], &changed["identical"]), (&"replayed".into(), &false.into()));
     let estimates = of(&changed, "estimate/state");

@@ -8,6 +8,8 @@
     reason = "helpers of tests: a failure is the test's failure"
 )]
 
+#[path = "report/against.rs"]
+mod against;
 #[path = "report/browser.rs"]
 mod browser;
 #[path = "report/ending.rs"]

@@ -6,11 +6,11 @@ mod services;
 use crate::convert;
 use crate::error::RecorderError;
 use crate::folder::Folder;
-use crate::params::Params;
+use crate::params::{LIVE, Params};
 use crate::tally::Tally;
 use crate::writer::{Item, Queue, Recorded, Recorder, Sample, Settings, Wish};
 use report::Report;
-use runtime::{Gid, Node, RawMessage, RawSubscription, Shutdown, Work, topics};
+use runtime::{Gid, Node, RawMessage, RawSubscription, RuntimeError, Shutdown, Work, topics};
 use services::Services;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -182,6 +182,8 @@ async fn watch(
     let mut prints = node.subscribe(&topics::PRINT_INFO)?;
     let mut events = node.subscribe(&topics::EVENTS)?;
     let queue = recorder.queue();
+    let mut live = node.live_parameters(&LIVE);
+    let mut keep_severity = params.room.keep_severity;
     let mut ticks = interval(REPORT);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let mut looks = interval(LOOK);
@@ -194,9 +196,14 @@ async fn watch(
     loop {
         tokio::select! {
             print = prints.recv() => hand_over(Item::Note(convert::note_of_print(&print.message))),
-            event = events.recv() => if event.message.severity >= params.room.keep_severity {
+            event = events.recv() => if event.message.severity >= keep_severity {
                 hand_over(Item::Wish(Wish::Keep));
             },
+            changed = live.next() => {
+                let params: Params = changed.parse().map_err(RuntimeError::from)?;
+                keep_severity = params.room.keep_severity;
+                hand_over(Item::Wish(Wish::SplitBy(params.split)));
+            }
             asked = services.next() => services.grant(&asked, &queue, &report.tally),
             _ = ticks.tick() => report.publish(),
             _ = looks.tick() => if recorder.has_failed() {

@@ -5,6 +5,10 @@ use models::params::{ParamError, in_range};
 use models::units::Seconds;
 use std::path::PathBuf;
 
+/// What may change while the node is active: when a file ends, and which are kept. Topics, folder and depths are opened
+/// once.
+pub const LIVE: [&str; 3] = ["split_s", "split_mib", "keep_severity"];
+
 /// Checked parameters. Built only from a valid [`RawParams`].
 #[derive(Debug, Clone, PartialEq, serde::Deserialize)]
 #[serde(try_from = "RawParams")]

@@ -143,6 +143,11 @@ impl Frames {
         }
     }
 
+    /// Another highest rate from now on; what was seen and counted stays.
+    pub fn retune(&mut self, params: CameraParams) {
+        self.params = params;
+    }
+
     /// Refused frames so far.
     #[must_use]
     pub fn refusals(&self) -> Refusals {

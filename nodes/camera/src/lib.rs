@@ -8,6 +8,8 @@
 #[cfg(feature = "ros")]
 mod convert;
 pub mod frames;
+#[cfg(test)]
+mod live_tests;
 pub mod multipart;
 #[cfg(feature = "ros")]
 pub mod node;

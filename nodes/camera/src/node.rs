@@ -15,7 +15,7 @@ use runtime::{
 
 use crate::convert;
 use crate::frames::Frames;
-use crate::params::{CameraParams, Driver, Params, VideoSource};
+use crate::params::{CameraParams, Driver, LIVE, Params, VideoSource};
 use driver::DriverEvent;
 use worker::{Pace, Stream, Worker};
 
@@ -32,11 +32,13 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut outlet = Outlet::open(&mut node, &params, source.name())?;
     let mut looks = node.timer(Seconds(params.camera.lost_after_s / LOOKS));
     let work = node.work();
+    let mut live = node.live_parameters(&LIVE);
     node.activated().await;
     loop {
         tokio::select! {
             arrival = source.next() => outlet.take(arrival),
             _ = looks.next() => outlet.look(),
+            changed = live.next() => outlet.frames.retune(changed.parse::<Params>()?.camera),
             () = node.shutdown() => return Ok(()),
         }
         work.done();

@@ -5,6 +5,10 @@ use serde::Deserialize;
 
 use crate::url::{Url, UrlError};
 
+/// What may change while the node is active: how many frames are let through. Size and scale tell what a pixel is: who
+/// measures in frames has to begin anew with them.
+pub const LIVE: [&str; 1] = ["camera.rate_max_hz"];
+
 /// All parameters.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -9,6 +9,7 @@ pub mod doctor;
 pub mod faults;
 pub mod gcode;
 pub mod html;
+pub mod identify;
 pub mod install;
 pub mod job;
 pub mod kinematics;
@@ -78,6 +79,8 @@ enum Command {
     Play(bag::play::PlayArgs),
     /// Run the brains over a bag in virtual time, as recorded or with other parameters.
     Replay(replay::ReplayArgs),
+    /// Learn a printer from a recorded heat-up and test line, and write its file.
+    Identify(identify::IdentifyArgs),
     /// Judge pictures; train the networks that do.
     Classify(classify::ClassifyArgs),
     /// Parse and plan a file: layers, moves, filament, time, oddities.
@@ -113,6 +116,7 @@ pub fn main() -> ExitCode {
         Command::Recover(args) => bag::recover::run(&args),
         Command::Play(args) => bag::play::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Identify(args) => identify::run(&args),
         Command::Classify(args) => classify::run(&args),
         Command::Gcode(args) => gcode::run(&args),
         Command::Advance(args) => advance::run(&args),

@@ -17,6 +17,7 @@ use crate::network::Network;
 use crate::offset::{Offset, OffsetFinder};
 use crate::params::Params;
 use crate::path::PathHistory;
+use crate::seam::{SeamGauge, SeamReading};
 use crate::surroundings::in_view;
 use crate::unexplained::Surface;
 use crate::usual::Usual;
@@ -62,6 +63,7 @@ pub struct Classifier {
     gate: FrameGate,
     path: PathHistory,
     gauge: WidthGauge,
+    seams: SeamGauge,
     usual: Usual,
     finder: OffsetFinder,
     surface: Surface,
@@ -86,6 +88,7 @@ impl Classifier {
             gate: FrameGate::new(params.checks, &params.camera),
             path: PathHistory::new(params.history),
             gauge: WidthGauge::new(params.width, models.edge),
+            seams: SeamGauge::new(params.seam, &params.width),
             usual: Usual::new(params.usual),
             finder: OffsetFinder::new(params.offset, &params.camera),
             surface: Surface::new(params.unexplained),
@@ -103,6 +106,12 @@ impl Classifier {
             joined_late: false,
             counts: Counts::default(),
         })
+    }
+
+    /// Other bounds of what can be judged from now on; what was seen stays.
+    pub fn retune(&mut self, params: Params) {
+        self.gate.retune(params.checks);
+        self.params = params;
     }
 
     /// Names of the classes, in the order of the probabilities.
@@ -153,6 +162,7 @@ impl Classifier {
             self.finder.forget();
             if before.is_none_or(|before| before.phase != JobPhase::Paused) {
                 self.surface.clear();
+                self.seams.clear();
                 self.joined_late &= before.is_none();
                 self.usual = Usual::new(self.params.usual);
             }
@@ -215,6 +225,7 @@ impl Classifier {
     fn measure(&mut self, grey: &Mat, exposed: Seconds, tool_m: [f64; 2]) -> Result<Found, Unusable> {
         let view = (&self.params.camera, tool_m);
         let (width, seen) = self.gauge.on_frame(grey, (&self.path, exposed), view)?;
+        let seams = self.seams.on_frame(grey, (&self.path, exposed), view)?;
         let offset = self.finder.on_frame(grey, (&self.path, exposed), view)?;
         if let Some(width) = width {
             self.counts.widths += 1;
@@ -228,7 +239,13 @@ impl Classifier {
         let unexplained = self.surface.find(grey, view)?;
         // Who does not know the whole part would take the rest of it for shifted or loose.
         let known = !self.joined_late;
-        Ok(Found { width, seen, offset: offset.filter(|_| known), unexplained: known.then_some(unexplained) })
+        Ok(Found {
+            width,
+            seen,
+            seams,
+            offset: offset.filter(|_| known),
+            unexplained: known.then_some(unexplained),
+        })
     }
 
     fn picture(
@@ -261,6 +278,8 @@ impl Classifier {
 struct Found {
     width: Option<WidthMeasurement>,
     seen: Seen,
+    /// Shade of the seams beside what is usual there.
+    seams: Option<SeamReading>,
     offset: Option<Offset>,
     /// Share of the strong edges that no road explains; `None` where the roads are not all known.
     unexplained: Option<f64>,

@@ -4,6 +4,7 @@ use crate::frame::Unusable;
 use crate::fusion::Fused;
 use crate::layer::LayerFigure;
 use crate::offset::Offset;
+use crate::seam::SeamReading;
 use crate::width::WidthMeasurement;
 use models::motion::Segment;
 use models::status::PrinterStatus;
@@ -85,6 +86,8 @@ pub struct Judged {
     pub fused: Fused,
     /// Where what was laid before lies, where known.
     pub offset: Option<Offset>,
+    /// Seams beside what is usual at their places, where enough were seen for the first time.
+    pub seams: Option<SeamReading>,
     /// Share of the strong edges in the picture that no commanded road explains `[0, 1]`.
     pub unexplained: f64,
     /// Place of the defect: column, row, width, height `[px]`, where known.

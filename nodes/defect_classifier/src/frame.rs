@@ -4,6 +4,8 @@
 
 mod header;
 #[cfg(test)]
+mod live_tests;
+#[cfg(test)]
 pub(crate) mod tests;
 
 pub use header::{JpegSize, jpeg_size};
@@ -20,6 +22,11 @@ use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
+
+/// What may change while the node is active: when the light is good enough to judge a frame. Evidence, confirmation and
+/// measurement are chosen together: they decide over a pause, and may change while the node is inactive.
+pub const LIVE: [&str; 4] =
+    ["checks.black_grey", "checks.saturated_grey", "checks.saturated_share", "checks.sharpness_min"];
 
 /// Bounds of a usable frame. Built only from a valid [`RawChecks`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -156,6 +163,11 @@ impl FrameGate {
     #[must_use]
     pub fn new(checks: FrameChecks, camera: &Camera) -> Self {
         Self { checks, size_px: (camera.width_px, camera.height_px), last: None }
+    }
+
+    /// Other bounds of what can be judged from now on.
+    pub fn retune(&mut self, checks: FrameChecks) {
+        self.checks = checks;
     }
 
     /// The grey picture of a frame that can be judged.

@@ -6,6 +6,7 @@
 //! | [`camera`] [`frame`] | where a pixel lies on the bed; from a JPEG to a grey picture that can be judged |
 //! | [`path`] | which road was laid where and when, as commanded |
 //! | [`width`] | width of fresh road from its edges in the picture |
+//! | [`seam`] | shade of the seams between roads, beside the same places on the layers below |
 //! | [`offset`] | where what was laid before lies, beside where it was laid |
 //! | [`unexplained`] | edges in the picture that no commanded road explains |
 //! | [`features`] [`network`] [`fusion`] | what the picture looks like, what that means, and how sure it is over time |
@@ -31,6 +32,7 @@ pub mod node;
 pub mod offset;
 pub mod params;
 pub mod path;
+pub mod seam;
 mod surroundings;
 pub mod unexplained;
 pub mod usual;

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::classifier::{Classifier, Counts, Models};
 use crate::convert;
 use crate::event::Output;
+use crate::frame::LIVE;
 use crate::fusion::FusionError;
 use crate::layer::Nominal;
 use crate::network::{Network, NetworkError};
@@ -62,7 +63,7 @@ pub enum NodeError {
 /// [`NodeError`] where it cannot start.
 pub async fn run(mut node: Node) -> Result<(), NodeError> {
     opencv::core::set_num_threads(THREADS)?;
-    let setup = Setup::read(&node)?;
+    let mut setup = Setup::read(&node)?;
     let mut classifier = setup.classifier()?;
     let mut frames = node.inlet(&topics::CAMERA_IMAGE, AGE_LIMIT)?;
     let mut motion = node.inlet(&topics::PRINTER_MOTION, AGE_LIMIT)?;
@@ -71,6 +72,7 @@ pub async fn run(mut node: Node) -> Result<(), NodeError> {
     let outlets = Outlets::open(&mut node, setup.params.machine)?;
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut jumps, mut idle) = (clock.jumps_back(), node.timer(IDLE_PERIOD));
+    let mut live = node.live_parameters(&LIVE);
     node.activated().await;
     loop {
         // Moves and states first: a frame is judged by what is known of the path when it is looked at.
@@ -81,6 +83,11 @@ pub async fn run(mut node: Node) -> Result<(), NodeError> {
             taken = printer.next(convert::printer) => taken,
             taken = estimates.next(convert::estimate) => taken,
             taken = frames.next(convert::frame) => taken,
+            changed = live.next() => {
+                setup.params = changed.without(&SHARED).parse()?;
+                classifier.retune(setup.params.clone());
+                continue;
+            }
             _ = idle.next() => {
                 work.done();
                 continue;

@@ -7,6 +7,7 @@ use crate::fusion::FusionParams;
 use crate::layer::LayerParams;
 use crate::offset::OffsetParams;
 use crate::path::HistoryParams;
+use crate::seam::SeamParams;
 use crate::unexplained::UnexplainedParams;
 use crate::usual::UsualParams;
 use crate::width::WidthParams;
@@ -30,6 +31,8 @@ pub struct Params {
     pub width: WidthParams,
     /// What widths are usual here.
     pub usual: UsualParams,
+    /// Shade of the seams between roads.
+    pub seam: SeamParams,
     /// Where what was laid before lies.
     pub offset: OffsetParams,
     /// Edges that no road explains.

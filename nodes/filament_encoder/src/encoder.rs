@@ -93,6 +93,11 @@ impl Encoder {
         Self { params, last: None, steps_refused: 0.0, refusals: Refusals::default(), rebases: 0 }
     }
 
+    /// Other limits from now on; what was seen and counted stays.
+    pub fn retune(&mut self, params: EncoderParams) {
+        self.params = params;
+    }
+
     /// Takes counts received at `now`. The first report is position zero.
     ///
     /// # Errors

@@ -5,6 +5,8 @@
 #[cfg(feature = "ros")]
 mod convert;
 pub mod encoder;
+#[cfg(test)]
+mod live_tests;
 #[cfg(feature = "ros")]
 pub mod node;
 pub mod params;

@@ -7,7 +7,7 @@ use runtime::{Inlet, Node, Reason, Refused, RuntimeError, topics};
 
 use crate::convert;
 use crate::encoder::Encoder;
-use crate::params::{Driver, Params};
+use crate::params::{Driver, LIVE, Params};
 use crate::serial_line::{LINE_MAX, LineError, parse};
 
 /// Lines that may wait: a second of counts at 100 Hz. Counts are a sum: one that finds no room is made up for by the
@@ -25,6 +25,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let motions = node.publish_on(&topics::FILAMENT_MOTION)?;
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let mut refused = Refused::new(node.diagnostics(), source.name());
+    let mut live = node.live_parameters(&LIVE);
     node.activated().await;
     loop {
         tokio::select! {
@@ -42,6 +43,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 diagnostics.set("rebases", encoder.rebases());
                 work.done();
             }
+            changed = live.next() => encoder.retune(changed.parse::<Params>()?.encoder),
             () = node.shutdown() => return Ok(()),
         }
     }

@@ -3,6 +3,10 @@
 use models::params::{ParamError, SerialParams, in_range};
 use serde::Deserialize;
 
+/// What may change while the node is active: how fast a step is believed, not what a count is worth: the position is the
+/// sum of all counts.
+pub const LIVE: [&str; 2] = ["encoder.speed_max_m_s", "encoder.rebase_after"];
+
 /// All parameters.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

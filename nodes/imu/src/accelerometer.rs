@@ -151,6 +151,14 @@ impl Accelerometer {
         }
     }
 
+    /// Another noise and other tolerances from now on; rates, range and ages stay. What was seen and counted stays, and so
+    /// does the verdict of the last window until the next.
+    pub fn retune(&mut self, params: UnitParams) {
+        self.thinner.retune(params.sigma_m_s2);
+        self.window.retune(params.clone());
+        self.params = params;
+    }
+
     /// Takes a report received at `now`.
     ///
     /// # Errors

@@ -10,6 +10,8 @@ pub mod accelerometer;
 pub mod axis;
 #[cfg(feature = "ros")]
 mod convert;
+#[cfg(test)]
+mod live_tests;
 #[cfg(feature = "ros")]
 pub mod node;
 pub mod params;

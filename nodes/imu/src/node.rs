@@ -8,7 +8,7 @@ use runtime::{Clock, Diagnostics, Inlet, Level, Node, Presence, Publisher, Refus
 
 use crate::accelerometer::{Accelerometer, Refusal, Report};
 use crate::convert;
-use crate::params::{Driver, Params};
+use crate::params::{Driver, LIVE, Params};
 use crate::window::Verdict;
 use iio::{Iio, IioEvent};
 
@@ -25,6 +25,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut outlet = Outlet::open(&mut node, &params, source.name())?;
     let mut looks = node.timer(Seconds(params.unit.lost_after_s / LOOKS));
     let work = node.work();
+    let mut live = node.live_parameters(&LIVE);
     node.activated().await;
     loop {
         tokio::select! {
@@ -32,6 +33,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 outlet.pass(report);
             },
             _ = looks.next() => outlet.look(),
+            changed = live.next() => outlet.unit.retune(changed.parse::<Params>()?.unit),
             () = node.shutdown() => return Ok(()),
         }
         work.done();

@@ -5,6 +5,10 @@ use serde::Deserialize;
 
 use crate::axis::{Axis, Mounting};
 
+/// What may change while the node is active: how a sample is judged, not where it comes from or how it is thinned out.
+pub const LIVE: [&str; 4] =
+    ["unit.sigma_m_s2", "unit.rate_tolerance", "unit.gravity_tolerance", "unit.tilt_max_deg"];
+
 /// All parameters.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -25,6 +25,11 @@ pub(crate) struct Thinner {
 
 impl Thinner {
     /// From `rate_hz` down to at most `output_hz`.
+    /// Another noise of a sample `[m/s2]`.
+    pub(crate) fn retune(&mut self, sigma_m_s2: f64) {
+        self.sigma_m_s2 = sigma_m_s2;
+    }
+
     pub(crate) fn new(rate_hz: f64, output_hz: f64, sigma_m_s2: f64) -> Self {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the parameters bound it")]
         let block = (rate_hz / output_hz).ceil().clamp(1.0, 1e6) as u32;

@@ -98,6 +98,11 @@ pub struct Figures {
 }
 
 impl Window {
+    /// Other tolerances from the end of this window on.
+    pub(crate) fn retune(&mut self, params: UnitParams) {
+        self.params = params;
+    }
+
     pub(crate) fn new(params: UnitParams) -> Self {
         Self { params, sum_m_s2: [0.0; 3], count: 0, begin: None, verdict: Verdict::Unproven, figures: None }
     }

@@ -8,7 +8,8 @@
 //! | [`Limits`] | range, slew and validity of trims, the ramp back to the slicer's values |
 //! | [`Gate`] | one publisher at a time, rising sequence, validity from the time of receipt |
 //! | [`DeadMan`] | what a printer does with permits, and without them |
-//! | [`MotionTrim`] | trims attached to a coming move |
+//! | [`MotionTrim`] [`Scheduled`] | trims attached to a coming move, and as they are sent |
+//! | [`ScheduleGate`] | whose scheduled trims count |
 //! | [`EstimateHealth`] [`ControlHealth`] | what estimator and controller say of their own work |
 
 mod dead_man;
@@ -21,7 +22,7 @@ pub use dead_man::{DeadMan, DeadManParams, InForce, OnLoss, RawDeadManParams};
 pub use gate::{Dated, Gate, Refusal, Refusals};
 pub use health::{ControlHealth, EstimateHealth};
 pub use limits::{Changed, Clamped, Limits, NotFinite, RawLimits};
-pub use schedule::{AdvanceLaw, MotionTrim};
+pub use schedule::{AdvanceLaw, MotionTrim, ScheduleGate, Scheduled};
 
 use crate::units::Seconds;
 

@@ -9,6 +9,7 @@
 //! | [`command`] | trims, permits, validity, clamping and the dead-man |
 //! | [`printer`] | the nominal printer of a parameter file |
 //! | [`status`] | what a printer says of itself |
+//! | [`transient`] | a dip of the flow that passes by itself |
 //! | [`advance`] | System 2 of the model book: pressure advance, its test line, turns |
 //! | [`wire`] [`hybrid`] | Systems 3 and 4 of the model book: metal wire, five-axis machine |
 //!
@@ -36,5 +37,6 @@ pub mod params;
 pub mod printer;
 pub mod quality;
 pub mod status;
+pub mod transient;
 pub mod units;
 pub mod wire;

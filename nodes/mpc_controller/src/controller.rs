@@ -1,6 +1,7 @@
 //! The controller: events in, a command per estimate out, a plan per tick.
 
 use crate::advance::{Advance, Prediction};
+use crate::base::Base;
 use crate::catch_up::CatchUp;
 use crate::fallback::Ladder;
 use crate::input::{Estimate, Event, is_valid};
@@ -8,12 +9,13 @@ use crate::nominal::Nominal;
 use crate::params::{Level, Params};
 use crate::qp::{BuildError, Move, Qp, input};
 use crate::saturation::Saturation;
-use models::command::{Command, ControlHealth, Trims};
+use models::command::{Command, ControlHealth};
 use models::extruder::Extruder;
 use models::hotend::Hotend;
 use models::material::Material;
 use models::melt::Melt;
-use models::status::{HostProfile, JobPhase, PrinterStatus};
+use models::status::{JobPhase, PrinterStatus};
+use models::transient::Transient;
 use models::units::Seconds;
 
 /// The nominal printer, as far as control needs it.
@@ -36,13 +38,15 @@ pub struct Controller {
     catch_up: CatchUp,
     advance: Advance,
     nominal: Nominal,
+    base: Base,
+    transient: Transient,
     ladder: Ladder,
     saturation: Saturation,
     /// Slow mean of the flow error `[-]`.
     flow_error: f64,
     status: Option<PrinterStatus>,
     estimate: Option<Estimate>,
-    /// Move in force.
+    /// Move in force, about the base.
     held: Move,
     /// Since when path, width and deposition are steady `[s]`.
     steady_since_s: f64,
@@ -77,6 +81,8 @@ impl Controller {
             catch_up: CatchUp::new(params.slip),
             advance: Advance::new(params.advance),
             nominal: Nominal::new(material.lag_s),
+            base: Base::new(params.base, params.limits.feed),
+            transient: Transient::default(),
             ladder: Ladder::new(&params.health),
             saturation: Saturation::new(params.health, params.limits.low(), params.limits.high()),
             flow_error: 0.0,
@@ -97,6 +103,7 @@ impl Controller {
             advance: self.advance.report(),
             softened: self.qp.softened(),
             saturated_s: self.saturation.longest_s(),
+            base: self.base.error(),
             ..self.report
         }
     }
@@ -137,6 +144,7 @@ impl Controller {
         };
         let dt_s = before.map_or(0.0, |before| estimate.stamp.0 - before.stamp.0);
         self.follow_flow(&status, &estimate, dt_s);
+        self.calibrate(&status, &estimate, dt_s);
         let trims = self.trims(&status, &estimate);
         self.sequence += 1;
         Some(Command {
@@ -156,7 +164,7 @@ impl Controller {
             self.report.refusals.printer.late += 1;
             return;
         }
-        self.nominal.on_status(status, self.params.slip.wanted_jump_m);
+        self.nominal.on_status(status, self.base.feed(), self.params.slip.wanted_jump_m);
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
         self.advance.on_status(status);
         if self.status.is_none_or(|before| self.unsteady(&before, status)) {
@@ -204,6 +212,8 @@ impl Controller {
         self.held = [0.0; input::COUNT];
         self.qp.clear();
         self.nominal.clear();
+        self.base.clear();
+        self.transient = Transient::default();
         self.flow_error = 0.0;
         self.catch_up.open();
         self.advance.rest();
@@ -213,7 +223,7 @@ impl Controller {
 
     /// Where the printer keeps other trims than the sent ones (observed, limited, lapsed), goes on from those.
     fn adopt(&mut self, status: &PrinterStatus) {
-        let in_force = moves_of(&status.trims);
+        let in_force = moves_of(&status.trims, self.base.feed());
         let tolerance = self.params.bumpless.tolerance;
         let differ = (in_force[input::FEED] - self.held[input::FEED]).abs() > tolerance
             || (in_force[input::SPEED] - self.held[input::SPEED]).abs() > tolerance;
@@ -234,59 +244,16 @@ impl Controller {
     fn fresh_status(&self, at: Seconds) -> Option<PrinterStatus> {
         self.status.filter(|status| at.0 - status.stamp.0 <= self.params.status_age_limit_s)
     }
-
-    fn trims(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Trims {
-        let printing = !matches!(status.phase, JobPhase::Idle | JobPhase::Done | JobPhase::Failed);
-        if self.params.control == Level::Off || !printing {
-            return Trims::NEUTRAL;
-        }
-        let slip = self.slip(status, estimate);
-        let setpoint_offset_k =
-            if self.params.control == Level::Mpc { self.held[input::SETPOINT] } else { 0.0 };
-        let (flow, speed) = self.scheduled();
-        Trims {
-            flow,
-            speed,
-            setpoint_offset_k,
-            advance_s: self.advance.command(estimate.stamp.0, status, self.printer.material.lag_s),
-            slip,
-        }
-    }
-
-    /// Flow over path and speed of the plan, as trims have them.
-    fn scheduled(&self) -> (f64, f64) {
-        let [feed, speed, _] = if self.params.control == Level::Mpc { self.held } else { [0.0; 3] };
-        let most = self.params.limits.feed;
-        // The move is feed over time, the printer's trim is feed over path. Slow and fed high at once, the quotient
-        // would leave the range that the supervisor lets through (K6).
-        (((1.0 + feed) / (1.0 + speed)).clamp(1.0 - most, 1.0 + most), 1.0 + speed)
-    }
-
-    fn slip(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Option<f64> {
-        if !estimate.encoder_alive {
-            self.catch_up.open();
-            return None;
-        }
-        Some(match status.host {
-            HostProfile::Native => estimate.slip.clamp(self.params.slip.low, self.params.slip.high),
-            HostProfile::Serial | HostProfile::Moonraker | HostProfile::Octoprint => {
-                self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s)
-            }
-        })
-    }
-}
-
-/// Feed over time, speed and offset of trims in force.
-fn moves_of(trims: &Trims) -> Move {
-    [trims.flow * trims.speed - 1.0, trims.speed - 1.0, trims.setpoint_offset_k]
 }
 
 mod planning;
 mod preview;
 mod report;
 mod retune;
+mod sending;
 
 pub use report::Report;
+use sending::moves_of;
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,9 @@
 //! Between messages and the brain's types.
 
-use fdm_loop_msgs::{AdvancePrediction, BeadWidth, FilamentMotion, LayerHeight, PrinterState, StateEstimate};
+use fdm_loop_msgs::{
+    AdvancePrediction, BeadWidth, FilamentMotion, LayerHeight, MotionSegment, PrinterState, StateEstimate,
+};
+use models::motion::Segment;
 use models::units::Seconds;
 use runtime::Reason;
 use runtime::wire::{self, WireError};
@@ -40,6 +43,13 @@ pub fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), WireError> 
 pub fn width(message: &BeadWidth) -> Result<(Seconds, Event), WireError> {
     let read = wire::bead_width_from_wire(message)?;
     Ok((read.exposed, Event::Width { exposed: read.exposed, width_m: read.width_m }))
+}
+
+/// A move that is known before it begins, with its number; the brain counts from 0.
+pub fn coming(message: &MotionSegment) -> Result<(Seconds, (u64, Segment)), WireError> {
+    let read = wire::motion_from_wire(message)?;
+    let no_move = WireError::OutOfRange { field: "sequence", value: 0.0, low: 1.0, high: f64::INFINITY };
+    Ok((read.start, (read.sequence.checked_sub(1).ok_or(no_move)?, read.segment)))
 }
 
 /// A word of the advance predictor; what a flag declares unknown is not read.

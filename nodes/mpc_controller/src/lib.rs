@@ -15,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 pub mod advance;
+mod base;
 mod catch_up;
 mod controller;
 #[cfg(feature = "ros")]

@@ -1,14 +1,18 @@
 //! The shell: estimates and measurements in, commands out.
 
 use fdm_loop_msgs::{
-    AdvancePrediction, BeadWidth, ControlCommand, FilamentMotion, PrinterState, StateEstimate,
+    AdvancePrediction, BeadWidth, ControlCommand, FilamentMotion, MotionSegment, MotionTrim as TrimMessage,
+    PrinterState, StateEstimate,
 };
-use models::command::{Command, Trims};
+use models::command::{AdvanceLaw, Command, MotionTrim, Scheduled, Trims};
 use models::material::Material;
+use models::motion::Segment;
 use models::printer::Printer;
 use models::units::Seconds;
-use runtime::wire::command_to_wire;
-use runtime::{Diagnostics, Inlet, Node, ParamFileError, Parameters, Reason, Refused, RuntimeError, topics};
+use runtime::wire::{command_to_wire, schedule_to_wire};
+use runtime::{
+    Diagnostics, Inlet, Node, ParamFileError, Parameters, Publisher, Reason, Refused, RuntimeError, topics,
+};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
@@ -73,9 +77,10 @@ enum Kind {
 async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     let mut setup = Setup::read(&node)?;
     let params = setup.params;
-    let Inlets { mut estimate, mut printer, mut encoder, mut width, mut predictions } =
+    let Inlets { mut estimate, mut printer, mut encoder, mut width, mut predictions, mut coming } =
         Inlets::open(&mut node, &params)?;
     let commands = node.publish_on(&topics::CONTROL_COMMAND)?;
+    let mut schedule = Schedule::open(&mut node, &params)?;
     let mut ticks = node.timer(Seconds(params.period_s));
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut controller, mut jumps) = (setup.controller()?, clock.jumps_back());
@@ -109,6 +114,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
                 pass(&mut controller, taken);
                 follow(&mut predictions.refused, &controller, |all| &all.prediction);
             }
+            taken = coming.next(convert::coming) => schedule.plan(clock.now(), taken, &mut controller),
             now = ticks.next() => {
                 if std::mem::replace(&mut jumps, clock.jumps_back()) != clock.jumps_back() {
                     controller = setup.controller()?;
@@ -136,6 +142,7 @@ struct Inlets {
     encoder: Inlet<FilamentMotion>,
     width: Inlet<BeadWidth>,
     predictions: Inlet<AdvancePrediction>,
+    coming: Inlet<MotionSegment>,
 }
 
 impl Inlets {
@@ -147,7 +154,39 @@ impl Inlets {
             encoder: node.inlet(&topics::FILAMENT_MOTION, telemetry)?,
             width: node.inlet(&topics::BEAD_WIDTH, params.frame_age_limit())?,
             predictions: node.inlet(&topics::ADVANCE_PREDICTION, Seconds(params.advance.age_limit_s))?,
+            // A host that attaches nothing to moves is silent here.
+            coming: node
+                .inlet(&topics::PRINTER_COMING, Seconds(f64::INFINITY))?
+                .with_stamps_within(telemetry),
         })
+    }
+}
+
+/// What is sent of coming moves.
+struct Schedule {
+    outlet: Publisher<TrimMessage>,
+    newest: Scheduled,
+}
+
+impl Schedule {
+    fn open(node: &mut Node, params: &Params) -> Result<Self, RuntimeError> {
+        let advance = AdvanceLaw { linear_s: 0.0, shear: 0.0, index: 1.0 };
+        let newest = Scheduled {
+            session: node.session(),
+            sequence: 0,
+            validity: Seconds(params.advance.schedule_validity_s),
+            trim: MotionTrim { sequence: 0, flow: 1.0, speed: 1.0, advance },
+        };
+        Ok(Self { outlet: node.publish_on(&topics::CONTROL_SCHEDULE)?, newest })
+    }
+
+    /// Sends the controller's trim of a coming move, where it has one.
+    fn plan(&mut self, now: Seconds, taken: Result<(u64, Segment), Reason>, controller: &mut Controller) {
+        let coming = taken.ok();
+        let trim = coming.and_then(|(sequence, segment)| controller.on_coming(now, sequence, &segment));
+        let Some(trim) = trim else { return };
+        self.newest = Scheduled { sequence: self.newest.sequence + 1, trim, ..self.newest };
+        self.outlet.send(schedule_to_wire(now, &self.newest));
     }
 }
 
@@ -213,6 +252,7 @@ fn show(diagnostics: &Diagnostics, report: &Report) {
     diagnostics.set("fallbacks", report.fallbacks);
     diagnostics.set("softened", report.softened);
     diagnostics.set("saturated_s", format_args!("{:.1}", report.saturated_s));
+    diagnostics.set("scheduled", report.scheduled);
     diagnostics.set("starved", report.starved);
     diagnostics.set("adopted", report.adopted);
     diagnostics.set("refused_ticks", report.refusals.tick.invalid + report.refusals.tick.late);
@@ -220,6 +260,7 @@ fn show(diagnostics: &Diagnostics, report: &Report) {
     diagnostics.set("advance_hurried", report.advance.hurried);
     diagnostics.set("advance_learnt", format_args!("{:.3}", report.advance.learnt));
     diagnostics.set("flow_error", format_args!("{:.4}", report.flow_error));
+    diagnostics.set("base", format_args!("{:.4}", report.base));
     diagnostics.set("gain_error", format_args!("{:.4}", report.gain_error));
     diagnostics.set("temperature_error_k", format_args!("{:.2}", report.temperature_error_k));
     diagnostics.set("shortfall_m", format_args!("{:.6}", report.shortfall_m));

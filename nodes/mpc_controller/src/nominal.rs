@@ -1,10 +1,10 @@
-//! Flow of the slicer's own feed through the same lag: what the estimated flow is compared with (model book 1.7).
+//! Flow of the slicer's own feed, calibrated, through the same lag: what the estimated flow is compared with (model book 1.7).
 
 use models::extruder::LinearLag;
 use models::status::PrinterStatus;
 use models::units::Seconds;
 
-/// Outlet flow that the un-trimmed feed would give.
+/// Outlet flow that the feed would give without feedback.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Nominal {
     lag: LinearLag,
@@ -29,8 +29,8 @@ impl Nominal {
         *self = Self::new(self.lag.lag_s);
     }
 
-    /// Follows the filament wanted since the last status, trims taken out again.
-    pub(crate) fn on_status(&mut self, status: &PrinterStatus, jump_m: f64) {
+    /// Follows the filament wanted since the last status, trims taken out again and the base's put in.
+    pub(crate) fn on_status(&mut self, status: &PrinterStatus, base_feed: f64, jump_m: f64) {
         let (stamp_s, wanted_m) = (status.stamp.0, status.wanted_position_m);
         let before = self.before.replace((stamp_s, wanted_m));
         let Some((before_s, before_m)) = before else {
@@ -43,7 +43,7 @@ impl Nominal {
             self.since_s = stamp_s;
             return;
         }
-        let feed_m_s = moved_m / dt_s / (status.trims.flow * status.trims.speed);
+        let feed_m_s = moved_m / dt_s / (status.trims.flow * status.trims.speed) * base_feed;
         // below zero stands a stroke drawn back, not a flow: it does not decay
         self.flow_m_s = if self.flow_m_s < 0.0 {
             self.flow_m_s + feed_m_s * dt_s / self.lag.lag_s

@@ -86,6 +86,8 @@ pub struct RawParams {
     pub deadband: RawDeadband,
     /// Reference of the nozzle temperature.
     pub reference: RawReference,
+    /// Calibration of the spool.
+    pub base: RawBase,
     /// Fast trims.
     pub trims: RawTrims,
     /// Extruder loop.
@@ -238,6 +240,7 @@ impl TryFrom<RawParams> for Params {
         in_range("deadband.full_k", raw.deadband.full_k, "K", (0.0, 20.0))?;
         ordered(("deadband.start_k", raw.deadband.start_k), ("deadband.full_k", raw.deadband.full_k))?;
         positive("reference.flow_m3_s", raw.reference.flow_m3_s, "m3/s")?;
+        check::base(&raw.base)?;
         check::trims(&raw.trims)?;
         check::slip(&raw.slip)?;
         raw.advance.check()?;
@@ -257,6 +260,6 @@ mod health;
 mod loops;
 
 pub use health::RawHealth;
-pub use loops::{RawBumpless, RawSlip, RawTrims};
+pub use loops::{RawBase, RawBumpless, RawSlip, RawTrims};
 
 pub use advance::{AdvanceSource, RawAdvance, RawLearning};

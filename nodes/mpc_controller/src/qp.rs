@@ -11,6 +11,7 @@ use clarabel::solver::{
     DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
     ZeroConeT,
 };
+use clarabel::timers::Timers;
 
 /// Index of each move in a [`Move`].
 pub mod input {
@@ -197,6 +198,9 @@ impl Qp {
             Ok(false) => return Outcome::NotFinite,
             Ok(true) => {}
         }
+        // Clarabel 0.11.1 holds its time limit against set-up and all solutions so far, which are never reset: after a slow
+        // start, or some thousand solves, every further one would end at once as too late.
+        self.solver.timers = Some(Timers::default());
         self.solver.solve();
         match self.solver.solution.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {

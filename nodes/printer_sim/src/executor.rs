@@ -70,7 +70,8 @@ pub struct Executor {
     homing: [bool; 3],
     entered: u64,
     coming: Vec<Coming>,
-    schedule: VecDeque<MotionTrim>,
+    /// Trims of coming moves, each with the time at which it lapses unless its move has begun.
+    schedule: VecDeque<(MotionTrim, Seconds)>,
 }
 
 impl Executor {
@@ -210,7 +211,7 @@ impl Executor {
                 begun(&segment);
                 let trims = Some(trims.unwrap_or(around.trims));
                 self.active = Some(Active { sequence, segment, trims, elapsed_s: 0.0 });
-                while self.schedule.front().is_some_and(|trim| trim.sequence < sequence) {
+                while self.schedule.front().is_some_and(|(trim, _)| trim.sequence < sequence) {
                     self.schedule.pop_front();
                 }
                 true

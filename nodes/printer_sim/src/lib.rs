@@ -48,4 +48,4 @@ pub const PERMIT_STAMP_LIMIT: models::units::Seconds = models::units::Seconds(1.
 pub use output::{Output, Truth};
 pub use params::Params;
 pub use scenario::Scenario;
-pub use simulator::{JobSource, Simulator};
+pub use simulator::{JobSource, Simulator, Unscheduled};

@@ -4,15 +4,17 @@ use crate::convert;
 use crate::load::{self, LoadError, Loaded};
 use crate::output::Output;
 use crate::run_params::ProcessKind;
-use crate::simulator::Simulator;
+use crate::simulator::{Simulator, Unscheduled};
 use fdm_loop_msgs::{
-    BeadWidth, Clock, CompressedImage, ControlCommand, FilamentReport, ImuBatch, InjectFault,
-    InjectFaultResponse, MotionSegment, PrintEvent, PrintInfo, PrinterState, SimTruth, TemperatureReport,
-    Time,
+    BeadWidth, Clock, CompressedImage, ControlCommand, FilamentReport, Header, ImuBatch, InjectFault,
+    InjectFaultResponse, MotionSegment, MotionTrim, PrintEvent, PrintInfo, PrinterState, SimTruth,
+    TemperatureReport, Time,
 };
-use models::command::Permit;
+use models::command::{Permit, Scheduled};
 use models::units::Seconds;
-use runtime::{Asked, Frames, Node, Publisher, Reason, Refused, Server, Subscription, topics, wire};
+use runtime::{
+    Asked, Diagnostics, Frames, Node, Publisher, Reason, Refused, Server, Subscription, topics, wire,
+};
 use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
 
@@ -37,6 +39,7 @@ struct Outlets {
     frames: Publisher<CompressedImage>,
     state: Publisher<PrinterState>,
     motion: Publisher<MotionSegment>,
+    coming: Publisher<MotionSegment>,
     truth: Publisher<SimTruth>,
     events: Publisher<PrintEvent>,
     // Latched: kept alive for late joiners.
@@ -49,6 +52,8 @@ struct Shell {
     outlets: Outlets,
     frames: Option<Frames>,
     refused: Refused,
+    refused_schedule: Refused,
+    diagnostics: Diagnostics,
     name: String,
     quantum_m: f64,
     segments: u64,
@@ -70,13 +75,24 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
     let Loaded { simulator, info, speed, quantum_m, allow_fault_injection } =
         load::load(node.raw_parameters())?;
     let mut permits = node.subscribe(&topics::SAFETY_COMMAND)?;
+    let mut schedule = node.subscribe(&topics::SAFETY_SCHEDULE)?;
     let mut faults = if allow_fault_injection { Some(node.serve(&topics::INJECT_FAULT)?) } else { None };
     let outlets = Outlets::new(&mut node)?;
     let frames = node.raw_parameters().optional("frames")?;
     let frames = frames.map(|params| node.frames(params)).transpose()?;
-    let refused = Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name());
-    let (work, name) = (node.work(), node.name());
-    let mut shell = Shell { simulator, outlets, frames, refused, name, quantum_m, segments: 0, clocks: 0 };
+    let work = node.work();
+    let mut shell = Shell {
+        simulator,
+        outlets,
+        frames,
+        refused: Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name()),
+        refused_schedule: Refused::new(node.diagnostics(), topics::SAFETY_SCHEDULE.name()),
+        diagnostics: node.diagnostics(),
+        name: node.name(),
+        quantum_m,
+        segments: 0,
+        clocks: 0,
+    };
     node.activated().await;
     shell.outlets.info.send(info);
     if let Some(frames) = &shell.frames {
@@ -87,6 +103,7 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
         tokio::select! {
             _ = pace.tick() => {
                 shell.take_permits(&mut permits);
+                shell.take_schedule(&mut schedule);
                 shell.advance();
                 work.done();
             }
@@ -99,7 +116,17 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
 /// A permit whose stamp is of now.
 fn permit(now: Seconds, message: &ControlCommand) -> Result<Permit, Reason> {
     let permit = wire::permit_from_wire(message).map_err(|error| Reason::from(&error))?;
-    let stamp = wire::stamp_from_wire(&message.header).map_err(|error| Reason::from(&error))?;
+    of_now(now, &message.header).map(|()| permit)
+}
+
+/// A trim of a coming move whose stamp is of now.
+fn scheduled(now: Seconds, message: &MotionTrim) -> Result<Scheduled, Reason> {
+    let scheduled = wire::schedule_from_wire(message).map_err(|error| Reason::from(&error))?;
+    of_now(now, &message.header).map(|()| scheduled)
+}
+
+fn of_now(now: Seconds, header: &Header) -> Result<(), Reason> {
+    let stamp = wire::stamp_from_wire(header).map_err(|error| Reason::from(&error))?;
     let age_s = (now - stamp).0;
     if age_s > crate::PERMIT_STAMP_LIMIT.0 {
         return Err(Reason::Stale);
@@ -107,7 +134,7 @@ fn permit(now: Seconds, message: &ControlCommand) -> Result<Permit, Reason> {
     if age_s < -crate::PERMIT_STAMP_LIMIT.0 {
         return Err(Reason::OutOfRange);
     }
-    Ok(permit)
+    Ok(())
 }
 
 /// Wall time of one reading of the clock. What was missed is not made up for in a burst: the other nodes would see
@@ -136,6 +163,7 @@ impl Outlets {
             frames: node.publish_on(&topics::CAMERA_REPORT)?,
             state: node.publish_on(&topics::PRINTER_STATE)?,
             motion: node.publish_on(&topics::PRINTER_MOTION)?,
+            coming: node.publish_on(&topics::PRINTER_COMING)?,
             truth: node.publish_on(&topics::SIM_TRUTH)?,
             events: node.publish_on(&topics::EVENTS)?,
             info: node.publish_on(&topics::PRINT_INFO)?,
@@ -155,6 +183,21 @@ impl Shell {
     fn take_permit(&mut self, message: &ControlCommand) -> Result<(), Reason> {
         let permit = permit(self.simulator.now(), message)?;
         self.simulator.on_permit(permit).map_err(|_| Reason::Gate)
+    }
+
+    /// Those of the permits that have just been taken.
+    fn take_schedule(&mut self, schedule: &mut Subscription<MotionTrim>) {
+        while let Some(received) = schedule.try_recv() {
+            let taken = scheduled(self.simulator.now(), &received.message)
+                .map(|scheduled| self.simulator.on_scheduled(&scheduled));
+            match taken {
+                Ok(Ok(())) => self.diagnostics.add("scheduled", 1),
+                // Nobody's fault: the first moves after a halt begin as soon as they are known.
+                Ok(Err(Unscheduled::Late)) => self.diagnostics.add("scheduled_late", 1),
+                Ok(Err(Unscheduled::Refused(_))) => self.refused_schedule.count(Reason::Gate),
+                Err(reason) => self.refused_schedule.count(reason),
+            }
+        }
     }
 
     fn advance(&mut self) {
@@ -200,7 +243,13 @@ impl Shell {
                 let path_time_s = self.simulator.truth().path_time_s;
                 outlets.motion.send(wire::motion_to_wire(start, path_time_s, self.segments, &segment))
             }
-            Output::Coming { .. } => true,
+            Output::Coming { stamp, sequence, segment } => {
+                // Numbered as the moves that begin; nobody asks where nothing can be attached.
+                let path_time_s = self.simulator.truth().path_time_s;
+                let number = sequence.saturating_add(1);
+                !self.simulator.schedules()
+                    || outlets.coming.send(wire::motion_to_wire(stamp, path_time_s, number, &segment))
+            }
             Output::Note { stamp, text } => {
                 tracing::info!("{text}");
                 outlets.events.send(convert::note(&self.name, stamp, text))

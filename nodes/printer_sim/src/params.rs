@@ -103,6 +103,7 @@ pub struct RawSimulator {
     pub octoprint: RawLink,
     pub plan_s: f64,
     pub schedule_advance_max_s: f64,
+    pub schedule_validity_max_s: f64,
     pub pause_ramp_s: f64,
     pub homing_s: f64,
     pub reached_band_k: f64,

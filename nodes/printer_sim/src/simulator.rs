@@ -16,7 +16,7 @@ use crate::score::Score;
 use crate::sensors::{Noise, Pace, Thermometer, WidthGauge};
 use crate::toolhead::Toolhead;
 use link::Link;
-use models::command::{DeadMan, InForce, Mode, Permit, Refusal, Request, Trims};
+use models::command::{DeadMan, InForce, Mode, Permit, Refusal, Request, ScheduleGate, Trims};
 use models::motion::{MoveKind, Step};
 use models::params::ParamError;
 use models::status::JobPhase;
@@ -32,6 +32,8 @@ mod status;
 #[cfg(test)]
 pub(crate) mod tests;
 mod truth;
+
+pub use schedule::Unscheduled;
 
 /// What is to be printed.
 pub struct JobSource {
@@ -79,6 +81,7 @@ pub struct Simulator {
     imu: Option<Imu>,
     camera: Option<Box<Rig>>,
     advance_s: f64,
+    schedule_gate: ScheduleGate,
     scheduled: bool,
     link: Option<Link>,
     /// Sum of the duty since the last status of a slow host, and the number of its steps.
@@ -139,6 +142,7 @@ impl Simulator {
             }),
             camera: params.camera.enabled.then(|| Box::new(Rig::new(&params.camera, seed))),
             advance_s: host.firmware.advance_s,
+            schedule_gate: ScheduleGate::new(Seconds(host.executor.schedule_validity_max_s)),
             scheduled: false,
             link: host.firmware.effect_s.map(|effect_s| Link::new(effect_s, Noise::new(seed, 7))),
             score: Score::new(params.quality),

@@ -10,7 +10,7 @@ use rustdds::{
 };
 use std::collections::BTreeSet;
 
-/// Participants that a process bears, itself included. A graph of ours has two a process, 24 in all, and who is started
+/// Participants that a process bears, itself included. A graph of ours has up to two a process, 24 in all, and who is started
 /// again counts twice for a minute; a hundred that never answer cost about one core of a host with twelve processes.
 const MOST: usize = 100;
 
@@ -24,12 +24,12 @@ struct Known {
 
 impl Crowd {
     /// Around these participants. Nobody else may listen to what happens to them.
-    pub(crate) fn around(participants: [&DomainParticipant; 2]) -> Self {
+    pub(crate) fn around<'a>(participants: impl IntoIterator<Item = &'a DomainParticipant>) -> Self {
         let known = |participant: &DomainParticipant| Known {
             events: participant.status_listener(),
             prefixes: BTreeSet::new(),
         };
-        Self(participants.map(known).into())
+        Self(participants.into_iter().map(known).collect())
     }
 
     /// Takes in who came and went; how many there are where they are too many.

@@ -1,4 +1,7 @@
-//! Joining a domain with the two participants of a process.
+//! Joining a domain with the one or two participants of a process.
+//!
+//! Where the loopback interface carries multicast a participant hears itself. Elsewhere a second one, the echo, sends its
+//! messages back.
 //!
 //! On a `lo` without multicast RustDDS 0.15.1 announces itself to the participant numbers 0 to 11 of the host alone
 //! (`SPDP_LOCALHOST_PEER_COUNT`): two participants with higher numbers never find each other. A participant takes the
@@ -25,8 +28,9 @@ const PAUSE: Duration = Duration::from_millis(20);
 pub(crate) struct Participants {
     /// The node's.
     pub(crate) own: DomainParticipant,
-    /// The one that sends the node's own messages back.
-    pub(crate) echo: DomainParticipant,
+    /// The one that sends the node's own messages back, where it does not hear itself.
+    pub(crate) echo: Option<DomainParticipant>,
+    environment: Environment,
 }
 
 impl Participants {
@@ -41,16 +45,34 @@ impl Participants {
                 environment.domain_id
             );
         }
-        let ports: Vec<UdpSocket> = (0..ANNOUNCED)
-            .filter_map(|number| {
-                UdpSocket::bind((Ipv4Addr::UNSPECIFIED, port(environment.domain_id, number))).ok()
-            })
-            .collect();
-        let echo =
-            environment.participant().map_err(|error| RuntimeError::create("echo participant", &error))?;
-        drop(ports);
-        Ok(Self { own, echo })
+        let echo = if lo_has_multicast() { None } else { Some(echo(environment)?) };
+        Ok(Self { own, echo, environment: *environment })
     }
+
+    /// An echo for a participant that was expected to hear itself and does not.
+    pub(crate) fn add_echo(&mut self) -> Result<(), RuntimeError> {
+        let _turn = turn(self.environment.domain_id);
+        self.echo = Some(echo(&self.environment)?);
+        Ok(())
+    }
+}
+
+/// A participant above the numbers that are kept for nodes.
+fn echo(environment: &Environment) -> Result<DomainParticipant, RuntimeError> {
+    let port_of = |number| (Ipv4Addr::UNSPECIFIED, port(environment.domain_id, number));
+    let ports: Vec<UdpSocket> =
+        (0..ANNOUNCED).filter_map(|number| UdpSocket::bind(port_of(number)).ok()).collect();
+    let echo = environment.participant().map_err(|error| RuntimeError::create("echo participant", &error))?;
+    drop(ports);
+    Ok(echo)
+}
+
+/// Whether the loopback interface was told to carry multicast (`ip link set lo multicast on`).
+pub(crate) fn lo_has_multicast() -> bool {
+    const IFF_MULTICAST: u32 = 0x1000;
+    let flags = std::fs::read_to_string("/sys/class/net/lo/flags").unwrap_or_default();
+    u32::from_str_radix(flags.trim().trim_start_matches("0x"), 16)
+        .is_ok_and(|flags| flags & IFF_MULTICAST != 0)
 }
 
 /// Port of a participant's discovery: RTPS 2.5, 9.6.2.3, `PB + DG domain + d1 + PG participant`. Domains up to 232 and

@@ -88,6 +88,10 @@ pub const RELIABLE: Qos = Qos { offered: reliable(1000), requested: reliable(100
 /// that a receiver that was killed never holds up the stream to the others.
 pub const COMMAND: Qos = Qos { offered: reliable(10), requested: best_effort(10) };
 
+/// Trims of coming moves, of which many come at once where a host reads ahead. Requested best effort, as commands; one
+/// that is lost leaves its move to the trims of the permit.
+pub const SCHEDULE: Qos = Qos { offered: reliable(1000), requested: best_effort(1000) };
+
 /// States that a late joiner must know. The client replays old samples too, oldest first: keep the highest sequence.
 pub const LATCHED: Qos = Qos { offered: transient_local(1), requested: transient_local(1) };
 

@@ -1,12 +1,14 @@
 //! Messages as the bytes that came over the wire: what a bag stores.
 
 use crate::clock::Clock;
+use crate::lifecycle::Gate;
 use crate::stats::TopicStats;
 use crate::subscription::{Gid, age_of, wall_ns};
 use models::units::Seconds;
 use ros2_client::MessageInfo;
 use rustdds::RepresentationIdentifier;
 use rustdds::no_key::{Decode, DefaultDecoder, DeserializerAdapter, SimpleDataReader};
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -79,6 +81,10 @@ pub struct RawSubscription {
     type_name: String,
     clock: Clock,
     stats: Arc<TopicStats>,
+    gate: Gate,
+    latched: bool,
+    /// Newest state of each publisher of those that waited for the node to be activated.
+    held: BTreeMap<Gid, RawMessage>,
 }
 
 impl std::fmt::Debug for RawSubscription {
@@ -91,6 +97,8 @@ impl std::fmt::Debug for RawSubscription {
 pub(crate) struct RawNames {
     pub(crate) topic: String,
     pub(crate) type_name: String,
+    /// Its newest message is a state, which holds until the next.
+    pub(crate) latched: bool,
 }
 
 impl RawSubscription {
@@ -99,8 +107,10 @@ impl RawSubscription {
         names: RawNames,
         clock: Clock,
         stats: Arc<TopicStats>,
+        gate: Gate,
     ) -> Self {
-        Self { reader, topic: names.topic, type_name: names.type_name, clock, stats }
+        let RawNames { topic, type_name, latched } = names;
+        Self { reader, topic, type_name, clock, stats, gate, latched, held: BTreeMap::new() }
     }
 
     /// Name on the graph, namespace and remapping included.
@@ -138,9 +148,11 @@ impl RawSubscription {
             match self.reader.try_take_one() {
                 Ok(Some(sample)) => {
                     let info = MessageInfo::from(&sample);
-                    return Some(self.dated(&info, sample.into_value()));
+                    if let Some(message) = self.gated(&info, sample.into_value()) {
+                        return Some(message);
+                    }
                 }
-                Ok(None) => return None,
+                Ok(None) => return self.held.pop_first().map(|(_, message)| message),
                 Err(_) => self.stats.lose(),
             }
         }
@@ -158,16 +170,37 @@ impl RawSubscription {
         self.stats.lost_count()
     }
 
-    /// Dates a sample and counts it.
-    fn dated(&self, info: &MessageInfo, bytes: Bytes) -> RawMessage {
+    /// Dates a sample and counts it. What waited for the node to be activated does not count; the newest state of a
+    /// latched topic does, as of the activation.
+    fn gated(&mut self, info: &MessageInfo, bytes: Bytes) -> Option<RawMessage> {
         let arrival = info.received_timestamp();
-        let received = self.clock.at_age(age_of(arrival));
+        let age = age_of(arrival);
+        if self.gate.takes(age) {
+            let message = self.dated(info, bytes, (age, arrival.map(|time| time.to_nanos())));
+            self.held.remove(&message.publisher);
+            return Some(message);
+        }
+        if self.latched {
+            let opened = self.gate.open_for().unwrap_or_default();
+            let message = self.dated(info, bytes, (opened, None));
+            self.held.insert(message.publisher, message);
+        }
+        None
+    }
+
+    fn dated(
+        &self,
+        info: &MessageInfo,
+        bytes: Bytes,
+        (age, arrival_ns): (Seconds, Option<i64>),
+    ) -> RawMessage {
+        let received = self.clock.at_age(age);
         self.stats.received(received);
         RawMessage {
             payload: bytes.0,
             sent_ns: info.source_timestamp().map(|time| time.to_nanos()),
             received,
-            received_ns: arrival.map_or_else(wall_ns, |time| time.to_nanos()),
+            received_ns: arrival_ns.unwrap_or_else(wall_ns),
             sequence: info.sequence_number(),
             publisher: Gid(info.publisher_gid().to_bytes16()),
         }

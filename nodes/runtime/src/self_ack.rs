@@ -7,7 +7,7 @@
 //! own port. How many announcements there are is not told, so each number up to [`MOST`] is acknowledged: RustDDS takes
 //! the one that is right and ignores those beyond what it has sent. Where multicast works nothing is sent.
 
-use crate::participants::port;
+use crate::participants::{lo_has_multicast, port};
 use rustdds::{DomainParticipant, RTPSEntity};
 use std::net::{Ipv4Addr, UdpSocket};
 
@@ -72,14 +72,6 @@ impl SelfAck {
         }
         bytes
     }
-}
-
-/// Whether the loopback interface was told to carry multicast (`ip link set lo multicast on`).
-fn lo_has_multicast() -> bool {
-    const IFF_MULTICAST: u32 = 0x1000;
-    let flags = std::fs::read_to_string("/sys/class/net/lo/flags").unwrap_or_default();
-    u32::from_str_radix(flags.trim().trim_start_matches("0x"), 16)
-        .is_ok_and(|flags| flags & IFF_MULTICAST != 0)
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@ use fdm_loop_msgs::{
     AdvancePrediction, BeadWidth, CameraInfo, ChangeState, Clock, CompressedImage, ControlCommand,
     DefectReport, Definition, DescribeParameters, DiagnosticArray, FilamentMotion, FilamentReport,
     GetAvailableStates, GetAvailableTransitions, GetParameterTypes, GetParameters, GetState, Heartbeat, Imu,
-    ImuBatch, InjectFault, LayerHeight, LayerQuality, ListParameters, Log, MotionSegment, ParameterEvent,
-    PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode, SetParameters,
+    ImuBatch, InjectFault, LayerHeight, LayerQuality, ListParameters, Log, MotionSegment, MotionTrim,
+    ParameterEvent, PrintEvent, PrintInfo, PrinterState, RosType, SafetyState, SetMode, SetParameters,
     SetParametersAtomically, SimTruth, SimWire, StateEstimate, TFMessage, Temperature, TemperatureReport,
     TransitionEvent, Trigger,
 };
@@ -100,8 +100,10 @@ pub const CAMERA_INFO: Topic<CameraInfo> = Topic::new("sensors/camera/camera_inf
 pub const LAYER_HEIGHT: Topic<LayerHeight> = Topic::new("sensors/layer/height", qos::SENSOR);
 /// Printer and job.
 pub const PRINTER_STATE: Topic<PrinterState> = Topic::new("printer/state", qos::SENSOR);
-/// Planned moves.
+/// Moves that begin.
 pub const PRINTER_MOTION: Topic<MotionSegment> = Topic::new("printer/motion", qos::RELIABLE);
+/// Moves that a host which attaches trims to them has read, before they begin.
+pub const PRINTER_COMING: Topic<MotionSegment> = Topic::new("printer/coming", qos::RELIABLE);
 /// Raw temperatures of the firmware.
 pub const TEMPERATURE_REPORT: Topic<TemperatureReport> =
     Topic::new("printer/report/temperature", qos::SENSOR);
@@ -125,8 +127,12 @@ pub const ADVANCE_PREDICTION: Topic<AdvancePrediction> = Topic::new("advance/pre
 pub const ESTIMATE: Topic<StateEstimate> = Topic::new("estimate/state", qos::RELIABLE);
 /// The controller's wish.
 pub const CONTROL_COMMAND: Topic<ControlCommand> = Topic::new("control/command", qos::COMMAND);
+/// What the controller wishes for coming moves.
+pub const CONTROL_SCHEDULE: Topic<MotionTrim> = Topic::new("control/schedule", qos::SCHEDULE);
 /// The supervisor's permit.
 pub const SAFETY_COMMAND: Topic<ControlCommand> = Topic::new("safety/command", qos::COMMAND);
+/// What the supervisor lets through for coming moves.
+pub const SAFETY_SCHEDULE: Topic<MotionTrim> = Topic::new("safety/schedule", qos::SCHEDULE);
 /// The supervisor's state.
 pub const SAFETY_STATE: Topic<SafetyState> = Topic::new("safety/state", qos::LATCHED);
 /// Decisions and changes of all nodes.
@@ -169,6 +175,7 @@ pub const ALL: &[TopicInfo] = &[
     FILAMENT_MOTION.info(),
     PRINTER_STATE.info(),
     PRINTER_MOTION.info(),
+    PRINTER_COMING.info(),
     TEMPERATURE_REPORT.info(),
     FILAMENT_REPORT.info(),
     IMU_REPORT.info(),
@@ -185,7 +192,9 @@ pub const ALL: &[TopicInfo] = &[
     ADVANCE_PREDICTION.info(),
     ESTIMATE.info(),
     CONTROL_COMMAND.info(),
+    CONTROL_SCHEDULE.info(),
     SAFETY_COMMAND.info(),
+    SAFETY_SCHEDULE.info(),
     SAFETY_STATE.info(),
     EVENTS.info(),
     PRINT_INFO.info(),

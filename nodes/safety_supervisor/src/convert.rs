@@ -1,10 +1,10 @@
 //! Between messages and the brain's types.
 
 use fdm_loop_msgs::{
-    ControlCommand, DefectReport, FilamentMotion, Header, ImuBatch, PrintEvent, PrinterState,
+    ControlCommand, DefectReport, FilamentMotion, Header, ImuBatch, MotionTrim, PrintEvent, PrinterState,
     SafetyState as StateMessage, StateEstimate, Temperature,
 };
-use models::command::Mode;
+use models::command::{Mode, Scheduled};
 use models::units::Seconds;
 use runtime::wire::{self, WireError};
 
@@ -35,6 +35,11 @@ pub fn command(message: &ControlCommand) -> Result<(Seconds, [Event; 2]), WireEr
     let health = wire::control_health_from_wire(message)?;
     let wish = Event::Command(wire::command_from_wire(message)?);
     Ok((wire::stamp_from_wire(&message.header)?, [Event::ControlHealth(health), wish]))
+}
+
+/// A trim of a coming move.
+pub fn scheduled(message: &MotionTrim) -> Result<(Seconds, Scheduled), WireError> {
+    Ok((wire::stamp_from_wire(&message.header)?, wire::schedule_from_wire(message)?))
 }
 
 /// Of an estimate the supervisor takes that there is one, and its health; a broken one is none.

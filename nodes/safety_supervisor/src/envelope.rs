@@ -81,6 +81,17 @@ impl Envelope {
         self.gate.in_force(now).map(|command| command.trims)
     }
 
+    /// Session of the command in force.
+    #[must_use]
+    pub fn session(&self, now: Seconds) -> Option<u64> {
+        self.gate.in_force(now).map(|command| command.session)
+    }
+
+    /// Something else than a command of the same publisher was outside.
+    pub fn note_outside(&mut self, now: Seconds) {
+        self.outside.note(now);
+    }
+
     /// Whether too many commands were outside within the span.
     #[must_use]
     pub fn is_outside(&self, now: Seconds) -> bool {

@@ -246,6 +246,12 @@ pub struct SafetyState {
     pub refused_commands: u64,
     /// Commands so far that lay outside of their limits.
     pub clamped_commands: u64,
+    /// Trims of coming moves so far: sent on.
+    pub scheduled: u64,
+    /// Trims of coming moves so far: refused.
+    pub refused_schedule: u64,
+    /// Trims of coming moves so far: outside of their limits.
+    pub clamped_schedule: u64,
     /// Impulses at the tool so far.
     pub impulses: u64,
     /// Power balance of the hot end `[W]`, positive for heat that nobody ordered.

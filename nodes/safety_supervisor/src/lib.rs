@@ -3,6 +3,11 @@
 //! Of `models` it uses commands, units, parameter checks and job phases alone: no estimator, no controller, no
 //! plant model, so that an error there is not repeated here. Its own checks carry their own constants.
 //!
+//! While it is active none of its parameters may change, not even to the tighter side. The limits were tested as a set
+//! (`faults.md`), a check compares what it has seen over minutes with them, and a tighter one may end a sound print at
+//! once. Who changes one deactivates the supervisor first: its last permit carries the slicer's own values, the printer's
+//! dead-man stands in, and the checks start anew with limits that were checked as a whole.
+//!
 //! ```text
 //!  INIT -> OBSERVE (default) -> ADVISE | ACT        as set by a person
 //!             any of them    -> DEGRADED            a cause holds: trims ramp to neutral, the print goes on
@@ -18,6 +23,7 @@
 //! | [`cause`] | why it acted, and what a person should do |
 //! | [`checks`] | one fault, one file |
 //! | [`envelope`] | commands: session, order, age, range, slew |
+//! | [`schedule`] | trims of coming moves: the same for what is attached to a move |
 //! | [`attention`] | soft and hard states of the fused confidence |
 //! | [`params`] | every number |
 
@@ -35,6 +41,7 @@ pub mod modes;
 #[cfg(feature = "ros")]
 pub mod node;
 pub mod params;
+pub mod schedule;
 pub mod supervisor;
 
 pub use cause::{Cause, Reaction};

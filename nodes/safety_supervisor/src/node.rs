@@ -13,7 +13,7 @@ use runtime::{Node, RuntimeError, topics};
 use crate::event::{Event, Output};
 use crate::params::Params;
 use crate::supervisor::Supervisor;
-use inlets::Inlets;
+use inlets::{Heard, Inlets};
 use latch_file::LatchFile;
 use operators::Operators;
 use outlets::{Outlets, Totals};
@@ -60,9 +60,8 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 }
                 operators.answer(&ask, output.as_ref());
             }
-            event = inlets.next() => {
-                // Only ticks and requests yield an output.
-                _ = shell.take(clock.now(), event);
+            heard = inlets.next() => {
+                shell.hear(clock.now(), heard);
                 // Where messages never end the timers of the executor would not get their turn.
                 tokio::task::yield_now().await;
             }
@@ -87,6 +86,18 @@ struct Shell {
 impl Shell {
     fn take(&mut self, now: Seconds, event: Event) -> Option<Output> {
         self.supervisor.on_event(now, event)
+    }
+
+    fn hear(&mut self, now: Seconds, heard: Heard) {
+        match heard {
+            // Only ticks and requests yield an output.
+            Heard::Event(event) => _ = self.take(now, event),
+            Heard::Scheduled(scheduled) => {
+                if let Some(allowed) = self.supervisor.on_scheduled(now, scheduled) {
+                    self.outlets.schedule(now, &allowed);
+                }
+            }
+        }
     }
 
     async fn publish(&mut self, now: Seconds, output: &Output, totals: Totals) {

@@ -9,6 +9,7 @@ mod vision;
 
 use models::command::{Limits, Mode};
 use models::params::{ParamError, in_range};
+use models::units::Seconds;
 use serde::Deserialize;
 
 pub use oscillation::{OscillationParams, RawOscillationParams};
@@ -58,6 +59,31 @@ pub struct EnvelopeParams {
     pub rival_hold_s: f64,
     /// Commands outside that degrade.
     pub outside: BurstParams,
+    /// Trims of coming moves.
+    pub schedule: ScheduleParams,
+}
+
+/// K6, C8: trims of coming moves.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScheduleParams {
+    /// Longest validity that is accepted `[s]`.
+    pub validity_max_s: f64,
+    /// Feed of the filament at which the limit of the advance is taken `[m/s]`.
+    pub feed_m_s: f64,
+}
+
+impl ScheduleParams {
+    /// Longest validity that is accepted.
+    #[must_use]
+    pub fn validity_max(&self) -> Seconds {
+        Seconds(self.validity_max_s)
+    }
+
+    fn check(&self) -> Result<(), ParamError> {
+        in_range("envelope.schedule.validity_max_s", self.validity_max_s, "s", (0.05, 60.0))?;
+        in_range("envelope.schedule.feed_m_s", self.feed_m_s, "m/s", (1e-5, 0.1)).map(drop)
+    }
 }
 
 /// S7: one block a stream.
@@ -168,6 +194,7 @@ impl TryFrom<RawParams> for Params {
         in_range("permit_validity_s", raw.permit_validity_s, "s", (0.05, 0.25))?;
         in_range("envelope.period_s", raw.envelope.period_s, "s", (0.01, 2.0))?;
         in_range("envelope.rival_hold_s", raw.envelope.rival_hold_s, "s", (0.1, 60.0))?;
+        raw.envelope.schedule.check()?;
         raw.hotend_step.check()?;
         raw.noise.check()?;
         raw.drift.check()?;

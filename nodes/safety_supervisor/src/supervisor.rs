@@ -4,6 +4,7 @@ mod brains;
 mod observe;
 mod operate;
 mod parts;
+mod schedule;
 mod thermal;
 
 use models::command::{Limits, Mode, Permit, Trims};
@@ -15,6 +16,7 @@ use crate::envelope::{Envelope, Verdict};
 use crate::event::{Decision, Event, Output, PrinterReport, SafetyState, Stream, What};
 use crate::modes::{Latch, Modes};
 use crate::params::Params;
+use crate::schedule::Schedule;
 use brains::Brains;
 use parts::{Ages, Checks};
 
@@ -30,6 +32,9 @@ pub struct Supervisor {
     checks: Checks,
     brains: Brains,
     envelope: Envelope,
+    schedule: Schedule,
+    /// Trims of coming moves sent on so far.
+    scheduled: u64,
     hotend: Option<Celsius>,
     printer: Option<PrinterReport>,
     printer_failed: bool,
@@ -59,6 +64,8 @@ impl Supervisor {
             checks: Checks::new(&params),
             brains: Brains::default(),
             envelope: Envelope::new(params.envelope, params.limits),
+            schedule: Schedule::new(params.envelope.schedule, params.limits),
+            scheduled: 0,
             hotend: None,
             printer: None,
             printer_failed: false,
@@ -249,6 +256,9 @@ impl Supervisor {
                 refused_values: self.checks.bad_values.total(),
                 refused_commands: self.envelope.refused(),
                 clamped_commands: self.envelope.clamped(),
+                scheduled: self.scheduled,
+                refused_schedule: self.schedule.refused(),
+                clamped_schedule: self.schedule.clamped(),
                 impulses: self.checks.impulse.total(),
                 hotend_excess_w: self.checks.heater.excess_w(),
                 bed_excess_w: self.checks.bed_heater.excess_w(),

@@ -90,7 +90,8 @@ impl Record {
         }
     }
 
-    pub(crate) fn note(&mut self, update: &Update<1>) -> Verdict {
+    /// Takes an innovation whose variance has a part that a passing transient adds.
+    pub(crate) fn note(&mut self, update: &Update<1>, passing: f64) -> Verdict {
         let (innovation, sound) = match update {
             Update::Applied(innovation) => (innovation, Verdict::Consistent),
             Update::Rejected(innovation) => (innovation, Verdict::Rejected),
@@ -104,7 +105,8 @@ impl Record {
             self.against = self.against.saturating_sub(1);
         }
 
-        let normalised = innovation.residual.x / innovation.covariance.x.sqrt();
+        // whether a state has stepped is judged as if nothing passed
+        let normalised = innovation.residual.x / (innovation.covariance.x - passing).sqrt();
         self.count += 1;
         self.sum_nis += innovation.nis;
         self.nis = Some(innovation.nis);
@@ -123,6 +125,11 @@ impl Record {
         } else {
             sound
         }
+    }
+
+    /// Innovations before now say nothing of what begins.
+    pub(crate) fn begin(&mut self) {
+        self.recent.clear();
     }
 
     /// The filter starts anew: what spoke against it is over.

@@ -129,6 +129,12 @@ impl Estimator {
         &self.refusals
     }
 
+    /// Other noises of model and sensors from now on. What is known, and how well, stays.
+    pub fn retune(&mut self, params: Params) {
+        self.params = params;
+        self.filter.retune(params);
+    }
+
     /// Takes one event in; a tick yields an estimate once a status and a temperature are known.
     pub fn on_event(&mut self, event: Event) -> Option<Estimate> {
         match event {

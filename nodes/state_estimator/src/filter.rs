@@ -1,17 +1,17 @@
 //! One cycle of the filter: predict to the newest status, then apply what was measured (model book 1.5).
 
 use crate::adaptation::NoiseScale;
-use crate::channel::{CHANNELS, Channel, Record, Verdict};
+use crate::channel::{CHANNELS, Channel, Record};
 use crate::engine::Engine;
 use crate::estimator::Inbox;
 use crate::health::Watch;
 use crate::history::Ring;
-use crate::measurement::{self, Observation};
 use crate::params::Params;
 use crate::printer_model::{Drive, PrinterModel, State, state};
 use crate::ukf::{Gaussian, Health, Spread};
 use models::command::EstimateHealth;
 use models::status::PrinterStatus;
+use models::transient::Transient;
 use models::units::Kelvin;
 use nalgebra::SMatrix;
 
@@ -42,6 +42,8 @@ struct Running {
     drive: Drive,
     flows: Ring<(f64, f64)>,
     imbalance_m_s: f64,
+    /// A width that was rejected although the encoder vouches for the flow `[m]`.
+    transient: Transient,
     encoder_used: Option<(f64, f64)>,
 }
 
@@ -166,6 +168,7 @@ impl Filter {
             drive: self.drive(status, 0.0),
             flows: Ring::new(FLOWS),
             imbalance_m_s: flow_std_m_s,
+            transient: Transient::default(),
             encoder_used: None,
         }
     }
@@ -215,74 +218,6 @@ impl Filter {
         }
     }
 
-    /// Applies what was measured; `false` if the filter broke.
-    fn correct(&mut self, run: &mut Running, inbox: &mut Inbox, records: &mut [Record; CHANNELS]) -> bool {
-        let mut observations: [Option<(Channel, Observation)>; 2] = [None, None];
-        if let Some(temperature) = inbox.temperature.take() {
-            observations[0] = Some((Channel::Thermistor, measurement::thermistor(&self.params, temperature)));
-        }
-        let encoder =
-            measurement::encoder(&self.params, self.reference_feed_m_s, inbox, &mut run.encoder_used);
-        observations[1] = encoder.map(|observation| (Channel::Encoder, observation));
-        for (channel, observation) in observations.into_iter().flatten() {
-            if !self.apply(run, channel, &observation, &mut records[channel as usize]) {
-                return false;
-            }
-        }
-        for frame in inbox.frames.iter() {
-            let past = measurement::Past {
-                flows: &run.flows,
-                flow_m_s: run.ukf.belief().mean[state::FLOW],
-                at_s: run.at_s,
-                imbalance: run.imbalance_m_s / self.reference_feed_m_s,
-            };
-            let scale = self.width_noise.scale();
-            let Some(observation) = measurement::width(&self.params, scale, frame, &inbox.samples, &past)
-            else {
-                continue;
-            };
-            if !self.apply(run, Channel::Width, &observation, &mut records[Channel::Width as usize]) {
-                return false;
-            }
-        }
-        inbox.frames.clear();
-        true
-    }
-
-    fn apply(
-        &mut self,
-        run: &mut Running,
-        channel: Channel,
-        observation: &Observation,
-        record: &mut Record,
-    ) -> bool {
-        let model = self.model;
-        let update = run.ukf.update(&observation.measurement(record.gate(run.encoder_alive)), |x| {
-            observation.predicted(&model, x)
-        });
-        record.used_s = Some(run.at_s);
-        let verdict = record.note(&update);
-        self.learn(channel, verdict, record.nis);
-        match verdict {
-            Verdict::Consistent | Verdict::Rejected => true,
-            Verdict::Diverged => false,
-            Verdict::Stepped => {
-                self.steps += 1;
-                run.ukf.inflate(&self.doubt(channel));
-                true
-            }
-        }
-    }
-
-    /// Noise is learnt from what passed the gate; a step is none.
-    fn learn(&mut self, channel: Channel, verdict: Verdict, nis: Option<f64>) {
-        match (channel, verdict, nis) {
-            (Channel::Width, Verdict::Consistent, Some(nis)) => self.width_noise.on_accepted(nis),
-            (Channel::Width, Verdict::Stepped | Verdict::Diverged, _) => self.width_noise.forget(),
-            _ => {}
-        }
-    }
-
     fn plausible(&self, x: &State) -> bool {
         let bounds = &self.params.bounds;
         let warm = |index: usize| (bounds.temperature_low_k..=bounds.temperature_high_k).contains(&x[index]);
@@ -295,5 +230,6 @@ impl Filter {
     }
 }
 
+mod correct;
 mod noise;
 use noise::variances;

@@ -25,6 +25,7 @@ mod filter;
 mod health;
 mod history;
 mod input;
+pub mod live;
 mod measurement;
 #[cfg(feature = "ros")]
 pub mod node;

@@ -13,6 +13,8 @@ use nalgebra::{Matrix1, Vector1};
 pub(crate) struct Observation {
     value: f64,
     variance: f64,
+    /// Part of the variance that is of a transient.
+    passing: f64,
     sensor: Sensor,
 }
 
@@ -35,6 +37,16 @@ impl Observation {
         Measurement { value: Vector1::new(self.value), noise: Matrix1::new(self.variance), gate }
     }
 
+    /// Variance that a passing transient adds; 0 without one.
+    pub(crate) fn passing(&self) -> f64 {
+        self.passing
+    }
+
+    /// Whether the noise of the sensor is the larger part of the variance.
+    pub(crate) fn is_of_noise(&self) -> bool {
+        self.passing < 0.5 * self.variance
+    }
+
     pub(crate) fn predicted(&self, model: &PrinterModel, x: &State) -> Vector1<f64> {
         Vector1::new(match self.sensor {
             Sensor::Thermistor => x[state::SENSOR],
@@ -48,7 +60,12 @@ impl Observation {
 
 pub(crate) fn thermistor(params: &Params, temperature: Kelvin) -> Observation {
     let sigma_k = params.thermistor.sigma_k;
-    Observation { value: temperature.0, variance: sigma_k * sigma_k, sensor: Sensor::Thermistor }
+    Observation {
+        value: temperature.0,
+        variance: sigma_k * sigma_k,
+        passing: 0.0,
+        sensor: Sensor::Thermistor,
+    }
 }
 
 /// Mean speed over the interval from the last used position to the newest that a status covers.
@@ -92,6 +109,7 @@ pub(crate) fn encoder(
     Some(Observation {
         value: (end.1 - start.1) / span_s,
         variance,
+        passing: 0.0,
         sensor: Sensor::Encoder { motor_speed_m_s },
     })
 }
@@ -103,6 +121,8 @@ pub(crate) struct Past<'a> {
     pub(crate) at_s: f64,
     /// Recent distance of flow and feed, relative to the reference feed.
     pub(crate) imbalance: f64,
+    /// Rest of a dip that passes by itself `[m]`.
+    pub(crate) transient_m: f64,
 }
 
 /// Width at the time of exposure, with the difference of the flow then and now from the filter's own history; its
@@ -124,11 +144,13 @@ pub(crate) fn width(
     }
     let then_m_s =
         if frame.exposed_s >= past.at_s { past.flow_m_s } else { past.flows.value_at(frame.exposed_s)? };
-    let transient_m = sensor.imbalance * past.imbalance * frame.width_m;
+    let unbalanced_m = sensor.imbalance * past.imbalance * frame.width_m;
     let sigma_m = frame.sigma_m.max(sensor.sigma_min_m);
+    let passing = past.transient_m.powi(2);
     Some(Observation {
         value: frame.width_m,
-        variance: scale * (sigma_m * sigma_m + transient_m * transient_m),
+        variance: scale * (sigma_m * sigma_m + unbalanced_m * unbalanced_m) + passing,
+        passing,
         sensor: Sensor::Width {
             road: Road { path_speed_m_s, height_m },
             flow_change_m_s: then_m_s - past.flow_m_s,

@@ -9,6 +9,7 @@ use crate::channel::Channel;
 use crate::convert;
 use crate::estimator::{Estimate, Estimator};
 use crate::input::{Event, Refusals};
+use crate::live::LIVE;
 use crate::params::Params;
 
 /// Runs the node to its end.
@@ -16,7 +17,7 @@ use crate::params::Params;
 /// # Errors
 /// [`RuntimeError`] where it cannot start.
 pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
-    let setup = Setup::read(&node)?;
+    let mut setup = Setup::read(&node)?;
     let params = setup.params;
     let mut hotend = node.inlet(&topics::HOTEND_TEMPERATURE, Seconds(params.thermistor.trust.age_limit_s))?;
     let mut encoder = node.inlet(&topics::FILAMENT_MOTION, Seconds(params.encoder.trust.age_limit_s))?;
@@ -26,6 +27,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut ticks = node.timer(Seconds(params.period_s));
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut estimator, mut jumps) = (setup.estimator(), clock.jumps_back());
+    let mut live = node.live_parameters(&LIVE);
     node.activated().await;
     loop {
         tokio::select! {
@@ -55,6 +57,10 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 }
                 diagnostics.set("refused_ticks", estimator.refusals().tick.disordered);
                 work.done();
+            }
+            changed = live.next() => {
+                setup = Setup::of(&changed)?;
+                estimator.retune(setup.params);
             }
             () = node.shutdown() => return Ok(()),
         }

@@ -46,6 +46,7 @@ pub(crate) fn run() {
         mirror.reflect(&topics::CAMERA_INFO);
         mirror.reflect(&topics::CAMERA_IMAGE);
         mirror.reflect(&topics::CONTROL_COMMAND);
+        mirror.reflect(&topics::CONTROL_SCHEDULE);
         mirror.reflect(&topics::DEFECTS);
         mirror.reflect(&topics::FILAMENT_MOTION);
         mirror.reflect(&topics::FILAMENT_REPORT);

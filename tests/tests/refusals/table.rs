@@ -2,7 +2,8 @@
 
 use fdm_loop_msgs::{
     AdvancePrediction, BeadWidth, CompressedImage, ControlCommand, DefectReport, FilamentMotion,
-    FilamentReport, Header, ImuBatch, PrinterState, RosType, StateEstimate, Temperature, TemperatureReport,
+    FilamentReport, Header, ImuBatch, MotionSegment, MotionTrim, PrinterState, RosType, StateEstimate,
+    Temperature, TemperatureReport,
 };
 use runtime::topics::{self, Topic};
 use runtime::{Node, wire};
@@ -131,6 +132,32 @@ fn defects() -> Sample<DefectReport> {
     }
 }
 
+/// A trim of a coming move: it counts beside commands of its publisher only, so a sound one is a stranger's.
+fn schedule() -> Sample<MotionTrim> {
+    Sample {
+        sound: MotionTrim {
+            validity_s: 1.0,
+            segment: 1,
+            flow_factor: 1.0,
+            speed_factor: 1.0,
+            advance_index: 0.4,
+            ..MotionTrim::default()
+        },
+        header: |message| &mut message.header,
+        set: |message, value| message.flow_factor = value,
+        out_of_range: 11.0,
+    }
+}
+
+fn coming() -> Sample<MotionSegment> {
+    Sample {
+        sound: MotionSegment { sequence: 1, ..MotionSegment::default() },
+        header: |message| &mut message.header,
+        set: |message, value| message.length_m = value,
+        out_of_range: 101.0,
+    }
+}
+
 fn temperature() -> Sample<Temperature> {
     Sample {
         sound: Temperature { temperature: 210.0, ..Temperature::default() },
@@ -236,6 +263,8 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         entry(node, &topics::PRINTER_STATE, printer()),
         entry(node, &topics::BEAD_WIDTH, width),
         entry(node, &topics::CONTROL_COMMAND, command),
+        entry(node, &topics::CONTROL_SCHEDULE, schedule()),
+        entry(node, &topics::PRINTER_COMING, coming()),
         entry(node, &topics::ESTIMATE, state),
         entry(node, &topics::IMU_REPORT, accelerations()),
         entry(node, &topics::IMU_BATCH, accelerations()),

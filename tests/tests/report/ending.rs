@@ -180,8 +180,12 @@ fn a_page_never_replaces_what_it_is_made_of() {
     std::fs::write(folder.join("counts.json"), "{}").unwrap();
     let before = std::fs::read(&file).unwrap();
     let refused = |bag: &Path, out: &Path| {
-        let args =
-            cli::report::ReportArgs { bag: bag.to_owned(), out: Some(out.to_owned()), namespace: None };
+        let args = cli::report::ReportArgs {
+            bag: bag.to_owned(),
+            out: Some(out.to_owned()),
+            namespace: None,
+            against: None,
+        };
         cli::report::run(&args).is_err()
     };
     for out in [&file, &folder.join("counts.json"), &folder.join("new.html")] {

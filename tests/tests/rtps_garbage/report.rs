@@ -54,7 +54,7 @@ pub(crate) fn failures(storms: &[Storm]) -> Vec<String> {
         let mut fails = |what: String| failures.push(format!("{}: {what}", storm.kind.name));
         let limit_s = if storm.kind.name == "participants" { WHOLE_OF_A_CROWD_S } else { WHOLE_S };
         if storm.whole_s.is_none_or(|whole_s| whole_s > limit_s) {
-            fails(format!("whole after {:?} s, limit {limit_s} s", storm.whole_s));
+            fails(format!("whole after {:?} s, limit {limit_s} s: {}", storm.whole_s, storm.lacking));
         }
         if storm.judged.oldest_s > NEUTRAL_S + OBSERVED_S + ON_THE_WAY_S {
             fails(format!("a correction {:.3} s after its permit", storm.judged.oldest_s));

@@ -63,6 +63,8 @@ pub(crate) struct Storm {
     pub(crate) peaks: BTreeMap<String, u64>,
     /// From the last datagram until all is whole for good.
     pub(crate) whole_s: Option<f64>,
+    /// What was not as it should be when it was looked at last.
+    pub(crate) lacking: String,
     /// Paused or switched off: S7, where a stream was away for too long.
     pub(crate) tripped: Option<u8>,
     /// First and last state of the storm and what followed it, on the graph's clock.
@@ -95,6 +97,7 @@ impl Storm {
             deaths: BTreeMap::new(),
             peaks: BTreeMap::new(),
             whole_s: None,
+            lacking: String::new(),
             tripped: None,
             span_s: (record.newest_s(), 0.0),
             judged: Judged::default(),
@@ -128,6 +131,11 @@ impl Storm {
             if look.mode >= SafetyState::MODE_PAUSED && look.all_heard(now) && (now - asked).0 > LASTS_S {
                 asked = now;
                 println!("  a person is asked for: {}", observer.ask(look.mode).await);
+            }
+            let lacking = look.lacking(now);
+            if lacking != storm.lacking {
+                println!("  {:.2} s after the last: {lacking}", (now - ended).0);
+                storm.lacking = lacking;
             }
             storm.whole_s = look.whole_since(now).map(|since| (since - ended).0);
             if storm.whole_s.is_some() || (now - ended).0 > PATIENCE_S {
@@ -187,8 +195,17 @@ impl Storm {
 }
 
 impl Look {
+    fn is_heard(&self, node: &str, now: Seconds) -> bool {
+        self.hearts.get(node).is_some_and(|heard| (now - *heard).0 < HEARD_S)
+    }
+
     fn all_heard(&self, now: Seconds) -> bool {
-        NODES.iter().all(|node| self.hearts.get(*node).is_some_and(|heard| (now - *heard).0 < HEARD_S))
+        NODES.iter().all(|node| self.is_heard(node, now))
+    }
+
+    fn lacking(&self, now: Seconds) -> String {
+        let mute: Vec<&str> = NODES.into_iter().filter(|node| !self.is_heard(node, now)).collect();
+        format!("mode {}, corrected {}, printing {}, mute {mute:?}", self.mode, self.corrected, self.printing)
     }
 
     /// Since when all is whole, where that lasts. A job that was given up has no corrections to come back.

@@ -134,6 +134,7 @@ impl Pen {
                 self.settings.tally.paused.store(false, Ordering::Relaxed);
             }
             Wish::Split => self.split()?,
+            Wish::SplitBy(split) => self.settings.split = split,
             Wish::Snapshot | Wish::Keep if self.is_paused() => self.snapshot()?,
             Wish::Snapshot => {
                 self.keep(self.number)?;

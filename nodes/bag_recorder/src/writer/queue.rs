@@ -1,5 +1,6 @@
 //! What waits for the writer.
 
+use crate::params::Split;
 use models::units::Seconds;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -27,6 +28,8 @@ pub enum Wish {
     Split,
     /// Write what is kept in memory to a file of its own; where everything is written, keep that file.
     Snapshot,
+    /// End files by other limits from now on.
+    SplitBy(Split),
     /// Keep the file that is being written and the one before it; a snapshot where nothing is written.
     Keep,
 }

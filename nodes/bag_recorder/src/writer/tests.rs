@@ -53,6 +53,20 @@ fn wish(recorder: &Recorder, wish: Wish) {
     assert!(recorder.queue().offer(Item::Wish(wish)));
 }
 
+/// What may change while the node is active: the files that follow end by it, and nothing is lost.
+#[test]
+fn a_bag_is_split_by_other_limits_once_they_are_asked_for() {
+    let folder = scratch("other_limits");
+    let (recorder, tally) = start(&folder.0, |_| {});
+    send(&recorder, 10, 60);
+    wish(&recorder, Wish::SplitBy(Split { span_ns: Some(2_000_000_000), bytes: None }));
+    send(&recorder, 16, 30);
+    recorder.finish().unwrap();
+    // The first file is over at once; then 20 messages are 2 s.
+    assert_eq!(files(&folder.0), [(0, 60), (1, 20), (2, 10)]);
+    assert_eq!((tally.written(), tally.dropped()), (90, 0));
+}
+
 /// Number and messages of each finished file; all are indexed where the recorder had time.
 fn files(path: &Path) -> Vec<(u32, u64)> {
     let folder = Folder::open(path, "bag", Arc::new(Tally::new(0))).unwrap();

@@ -14,6 +14,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tokio::time::{Instant, sleep_until};
 
+mod roles;
+
+use roles::{INPUTS, OBEYED};
+
 /// Publishes the messages of a bag on its topics.
 #[derive(Debug, Args)]
 pub struct PlayArgs {
@@ -48,19 +52,6 @@ pub struct PlayArgs {
     json: Option<PathBuf>,
 }
 
-/// What a printer obeys.
-const OBEYED: [&str; 2] = [topics::SAFETY_COMMAND.name(), topics::CONTROL_COMMAND.name()];
-/// What printer and sensors say, and what is known of the print.
-const INPUTS: [&str; 8] = [
-    "sensors/",
-    "printer/state",
-    "printer/motion",
-    "printer/report/",
-    "sim/truth/",
-    "print/info",
-    "tf_static",
-    "tf",
-];
 /// Simulated time between two readings of /clock `[ns]`.
 const CLOCK_NS: u64 = 10_000_000;
 /// Depth of a topic whose quality of service the bag does not say.

@@ -24,6 +24,9 @@ use std::path::{Path, PathBuf};
 pub struct ReportArgs {
     /// Folder of the bag, or one .mcap or .mcap.active file.
     pub bag: PathBuf,
+    /// Another print to draw beside it, as with corrections off: width error, flow, slip, temperature, trims.
+    #[arg(long)]
+    pub against: Option<PathBuf>,
     /// File of the page; `<bag>.html` beside the bag by default.
     #[arg(long)]
     pub out: Option<PathBuf>,
@@ -39,7 +42,10 @@ pub struct ReportArgs {
 pub fn run(args: &ReportArgs) -> anyhow::Result<()> {
     let path = args.out.clone().unwrap_or_else(|| beside(&args.bag));
     check_out(&path, &args.bag)?;
-    let text = page(&args.bag, args.namespace.as_deref())?;
+    if let Some(other) = &args.against {
+        check_out(&path, other)?;
+    }
+    let text = page_against(&args.bag, args.namespace.as_deref(), args.against.as_deref())?;
     std::fs::write(&path, &text).with_context(|| path.display().to_string())?;
     output::line(&format!("{} ({})", path.display(), view::words::bytes(text.len() as u64)))
 }
@@ -59,36 +65,65 @@ fn check_out(out: &Path, bag: &Path) -> anyhow::Result<()> {
 /// # Errors
 /// What is no bag, cannot be read at all, or holds nothing of the namespace.
 pub fn page(path: &Path, namespace: Option<&str>) -> anyhow::Result<String> {
-    let bag = Bag::find(path)?;
-    let namespace = namespace.map(|name| name.trim_end_matches('/').to_owned());
-    let mut record = Record { namespace: namespace.clone(), ..Record::default() };
-    let (mut torn, mut strangers) = (Vec::new(), 0);
-    for file in &bag.files {
-        let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        match scan(file, &mut record)? {
-            Ended::Whole(Sum::Fits) => record.tally.sums_fit += 1,
-            Ended::Whole(Sum::Absent) => {}
-            Ended::Torn(how) => torn.push(format!("{name} {how}")),
-            Ended::NoBag => {
-                torn.push(format!("{name} does not begin as a file of a bag does"));
-                strangers += 1;
+    page_against(path, namespace, None)
+}
+
+/// The same with another print on the same axes.
+///
+/// # Errors
+/// As [`page`], of either bag; another bag out of which no message can be read.
+pub fn page_against(path: &Path, namespace: Option<&str>, other: Option<&Path>) -> anyhow::Result<String> {
+    let gathered = Gathered::read(path, namespace)?;
+    let beside = other.map(|other| Gathered::read(other, namespace)).transpose()?;
+    if let Some(empty) = beside.as_ref().filter(|beside| beside.record.tally.messages == 0) {
+        bail!("{}: no message could be read", empty.bag.name);
+    }
+    let beside =
+        beside.as_ref().map(|beside| view::against::Other { bag: &beside.bag, record: &beside.record });
+    Ok(view::page(&gathered.bag, &gathered.record, &gathered.torn, beside.as_ref()))
+}
+
+/// A bag and what it says.
+struct Gathered {
+    bag: Bag,
+    record: Record,
+    /// What is missing or broken.
+    torn: Vec<String>,
+}
+
+impl Gathered {
+    fn read(path: &Path, namespace: Option<&str>) -> anyhow::Result<Self> {
+        let bag = Bag::find(path)?;
+        let namespace = namespace.map(|name| name.trim_end_matches('/').to_owned());
+        let mut record = Record { namespace: namespace.clone(), ..Record::default() };
+        let (mut torn, mut strangers) = (Vec::new(), 0);
+        for file in &bag.files {
+            let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            match scan(file, &mut record)? {
+                Ended::Whole(Sum::Fits) => record.tally.sums_fit += 1,
+                Ended::Whole(Sum::Absent) => {}
+                Ended::Torn(how) => torn.push(format!("{name} {how}")),
+                Ended::NoBag => {
+                    torn.push(format!("{name} does not begin as a file of a bag does"));
+                    strangers += 1;
+                }
             }
         }
+        if strangers == bag.files.len() {
+            bail!(
+                "{}: no bag: it does not begin as an MCAP file does; give a bag's folder or an .mcap file",
+                path.display()
+            );
+        }
+        if let Some(namespace) = namespace.filter(|_| record.tally.messages > 0) {
+            record.check_namespace(&namespace)?;
+        }
+        if record.tally.messages == 0 {
+            torn.push("no message could be read".to_owned());
+        }
+        record.pictures.finish();
+        Ok(Self { bag, record, torn })
     }
-    if strangers == bag.files.len() {
-        bail!(
-            "{}: no bag: it does not begin as an MCAP file does; give a bag's folder or an .mcap file",
-            path.display()
-        );
-    }
-    if let Some(namespace) = namespace.filter(|_| record.tally.messages > 0) {
-        record.check_namespace(&namespace)?;
-    }
-    if record.tally.messages == 0 {
-        torn.push("no message could be read".to_owned());
-    }
-    record.pictures.finish();
-    Ok(view::page(&bag, &record, &torn))
 }
 
 /// `<bag>.html` beside the bag.

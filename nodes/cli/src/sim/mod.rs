@@ -273,7 +273,8 @@ impl Task {
             nis_mean: channels.into_iter().zip(printing.nis_mean).collect(),
             nees_median: printing.consistency.median(),
             coverage: printing.consistency.coverage(),
-            trimmed_share: printing.trimmed.share(),
+            trimmed_share: printing.trimmed.shares().map(|shares| shares.0),
+            feedback_share: printing.trimmed.shares().map(|shares| shares.1),
             detections: printing.noticed.iter().filter(|found| found.onset_s.is_some()).cloned().collect(),
             false_alarm_list: printing
                 .noticed

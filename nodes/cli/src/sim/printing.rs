@@ -208,7 +208,7 @@ impl Printing {
 
     fn note_extremes(&mut self, trims: &Trims) {
         if self.simulator.truth().depositing {
-            self.trimmed.add(trims);
+            self.trimmed.add(trims, self.controller.report().base);
         }
         let most = &mut self.extremes;
         most.flow = most.flow.max((trims.flow - 1.0).abs());

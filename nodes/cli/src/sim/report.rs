@@ -96,6 +96,8 @@ pub struct Run {
     pub coverage: Option<[f64; 6]>,
     /// Share of the time of deposition with a trim of flow or speed beyond 1 %.
     pub trimmed_share: Option<f64>,
+    /// The same of feedback alone: the spool's calibration is taken out.
+    pub feedback_share: Option<f64>,
     /// What the loop noticed after the onset.
     pub detections: Vec<Detection>,
     /// How often it noticed something with nothing wrong.

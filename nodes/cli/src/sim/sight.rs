@@ -46,6 +46,12 @@ pub struct SightFigures {
     pub width_sigma_m: Option<f64>,
     /// Largest offset that was told `[m]`.
     pub offset_max_m: f64,
+    /// Comparisons of seams with the layers below.
+    pub seams: u64,
+    /// Mean square of their changes in stated standard deviations; about 1 or below on a sound print.
+    pub seam_nis: Option<f64>,
+    /// Darkest of them in standard deviations; 0 where none was darker than usual.
+    pub seam_darkest_sigmas: f64,
 }
 
 /// The classifier and the truth that its widths are compared with.
@@ -57,6 +63,9 @@ pub struct Sight {
     sum_m: f64,
     sum_squares_m2: f64,
     offset_max_m: f64,
+    seams: u32,
+    seam_squares: f64,
+    seam_darkest: f64,
 }
 
 impl Sight {
@@ -72,6 +81,9 @@ impl Sight {
             sum_m: 0.0,
             sum_squares_m2: 0.0,
             offset_max_m: 0.0,
+            seams: 0,
+            seam_squares: 0.0,
+            seam_darkest: 0.0,
         })
     }
 
@@ -137,6 +149,12 @@ impl Sight {
                     Err(_) => blind,
                     Ok(judged) => {
                         let offset_m = judged.offset.map(|offset| offset.offset_m);
+                        if let Some(seams) = judged.seams {
+                            let sigmas = seams.shade / seams.sigma;
+                            self.seams += 1;
+                            self.seam_squares += sigmas * sigmas;
+                            self.seam_darkest = self.seam_darkest.min(sigmas);
+                        }
                         let apart_m = offset_m.map_or(0.0, |[x_m, y_m]| x_m.hypot(y_m));
                         self.offset_max_m = self.offset_max_m.max(apart_m);
                         VisionReport {
@@ -178,6 +196,9 @@ impl Sight {
             width_bias_m: mean_m,
             width_sigma_m: mean_m.map(deviation),
             offset_max_m: self.offset_max_m,
+            seams: u64::from(self.seams),
+            seam_nis: (self.seams > 0).then(|| self.seam_squares / f64::from(self.seams)),
+            seam_darkest_sigmas: self.seam_darkest,
         }
     }
 }

@@ -86,14 +86,18 @@ fn seen(text: &mut String, group: &Group) {
         let um = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.1}", value * 1e6));
         _ = writeln!(
             text,
-            "  seed {}: {} frames, {} not usable; {} widths, bias {} um, sigma {} um; largest offset {:.0} um",
+            "  seed {}: {} frames, {} not usable; {} widths, bias {} um, sigma {} um; largest offset {:.0} um; \
+             {} seams, NIS {}, darkest {:.1} sigma",
             run.seed,
             seen.frames,
             seen.unusable,
             seen.widths,
             um(seen.width_bias_m),
             um(seen.width_sigma_m),
-            seen.offset_max_m * 1e6
+            seen.offset_max_m * 1e6,
+            seen.seams,
+            seen.seam_nis.map_or("-".to_owned(), |nis| format!("{nis:.2}")),
+            seen.seam_darkest_sigmas
         );
     }
 }

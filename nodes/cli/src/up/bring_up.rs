@@ -18,7 +18,7 @@ const LOOK_S: f64 = 0.05;
 /// A node that is not there after this time is named `[s]`: discovery takes 0.5 s.
 const LATE_S: f64 = 3.0;
 /// Then it is given up `[s]`.
-const GIVE_UP_S: f64 = 20.0;
+const GIVE_UP_S: f64 = 60.0;
 /// Time for one answer: who was asked may have ended meanwhile `[s]`.
 const ANSWER_S: f64 = 2.0;
 

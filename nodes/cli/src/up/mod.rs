@@ -47,9 +47,9 @@ pub struct UpArgs {
     /// Host profile: native or serial.
     #[arg(long, default_value = "native", value_parser = ["native", "serial"])]
     pub host: String,
-    /// Source of the pressure advance: none, file (`M900`), material (a constant) or predicted, which starts the node
-    /// `advance_predictor` as well.
-    #[arg(long, default_value = "material", value_parser = ADVANCES)]
+    /// Source of the pressure advance: none, file (`M900`), material (a constant), planned (preview: the melt's law
+    /// attached to coming moves) or predicted, which starts the node `advance_predictor` as well.
+    #[arg(long, default_value = "planned", value_parser = ADVANCES)]
     pub advance: String,
     /// Scenario of config/scenarios, or a path to one.
     #[arg(long, default_value = "nominal")]

@@ -25,6 +25,7 @@ impl Classifier {
             // Not known means not judged: without a measured share the network's word on strands and lumps would stand
             // alone, and it is weak.
             unexplained: found.unexplained.or(Some(0.0)),
+            seam_sigmas: found.seams.map(|seams| seams.shade / seams.sigma),
         };
         let scores = self.network.classify(grey, &measured).map_err(|_| Unusable::Failed)?;
         let fused = self.fusion.on_frame(exposed, &scores, &measured).ok_or(Unusable::Failed)?;
@@ -34,6 +35,7 @@ impl Classifier {
             probabilities: scores.probabilities,
             fused,
             offset: found.offset,
+            seams: found.seams,
             unexplained,
             region_px,
         })
@@ -59,6 +61,10 @@ pub(super) fn captions(exposed: Seconds, found: &Found, judged: &Judged) -> Vec<
             "width {width_um:.0} +- {sigma_um:.0} um ({percent:+.1} %), {} pieces",
             width.pieces
         ));
+    }
+    if let Some(seams) = found.seams {
+        let (percent, sigma) = (100.0 * seams.shade, 100.0 * seams.sigma);
+        lines.push(format!("seams {percent:+.1} +- {sigma:.1} % of the crests, {} places", seams.cells));
     }
     if let Some(offset) = judged.offset {
         let [x_mm, y_mm] = offset.offset_m.map(|value| 1e3 * value);

@@ -39,6 +39,8 @@ pub struct Measured {
     pub offset_m: Option<[f64; 2]>,
     /// Share of the strong edges in the picture that no commanded road explains `[0, 1]`.
     pub unexplained: Option<f64>,
+    /// How many standard deviations seams are brighter than usual at their places, below 0 darker `[-]`.
+    pub seam_sigmas: Option<f64>,
 }
 
 /// Radius of the disc around the middle that shows the head, as share of the picture's height `[0, 0.5]`; 0 for none.
@@ -51,7 +53,11 @@ impl Measured {
     #[must_use]
     pub fn is_finite(&self) -> bool {
         let offset = self.offset_m.is_none_or(|offset| offset.iter().all(|value| value.is_finite()));
-        offset && [self.width_error_rel, self.unexplained].iter().flatten().all(|value| value.is_finite())
+        offset
+            && [self.width_error_rel, self.unexplained, self.seam_sigmas]
+                .iter()
+                .flatten()
+                .all(|value| value.is_finite())
     }
 }
 

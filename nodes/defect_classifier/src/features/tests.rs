@@ -1,7 +1,8 @@
 use super::*;
 use opencv::core::{CV_8UC1, CV_8UC3, Scalar};
 
-const NOTHING: Measured = Measured { width_error_rel: None, offset_m: None, unexplained: None };
+const NOTHING: Measured =
+    Measured { width_error_rel: None, offset_m: None, unexplained: None, seam_sigmas: None };
 
 /// A picture from levels `[0, 1]` by column and row.
 fn picture((width, height): (u16, u16), level: impl Fn(f64, f64) -> f64) -> Mat {
@@ -125,7 +126,7 @@ fn what_the_head_hides_does_not_count() {
 #[test]
 fn what_is_measured_stands_after_its_flag() {
     let grey = roads(0.0, 0.3);
-    let measured = Measured { width_error_rel: Some(-0.1), offset_m: Some([3e-4, 4e-4]), unexplained: None };
+    let measured = Measured { width_error_rel: Some(-0.1), offset_m: Some([3e-4, 4e-4]), ..NOTHING };
     let values = extract(&grey, Hidden(0.0), &measured).unwrap();
     let last = &values[COUNT - 4..];
     assert!(last[..3] == [1.0, -0.1, 1.0] && (last[3] - 0.5).abs() < 1e-12);

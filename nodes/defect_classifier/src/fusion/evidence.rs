@@ -13,6 +13,10 @@ pub struct RawEvidence {
     pub width_fine_rel: f64,
     /// Width error that is a defect `[-]`, above `width_fine_rel`.
     pub width_defect_rel: f64,
+    /// Darkening of the seams that is none, in its standard deviations `[-]`, above 0.
+    pub seam_fine_sigmas: f64,
+    /// Darkening of the seams that is a defect `[-]`, above `seam_fine_sigmas`.
+    pub seam_defect_sigmas: f64,
     /// Classes that a measurement alone can convict of: what the network says of them does not count.
     pub measured_only: Vec<String>,
     /// Unexplained share of edges that is none `[-]`, above 0.
@@ -38,6 +42,11 @@ impl RawEvidence {
             ("evidence.width_fine_rel", self.width_fine_rel),
             ("evidence.width_defect_rel", self.width_defect_rel),
         )?;
+        positive("evidence.seam_fine_sigmas", self.seam_fine_sigmas, "-")?;
+        pair(
+            ("evidence.seam_fine_sigmas", self.seam_fine_sigmas),
+            ("evidence.seam_defect_sigmas", self.seam_defect_sigmas),
+        )?;
         pair(
             ("evidence.unexplained_fine", self.unexplained_fine),
             ("evidence.unexplained_defect", self.unexplained_defect),
@@ -53,13 +62,18 @@ impl RawEvidence {
         let ramp =
             |value: f64, (fine, defect): (f64, f64)| ((value - fine) / (defect - fine)).clamp(0.0, 1.0);
         let width = (self.width_fine_rel, self.width_defect_rel);
+        let seams = (self.seam_fine_sigmas, self.seam_defect_sigmas);
         let odd =
             measured.unexplained.map(|share| ramp(share, (self.unexplained_fine, self.unexplained_defect)));
         let bounds = (self.offset_fine_m, self.offset_defect_m);
         let offset_beyond =
             |error_m: f64| measured.offset_m.map(|[x_m, y_m]| ramp(x_m.hypot(y_m) - error_m, bounds));
         match class {
-            "under" => measured.width_error_rel.map(|error| ramp(-error, width)),
+            // A width is calibrated, a seam only beside its own past: the width has the word where both are known.
+            "under" => measured
+                .width_error_rel
+                .map(|error| ramp(-error, width))
+                .or(measured.seam_sigmas.map(|sigmas| ramp(-sigmas, seams))),
             "over" => measured.width_error_rel.map(|error| ramp(error, width)),
             "shift" => offset_beyond(self.machine_error_m),
             // Shifted roads leave edges where none were commanded: the offset explains those, whoever caused it.

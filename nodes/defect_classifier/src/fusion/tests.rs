@@ -3,7 +3,8 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 
 const CLASSES: [&str; 4] = ["ok", "under", "shift", "spaghetti"];
-const NOTHING: Measured = Measured { width_error_rel: None, offset_m: None, unexplained: None };
+const NOTHING: Measured =
+    Measured { width_error_rel: None, offset_m: None, unexplained: None, seam_sigmas: None };
 
 fn classes() -> Vec<String> {
     CLASSES.iter().map(|&class| class.to_owned()).collect()
@@ -21,6 +22,8 @@ fn raw() -> RawFusionParams {
         evidence: RawEvidence {
             width_fine_rel: 0.08,
             width_defect_rel: 0.12,
+            seam_fine_sigmas: 3.0,
+            seam_defect_sigmas: 5.0,
             measured_only: vec![],
             unexplained_fine: 0.1,
             unexplained_defect: 0.2,
@@ -40,6 +43,21 @@ fn sure_of(class: usize) -> Scores {
     let mut probabilities = vec![0.05; 4];
     probabilities[class] = 0.85;
     Scores { probabilities }
+}
+
+/// A width is calibrated, a seam is not: what the one says of a frame stands, whatever the other does.
+#[test]
+fn dark_seams_confirm_too_little_unless_the_width_is_as_wanted() {
+    let confirmed = |measured: Measured| {
+        let mut fusion = fusion();
+        (0..12_u32)
+            .any(|step| fusion.on_frame(Seconds(f64::from(step)), &sure_of(0), &measured).unwrap().confirmed)
+    };
+    let seams = |sigmas| Measured { seam_sigmas: Some(sigmas), ..NOTHING };
+    assert!(confirmed(seams(-6.0)));
+    for sound in [seams(-2.9), seams(6.0), Measured { width_error_rel: Some(-0.02), ..seams(-6.0) }] {
+        assert!(!confirmed(sound), "{sound:?}");
+    }
 }
 
 /// 99 % points of chi-square with 20, 40 and 60 degrees of freedom: 37.566, 63.691, 88.379 (tables).
@@ -222,6 +240,7 @@ proptest! {
             width_error_rel: Some(error),
             offset_m: Some([error * 1e-3, 0.0]),
             unexplained: Some(error.abs()),
+            seam_sigmas: Some(10.0 * error),
         };
         for step in 0..4_u32 {
             let fused = fusion.on_frame(Seconds(f64::from(step) * 0.2), &scores, &measured).unwrap();

@@ -64,6 +64,15 @@ impl std::ops::Deref for WidthParams {
     }
 }
 
+impl WidthParams {
+    /// The same for roads that may have been laid longer ago.
+    #[must_use]
+    pub(crate) fn with_fresh(mut self, fresh_s: f64) -> Self {
+        self.0.fresh_s = fresh_s;
+        self
+    }
+}
+
 impl TryFrom<RawWidth> for WidthParams {
     type Error = ParamError;
 

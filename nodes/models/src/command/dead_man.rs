@@ -135,6 +135,12 @@ impl DeadMan {
         }
     }
 
+    /// Session of the supervisor whose permit is in force.
+    #[must_use]
+    pub fn session(&self, now: Seconds) -> Option<u64> {
+        self.gate.in_force(now).map(|permit| permit.session)
+    }
+
     /// Refused permits so far.
     #[must_use]
     pub fn refusals(&self) -> Refusals {

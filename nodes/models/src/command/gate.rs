@@ -84,7 +84,7 @@ impl Refusals {
         self.not_finite + self.validity + self.sequence + self.other_session
     }
 
-    fn count(&mut self, refusal: Refusal) {
+    pub(super) fn count(&mut self, refusal: Refusal) {
         let counter = match refusal {
             Refusal::NotFinite => &mut self.not_finite,
             Refusal::Validity => &mut self.validity,

@@ -20,6 +20,7 @@ pub(super) const LEARNING: RawLearning = RawLearning {
 const SETTINGS: RawAdvance = RawAdvance {
     source: AdvanceSource::Predicted,
     age_limit_s: 5.0,
+    schedule_validity_s: 5.0,
     doubt_max: 0.3,
     low_s: 0.0,
     high_s: 1.5,

@@ -8,6 +8,7 @@ use crate::qp::{Outcome, Start, input};
 use crate::reference::nozzle_reference;
 use crate::trims::{Gains, trimmed};
 use models::bead::ROUND_SIDES;
+use models::command::ControlHealth;
 use models::status::PrinterStatus;
 use models::units::{Kelvin, Seconds};
 
@@ -25,7 +26,7 @@ impl Controller {
         let (Some(target_m), true, Level::Mpc) = (target_m, steady, self.params.control) else { return };
         let error = width_m / target_m - 1.0;
         let vouched = self.estimate.is_some_and(|estimate| estimate.encoder_alive);
-        if vouched && error.abs() > self.params.trims.transient {
+        if vouched && self.is_transient(exposed.0, error) {
             return;
         }
         let error = self.params.deadband.relative(error);
@@ -49,6 +50,29 @@ impl Controller {
         self.held[input::SPEED] = speed;
     }
 
+    /// Whether a width error is of a flow that comes back by itself, or its rest is.
+    fn is_transient(&mut self, at_s: f64, error: f64) -> bool {
+        if error.abs() > self.params.trims.transient {
+            self.transient.on_error(at_s, error, self.fade_s());
+        }
+        self.transient.rest(at_s, self.fade_s()) > self.params.deadband.start
+    }
+
+    fn fade_s(&self) -> f64 {
+        self.params.trims.transient_lags * self.printer.material.lag_s
+    }
+
+    /// Learns what is the spool's own, where nothing else passes through the nozzle. Without an encoder the gain is that of
+    /// gear and road together: a slip would be taken for the spool's.
+    pub(super) fn calibrate(&mut self, status: &PrinterStatus, estimate: &Estimate, dt_s: f64) {
+        let passing = self.transient.rest(estimate.stamp.0, self.fade_s()) > self.params.deadband.start;
+        let sound = self.ladder.health() == ControlHealth::Sound;
+        let told = sound && estimate.encoder_alive && !passing;
+        if self.params.control == Level::Mpc && told && status.depositing {
+            self.base.on_gain(estimate.gain, dt_s);
+        }
+    }
+
     pub(super) fn tick(&mut self, now: Seconds) {
         if !now.0.is_finite() {
             self.report.refusals.tick.invalid += 1;
@@ -66,7 +90,10 @@ impl Controller {
         let (planned, outcome) = self.qp.solve(&start);
         let mut held = match self.ladder.on_outcome(outcome) {
             Course::Plan | Course::Hold => planned,
-            Course::Baseline => self.qp.back(&start),
+            Course::Baseline => {
+                self.base.clear();
+                self.qp.back(&start)
+            }
         };
         if self.saturation.is_heater_at_stop(status.hotend_duty) {
             // A set-point above what the heater reaches would only wind up.
@@ -92,13 +119,14 @@ impl Controller {
             return None;
         }
         let flow_error = self.flow_error;
+        let planned_m_s = status.planned_feed_m_s * self.base.feed();
         let ambient = Kelvin(self.params.ambient_k);
         let Printer { hotend, material, melt, .. } = &self.printer;
         let block: Kelvin = status.hotend_sliced_target.into();
         let reference = nozzle_reference(hotend, material, block, (self.params.reference.flow_m3_s, ambient));
         let flow_max = melt.flow_max_m3_s(estimate.nozzle, ambient, self.params.limits.force_margin);
         self.report.flow_error = flow_error;
-        self.report.gain_error = estimate.gain - 1.0;
+        self.report.gain_error = estimate.gain * self.base.feed() - 1.0;
         self.report.temperature_error_k = estimate.nozzle.0 - reference.0;
         let band = &self.params.deadband;
         Some(Start {
@@ -106,7 +134,7 @@ impl Controller {
             temperature_k: band.temperature_k(self.report.temperature_error_k),
             gain: band.relative(self.report.gain_error),
             last: self.held,
-            feed_cap: Some(flow_max / (status.planned_feed_m_s * melt.filament_area_m2()) - 1.0),
+            feed_cap: Some(flow_max / (planned_m_s * melt.filament_area_m2()) - 1.0),
             width_ratio: 1.0 / ratio,
         })
     }

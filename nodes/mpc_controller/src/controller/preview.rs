@@ -4,23 +4,24 @@ use super::Controller;
 use crate::params::{AdvanceSource, Level};
 use models::command::{AdvanceLaw, MotionTrim};
 use models::motion::{MoveKind, Segment};
-use models::units::Kelvin;
+use models::units::{Kelvin, Seconds};
 
 impl Controller {
-    /// The trim of a coming move, number `sequence`; `None` where corrections or preview are off, nothing is laid, or
-    /// the nozzle's temperature is not known.
+    /// The trim of a coming move, number `sequence`, that became known at `now`; `None` where corrections or preview are
+    /// off, nothing is laid, or no recent estimate tells the nozzle's temperature.
     ///
     /// The filament held compressed follows the nominal law `x = a(T_m) u^n + K_lin u` (model book 1.2) at the melt's
     /// estimated temperature; flow and speed are the plan's.
     #[must_use]
-    pub fn on_coming(&mut self, sequence: u64, segment: &Segment) -> Option<MotionTrim> {
+    pub fn on_coming(&mut self, now: Seconds, sequence: u64, segment: &Segment) -> Option<MotionTrim> {
         if self.params.control == Level::Off
             || self.params.advance.source != AdvanceSource::Planned
             || segment.kind != MoveKind::Deposit
         {
             return None;
         }
-        let estimate = self.estimate?;
+        let limit_s = self.params.estimate_age_limit_s;
+        let estimate = self.estimate.filter(|made| now.0 - made.stamp.0 <= limit_s)?;
         let (flow, speed) = self.scheduled();
         let cruise_m_s = segment.filament_per_path() * segment.profile.cruise_m_s * flow * speed;
         let melt = &self.printer.melt;

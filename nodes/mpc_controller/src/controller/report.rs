@@ -25,7 +25,9 @@ pub struct Report {
     pub adopted: u64,
     /// Flow error of the last solve `[-]`.
     pub flow_error: f64,
-    /// Gain error of the last solve `[-]`.
+    /// What of the section is the spool's own, less one `[-]`: the feed is divided by one plus it.
+    pub base: f64,
+    /// Gain error about the base of the last solve `[-]`.
     pub gain_error: f64,
     /// Temperature error of the last solve `[K]`.
     pub temperature_error_k: f64,

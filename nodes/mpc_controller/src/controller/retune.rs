@@ -19,6 +19,7 @@ impl Controller {
         for ((held, low), high) in self.held.iter_mut().zip(low).zip(high) {
             *held = held.clamp(low, high);
         }
+        self.base = self.base.retuned(params.base, params.limits.feed);
         self.params = params;
         Ok(())
     }

@@ -39,6 +39,8 @@ pub struct RawAdvance {
     pub turn_slew_s_s: f64,
     /// A turn farther ahead is not yet acted on `[s]`.
     pub turn_lead_s: f64,
+    /// How long a trim of a coming move counts `[s]`.
+    pub schedule_validity_s: f64,
     /// Learning from widths.
     pub learning: RawLearning,
 }
@@ -75,6 +77,7 @@ impl RawAdvance {
         positive("advance.straight_slew_s_s", self.straight_slew_s_s, "s/s")?;
         in_range("advance.turn_slew_s_s", self.turn_slew_s_s, "s/s", (self.straight_slew_s_s, 10.0))?;
         in_range("advance.turn_lead_s", self.turn_lead_s, "s", (0.0, 5.0))?;
+        in_range("advance.schedule_validity_s", self.schedule_validity_s, "s", (0.05, 60.0))?;
         let learning = &self.learning;
         in_range("advance.learning.reach", learning.reach, "-", (0.0, 0.5))?;
         in_range("advance.learning.width_noise", learning.width_noise, "-", (0.001, 1.0))?;

@@ -1,6 +1,6 @@
 //! Checks of the blocks.
 
-use super::{RawCost, RawHealth, RawLimits, RawSlip, RawTrims};
+use super::{RawBase, RawCost, RawHealth, RawLimits, RawSlip, RawTrims};
 use crate::trims::loop_gain_limit;
 use models::params::{ParamError, in_range, ordered, positive};
 
@@ -30,6 +30,14 @@ pub(super) fn limits(raw: &RawLimits) -> Result<(), ParamError> {
     Ok(())
 }
 
+pub(super) fn base(raw: &RawBase) -> Result<(), ParamError> {
+    in_range("base.averaging_s", raw.averaging_s, "s", (1.0, 600.0))?;
+    in_range("base.first_s", raw.first_s, "s", (0.1, 60.0))?;
+    in_range("base.rate_1_s", raw.rate_1_s, "1/s", (1e-5, 0.1))?;
+    in_range("base.limit", raw.limit, "-", (0.0, 0.2))?;
+    Ok(())
+}
+
 /// Integral action under delay: the gain per frame must stay below the limit of model book 1.7.
 pub(super) fn trims(raw: &RawTrims) -> Result<(), ParamError> {
     in_range("trims.feed_gain", raw.feed_gain, "-", (0.0, 1.0))?;
@@ -37,6 +45,7 @@ pub(super) fn trims(raw: &RawTrims) -> Result<(), ParamError> {
     positive("trims.frame_period_s", raw.frame_period_s, "s")?;
     in_range("trims.delay_s", raw.delay_s, "s", (0.0, 60.0))?;
     in_range("trims.transient", raw.transient, "-", (0.0, 1.0))?;
+    in_range("trims.transient_lags", raw.transient_lags, "lags", (0.0, 20.0))?;
     in_range("trims.steady_s", raw.steady_s, "s", (0.0, 10.0))?;
     in_range("trims.speed_spread", raw.speed_spread, "-", (0.0, 1.0))?;
     let samples = (raw.delay_s / raw.frame_period_s).ceil();

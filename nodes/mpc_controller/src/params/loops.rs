@@ -1,6 +1,20 @@
-//! The loops around the plan: fast trims, extruder loop, switching.
+//! The loops around the plan: calibration of the spool, fast trims, extruder loop, switching.
 
 use serde::Deserialize;
+
+/// Calibration of the spool: what of the road's section is a constant of the print.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawBase {
+    /// Time over which the estimated gain is averaged `[s]`.
+    pub averaging_s: f64,
+    /// Shortest time of the mean at the start of a print `[s]`.
+    pub first_s: f64,
+    /// Fastest change `[1/s]`.
+    pub rate_1_s: f64,
+    /// Largest magnitude `[-]`; 0 calibrates nothing.
+    pub limit: f64,
+}
 
 /// Fast trims between solves.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -16,6 +30,8 @@ pub struct RawTrims {
     pub delay_s: f64,
     /// A larger relative width error is one of the flow while the encoder speaks: a diameter does not jump `[-]`.
     pub transient: f64,
+    /// Time constant with which such an error passes by itself `[lags of the melt]`.
+    pub transient_lags: f64,
     /// Wait after a change of path speed `[s]`.
     pub steady_s: f64,
     /// What counts as a change of path speed `[-]`.

@@ -141,3 +141,16 @@ proptest! {
         }
     }
 }
+
+/// The limit is one solve's: what was spent before it, in set-up or in thousands of solves, takes nothing of it.
+#[test]
+fn time_spent_before_a_solve_does_not_make_it_late() {
+    let mut qp = problem();
+    let mut spent = Timers::default();
+    spent.start_as_current("setup");
+    std::thread::sleep(std::time::Duration::from_millis(1100));
+    spent.stop_current();
+    qp.solver.timers = Some(spent);
+    let (_, outcome) = qp.solve(&Start { flow: -0.09, ..REST });
+    assert!(matches!(outcome, Outcome::Solved { .. }), "{outcome:?}");
+}

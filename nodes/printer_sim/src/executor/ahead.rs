@@ -25,15 +25,23 @@ impl Executor {
         std::mem::take(&mut self.coming)
     }
 
-    /// Attaches a trim to a move that has not begun; one that has, or is out of order, is not taken.
-    pub fn schedule(&mut self, trim: MotionTrim) -> bool {
+    /// Attaches a trim to a move that has not begun; one that has, or is out of order, is not taken. At `lapse` it is
+    /// void, unless its move has begun.
+    pub fn schedule(&mut self, trim: MotionTrim, lapse: Seconds) -> bool {
         let late = self.active.as_ref().is_some_and(|active| trim.sequence <= active.sequence);
-        let order = self.schedule.back().is_none_or(|last| last.sequence < trim.sequence);
+        let order = self.schedule.back().is_none_or(|(last, _)| last.sequence < trim.sequence);
         if late || !order || self.schedule.len() >= SCHEDULED {
             return false;
         }
-        self.schedule.push_back(trim);
+        self.schedule.push_back((trim, lapse));
         true
+    }
+
+    /// Drops what has lapsed at `now`. What has begun is carried through: half a move without its advance would be a fault
+    /// of its own.
+    pub fn lapse(&mut self, now: Seconds) {
+        let begun = self.active.as_ref().map(|active| active.sequence);
+        self.schedule.retain(|(trim, lapse)| now <= *lapse || Some(trim.sequence) == begun);
     }
 
     /// What the schedule says of `ahead_s` from now, under the trims in force.
@@ -70,7 +78,7 @@ impl Executor {
         if segment.kind != MoveKind::Deposit {
             return Ahead::NoRoad;
         }
-        let Some(trim) = self.schedule.iter().find(|trim| trim.sequence == sequence) else {
+        let Some((trim, _)) = self.schedule.iter().find(|(trim, _)| trim.sequence == sequence) else {
             return Ahead::Unscheduled;
         };
         let feed_m_s = segment.filament_per_path() * segment.profile.at(Seconds(at_s)).speed_m_s * scale;

@@ -20,6 +20,8 @@ pub struct Settings {
     pub plan_s: f64,
     /// Highest advance that a scheduled move may have `[s]`.
     pub schedule_advance_max_s: f64,
+    /// Longest validity of a scheduled trim that is accepted `[s]`.
+    pub schedule_validity_max_s: f64,
     /// Time to stop for a pause and to get going again `[s]`.
     pub pause_ramp_s: f64,
     /// Time that homing takes `[s]`.

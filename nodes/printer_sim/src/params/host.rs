@@ -67,6 +67,12 @@ pub(super) fn executor(raw: &RawSimulator) -> Result<Settings, ParamError> {
             "s",
             (0.0, 10.0),
         )?,
+        schedule_validity_max_s: in_range(
+            "schedule_validity_max_s",
+            raw.schedule_validity_max_s,
+            "s",
+            (0.0, 60.0),
+        )?,
         pause_ramp_s: in_range("pause_ramp_s", raw.pause_ramp_s, "s", (1e-3, 10.0))?,
         homing_s: in_range("homing_s", raw.homing_s, "s", (0.0, 600.0))?,
         reached_band_k: in_range("reached_band_k", raw.reached_band_k, "K", (0.1, 20.0))?,

@@ -18,6 +18,7 @@ mod figures;
 mod imu;
 mod mishaps;
 mod requests;
+mod schedule;
 
 #[derive(Deserialize)]
 struct RosFile<T> {

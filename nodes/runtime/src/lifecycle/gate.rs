@@ -53,8 +53,13 @@ impl Gate {
 
     /// Whether what arrived `age` ago counts: not where it waited for the opening.
     pub(crate) fn takes(&self, age: Seconds) -> bool {
+        self.open_for().is_none_or(|open| age <= open)
+    }
+
+    /// Time since the opening, where somebody waited for it.
+    pub(crate) fn open_for(&self) -> Option<Seconds> {
         let opened = f64::from_bits(self.0.opened.load(Ordering::Relaxed));
-        opened <= 0.0 || (monotonic() - age).0 >= opened
+        (opened > 0.0).then(|| monotonic() - Seconds(opened))
     }
 }
 
@@ -69,8 +74,9 @@ mod tests {
         gate.open(true);
         assert!(gate.is_open() && gate.was_waited_for());
         assert!(!gate.takes(Seconds(1.0)) && gate.takes(Seconds(0.0)));
+        assert!(gate.open_for().is_some_and(|open| open < Seconds(1.0)));
         gate.close();
         gate.open(false);
-        assert!(gate.takes(Seconds(1.0)) && !gate.was_waited_for());
+        assert!(gate.takes(Seconds(1.0)) && !gate.was_waited_for() && gate.open_for().is_none());
     }
 }

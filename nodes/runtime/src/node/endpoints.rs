@@ -76,8 +76,9 @@ impl Node {
             .map_err(failed)?;
         let stats = Arc::new(TopicStats::subscriber(&name));
         self.core.diagnostics.watch(Arc::clone(&stats));
-        let names = RawNames { topic: name, type_name: topic.definition.full_name() };
-        Ok(RawSubscription::new(reader, names, self.core.clock.clone(), stats))
+        let latched = topic.qos.requested.durability == qos::Durability::TransientLocal;
+        let names = RawNames { topic: name, type_name: topic.definition.full_name(), latched };
+        Ok(RawSubscription::new(reader, names, self.core.clock.clone(), stats, self.gate.clone()))
     }
 
     /// A writer of bytes, with the name on the graph and the type as they are given.

@@ -6,11 +6,11 @@ use models::command::{Command, ControlHealth, Mode, Permit, Request, Trims};
 use models::units::Seconds;
 
 /// Ranges of the definition; what a printer or a supervisor allows is narrower and its own affair.
-const FACTOR: (f64, f64) = (0.0, 10.0);
+pub(super) const FACTOR: (f64, f64) = (0.0, 10.0);
 const OFFSET_K: (f64, f64) = (-300.0, 300.0);
-const ADVANCE_S: (f64, f64) = (0.0, 10.0);
+pub(super) const ADVANCE_S: (f64, f64) = (0.0, 10.0);
 const SLIP: (f64, f64) = (-0.2, 0.99);
-const VALIDITY_S: (f64, f64) = (1e-3, 60.0);
+pub(super) const VALIDITY_S: (f64, f64) = (1e-3, 60.0);
 
 /// A controller's wish.
 ///

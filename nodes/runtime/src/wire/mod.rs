@@ -7,6 +7,7 @@ mod command;
 mod estimate;
 mod imu;
 mod motion;
+mod schedule;
 mod sensors;
 mod status;
 mod vision;
@@ -17,6 +18,7 @@ pub use command::{
 pub use estimate::{CHANNELS, STATES, StateReading, estimate_from_wire};
 pub use imu::{ImuReading, imu_from_wire, imu_to_wire};
 pub use motion::{PlannedMove, motion_from_wire, motion_to_wire};
+pub use schedule::{schedule_from_wire, schedule_to_wire};
 pub use sensors::{
     FilamentPosition, HeightReading, WidthReading, bead_width_from_wire, filament_from_wire,
     layer_height_from_wire, temperature_from_wire,

@@ -11,6 +11,10 @@ const KEPT: usize = 128;
 /// Fastest that any extruder pushes filament `[m/s]`; faster is a position that jumped, and no heat follows it.
 const FEED_MAX_M_S: f64 = 0.1;
 
+/// Longest stroke back whose return is the same, hot filament `[m]`: a Bowden's retraction and its pressure advance; what is
+/// drawn back farther is another filament when it comes again.
+const STROKE_MAX_M: f64 = 0.015;
+
 /// Means over a span.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Means {
@@ -18,20 +22,25 @@ pub struct Means {
     pub duty: f64,
     /// Part fan `[0, 1]`.
     pub fan: f64,
-    /// Filament speed `[m/s]`.
+    /// Speed of filament that is pushed for the first time `[m/s]`, 0 or more.
     pub feed_m_s: f64,
 }
 
 /// Ring of states, oldest first; each holds from its stamp until the next one's.
 #[derive(Debug, Clone)]
 pub struct DriveHistory {
-    ring: [Option<(Seconds, Drive)>; KEPT],
+    ring: [Option<State>; KEPT],
     next: usize,
+    /// Filament drawn back and not yet pushed again `[m]`.
+    drawn_m: f64,
 }
+
+/// A state with the filament that was pushed for the first time until then `[m]`.
+type State = (Seconds, Drive, f64);
 
 impl Default for DriveHistory {
     fn default() -> Self {
-        Self { ring: [None; KEPT], next: 0 }
+        Self { ring: [None; KEPT], next: 0, drawn_m: 0.0 }
     }
 }
 
@@ -45,17 +54,35 @@ impl DriveHistory {
                 return;
             }
         }
-        self.ring[self.next] = Some((stamp, drive));
+        let pushed_m = self.pushed_m(&drive);
+        self.ring[self.next] = Some((stamp, drive, pushed_m));
         self.next = (self.next + 1) % KEPT;
     }
 
     /// The newest state.
     #[must_use]
     pub fn newest(&self) -> Option<(Seconds, Drive)> {
+        self.last().map(|(stamp, drive, _)| (stamp, drive))
+    }
+
+    fn last(&self) -> Option<State> {
         self.ring[(self.next + KEPT - 1) % KEPT]
     }
 
-    fn entries(&self) -> impl Iterator<Item = (Seconds, Drive)> + '_ {
+    /// Pressure advance and retractions push again what they have drawn back: it is hot already.
+    fn pushed_m(&mut self, drive: &Drive) -> f64 {
+        let Some((_, before, pushed_m)) = self.last() else { return 0.0 };
+        let moved_m = drive.motor_position_m - before.motor_position_m;
+        if !moved_m.is_finite() {
+            // counted where it came in; a sum would keep it for ever
+            return pushed_m;
+        }
+        let returned_m = moved_m.clamp(0.0, self.drawn_m);
+        self.drawn_m = (self.drawn_m - returned_m + (-moved_m).max(0.0)).min(STROKE_MAX_M);
+        pushed_m + moved_m.max(0.0) - returned_m
+    }
+
+    fn entries(&self) -> impl Iterator<Item = State> + '_ {
         (0..KEPT).filter_map(|offset| self.ring[(self.next + offset) % KEPT])
     }
 
@@ -70,13 +97,13 @@ impl DriveHistory {
         }
         let (mut duty_s, mut fan_s) = (0.0, 0.0);
         let mut held = (Seconds(f64::NEG_INFINITY), first.1);
-        for (stamp, drive) in self.entries().chain([(Seconds(f64::INFINITY), first.1)]) {
+        for (stamp, drive, _) in self.entries().chain([(Seconds(f64::INFINITY), first.1, 0.0)]) {
             let overlap_s = (stamp.0.min(to.0) - held.0.0.max(from.0)).max(0.0);
             duty_s += held.1.duty * overlap_s;
             fan_s += held.1.fan * overlap_s;
             held = (stamp, drive);
         }
-        let fed_m = self.motor_m(to)? - self.motor_m(from)?;
+        let fed_m = self.fed_m(to)? - self.fed_m(from)?;
         Some(Means {
             duty: duty_s / span_s,
             fan: fan_s / span_s,
@@ -84,20 +111,18 @@ impl DriveHistory {
         })
     }
 
-    /// Motor position at a moment, between states in proportion.
-    fn motor_m(&self, at: Seconds) -> Option<f64> {
-        let mut before: Option<(Seconds, Drive)> = None;
-        for (stamp, drive) in self.entries() {
+    /// Filament pushed for the first time until a moment, between states in proportion.
+    fn fed_m(&self, at: Seconds) -> Option<f64> {
+        let mut before: Option<(Seconds, f64)> = None;
+        for (stamp, _, pushed_m) in self.entries() {
             if stamp >= at {
-                let Some((start, from)) = before else { return Some(drive.motor_position_m) };
+                let Some((start, from_m)) = before else { return Some(pushed_m) };
                 let share = (at - start).0 / (stamp - start).0;
-                return Some(
-                    from.motor_position_m + share * (drive.motor_position_m - from.motor_position_m),
-                );
+                return Some(from_m + share * (pushed_m - from_m));
             }
-            before = Some((stamp, drive));
+            before = Some((stamp, pushed_m));
         }
-        before.map(|(_, drive)| drive.motor_position_m)
+        before.map(|(_, pushed_m)| pushed_m)
     }
 }
 
@@ -120,6 +145,23 @@ mod tests {
         assert!((means.duty - 0.6).abs() < 1e-12, "{means:?}");
         // The motor went 6 mm in the 60 ms that the states cover.
         assert!((means.feed_m_s - 0.006 / 0.1).abs() < 1e-9, "{means:?}");
+    }
+
+    /// Fed until now, of states 20 ms apart at these positions.
+    fn fed_m(positions_m: &[f64]) -> f64 {
+        let mut history = DriveHistory::default();
+        for (number, position_m) in (0_u32..).zip(positions_m) {
+            history.push(Seconds(0.02 * f64::from(number)), drive(0.0, *position_m));
+        }
+        history.fed_m(Seconds(1e3)).unwrap()
+    }
+
+    /// Pressure advance draws back at each corner what it then pushes: that warms nothing twice. A filament that was drawn out
+    /// whole and comes again is cold but for the last 15 mm.
+    #[test]
+    fn what_was_drawn_back_is_hot_already() {
+        assert!((fed_m(&[0.0, 3e-3, 1e-3, 3.5e-3, 1.5e-3, 4e-3]) - 4e-3).abs() < 1e-12);
+        assert!((fed_m(&[0.0, 0.01, -0.07, 0.01]) - (0.01 + 0.08 - STROKE_MAX_M)).abs() < 1e-12);
     }
 
     /// A balance that was told of 1 km in 0.1 s would be lost for ever.
@@ -152,6 +194,6 @@ mod tests {
             history.push(Seconds(f64::from(number)), drive(0.0, f64::from(number)));
         }
         assert_eq!(history.entries().count(), KEPT);
-        assert!((history.motor_m(Seconds(998.5)).unwrap() - 998.5).abs() < 1e-9);
+        assert!((history.fed_m(Seconds(998.5)).unwrap() - 998.5).abs() < 1e-9);
     }
 }

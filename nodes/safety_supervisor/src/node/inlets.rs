@@ -1,8 +1,10 @@
 //! What the supervisor listens to. What is refused of a stream reaches the brain as that.
 
 use fdm_loop_msgs::{
-    ControlCommand, DefectReport, FilamentMotion, ImuBatch, PrinterState, StateEstimate, Temperature,
+    ControlCommand, DefectReport, FilamentMotion, ImuBatch, MotionTrim, PrinterState, StateEstimate,
+    Temperature,
 };
+use models::command::Scheduled;
 use models::units::Seconds;
 use runtime::{Inlet, Node, Reason, Refused, RuntimeError, topics};
 
@@ -10,6 +12,14 @@ use super::outlets::Totals;
 use crate::convert;
 use crate::event::{Event, SafetyState, Stream};
 use crate::params::{Params, StaleParams};
+
+/// What was heard.
+pub(super) enum Heard {
+    /// Something that the brain judges.
+    Event(Event),
+    /// A trim of a coming move, which goes on at once or not at all.
+    Scheduled(Scheduled),
+}
 
 /// Every stream.
 pub(super) struct Inlets {
@@ -21,6 +31,7 @@ pub(super) struct Inlets {
     estimate: Inlet<StateEstimate>,
     imu: Inlet<ImuBatch>,
     vision: Inlet<DefectReport>,
+    schedule: Inlet<MotionTrim>,
     /// Second event of a message that told two things.
     also: Option<Event>,
 }
@@ -55,14 +66,18 @@ impl Inlets {
             vision: node
                 .inlet(&topics::DEFECTS, silence(&stale.vision))?
                 .with_stamps_within(stale.vision.oldest_stamp()),
+            // A host that attaches nothing to moves is silent here.
+            schedule: node
+                .inlet(&topics::CONTROL_SCHEDULE, Seconds(f64::INFINITY))?
+                .with_stamps_within(stale.command.oldest_stamp()),
             also: None,
         })
     }
 
     /// The next message of any stream. Cancelling loses none.
-    pub(super) async fn next(&mut self) -> Event {
+    pub(super) async fn next(&mut self) -> Heard {
         if let Some(event) = self.also.take() {
-            return event;
+            return Heard::Event(event);
         }
         let (taken, stream) = tokio::select! {
             taken = self.hotend.next(convert::hotend) => (taken, Stream::Hotend),
@@ -77,18 +92,23 @@ impl Inlets {
             }
             taken = self.imu.next(convert::imu) => (taken, Stream::Imu),
             taken = self.vision.next(convert::vision) => (taken, Stream::Vision),
+            taken = self.schedule.next(convert::scheduled) => match taken {
+                Ok(scheduled) => return Heard::Scheduled(scheduled),
+                Err(reason) => (Err(reason), Stream::Command),
+            },
         };
-        taken.unwrap_or(Event::Refused { stream })
+        Heard::Event(taken.unwrap_or(Event::Refused { stream }))
     }
 
     /// Takes over what the brain itself has refused.
     pub(super) fn follow(&mut self, state: &SafetyState) {
         self.command.refused.follow(Reason::Gate, state.refused_commands);
+        self.schedule.refused.follow(Reason::Gate, state.refused_schedule);
     }
 
     /// Refused messages of all streams.
     pub(super) fn totals(&self) -> Totals {
-        let all: [&Refused; 8] = [
+        let all: [&Refused; 9] = [
             &self.hotend.refused,
             &self.bed.refused,
             &self.encoder.refused,
@@ -97,6 +117,7 @@ impl Inlets {
             &self.estimate.refused,
             &self.imu.refused,
             &self.vision.refused,
+            &self.schedule.refused,
         ];
         let sum = |reason| all.iter().map(|refused| refused.total(reason)).sum::<u64>();
         Totals {

@@ -1,9 +1,9 @@
 //! What leaves the supervisor: permits, state, events, diagnostics.
 
-use fdm_loop_msgs::{ControlCommand, PrintEvent, SafetyState as StateMessage};
-use models::command::{Mode, Permit, Request, Trims};
+use fdm_loop_msgs::{ControlCommand, MotionTrim, PrintEvent, SafetyState as StateMessage};
+use models::command::{Mode, Permit, Request, Scheduled, Trims};
 use models::units::Seconds;
-use runtime::wire::permit_to_wire;
+use runtime::wire::{permit_to_wire, schedule_to_wire};
 use runtime::{Diagnostics, Level, Node, Publisher, RuntimeError, topics};
 
 use super::latch_file::LatchFile;
@@ -23,6 +23,7 @@ pub(super) struct Totals {
 /// Every publisher of the supervisor.
 pub(super) struct Outlets {
     permits: Publisher<ControlCommand>,
+    schedule: Publisher<MotionTrim>,
     states: Publisher<StateMessage>,
     events: Publisher<PrintEvent>,
     diagnostics: Diagnostics,
@@ -38,6 +39,7 @@ impl Outlets {
     pub(super) fn open(node: &mut Node) -> Result<Self, RuntimeError> {
         Ok(Self {
             permits: node.publish_on(&topics::SAFETY_COMMAND)?,
+            schedule: node.publish_on(&topics::SAFETY_SCHEDULE)?,
             states: node.publish_on(&topics::SAFETY_STATE)?,
             events: node.publish_on(&topics::EVENTS)?,
             diagnostics: node.diagnostics(),
@@ -66,6 +68,11 @@ impl Outlets {
         }
     }
 
+    /// Sends a trim of a coming move on.
+    pub(super) fn schedule(&self, now: Seconds, allowed: &Scheduled) {
+        self.schedule.send(schedule_to_wire(now, allowed));
+    }
+
     /// The last word: the permit with the slicer's own values.
     pub(super) fn last(&self, now: Seconds, output: &Output, kept: bool) {
         let permit = if kept { output.permit } else { unannounced(output.permit) };
@@ -92,6 +99,9 @@ impl Outlets {
         self.diagnostics.set("refused_values", state.refused_values);
         self.diagnostics.set("refused_commands", state.refused_commands);
         self.diagnostics.set("clamped_commands", state.clamped_commands);
+        self.diagnostics.set("scheduled", state.scheduled);
+        self.diagnostics.set("refused_schedule", state.refused_schedule);
+        self.diagnostics.set("clamped_schedule", state.clamped_schedule);
         self.diagnostics.set("hotend_excess_w", format_args!("{:.2}", state.hotend_excess_w));
         self.diagnostics.set("impulses", state.impulses);
         if let Some(slip) = state.slip {

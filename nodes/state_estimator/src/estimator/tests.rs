@@ -20,6 +20,7 @@ struct Node {
 }
 
 mod health;
+mod live;
 
 const SHIPPED: &str = include_str!("../../../../config/state_estimator.param.yaml");
 

@@ -2,6 +2,7 @@
 
 use super::{Covariance, Filter, Running};
 use crate::channel::Channel;
+use crate::params::Params;
 use crate::printer_model::{State, state};
 use models::status::PrinterStatus;
 
@@ -9,6 +10,11 @@ use models::status::PrinterStatus;
 const FLOOR: f64 = 1e-9;
 
 impl Filter {
+    /// Other noises from now on; what is known stays as well known as it is.
+    pub(crate) fn retune(&mut self, params: Params) {
+        self.params = params;
+    }
+
     /// Process noise over `dt_s`: a random walk, and the flow's own share where the lag is at work. What stands behind a
     /// width, flow and gain, is scaled as the widths' innovations have taught.
     pub(super) fn noise(&self, run: &Running, status: &PrinterStatus, dt_s: f64) -> Covariance {

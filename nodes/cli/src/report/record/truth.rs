@@ -12,6 +12,14 @@ pub(crate) struct Truth {
     pub(crate) gain_percent: Series,
     pub(crate) width_mm: Series,
     pub(crate) target_mm: Series,
+    /// Width less target, relative.
+    pub(crate) width_error_percent: Series,
+    /// What leaves the nozzle, as speed of a filament of nominal section.
+    pub(crate) flow_mm_s: Series,
+    /// Filament delivered less commanded, over roads.
+    pub(crate) ahead_mm: Series,
+    /// Nozzle less what counts as right, while roads are laid.
+    pub(crate) nozzle_error_k: Series,
     pub(crate) adhesion: Series,
     pub(crate) porosity: Series,
     pub(crate) shift_mm: Series,
@@ -32,6 +40,10 @@ impl Truth {
         if truth.depositing {
             self.width_mm.add(at, truth.width_m * 1e3);
             self.target_mm.add(at, truth.target_width_m * 1e3);
+            self.width_error_percent.add(at, (truth.width_m / truth.target_width_m - 1.0) * 100.0);
+            self.flow_mm_s.add(at, truth.outlet_speed_m_s * truth.gain * 1e3);
+            self.nozzle_error_k.add(at, truth.nozzle_degc - truth.reference_degc);
+            self.ahead_mm.add(at, (truth.deposit_delivered_m - truth.deposit_wanted_m) * 1e3);
             self.adhesion.add(at, truth.adhesion);
             self.porosity.add(at, truth.porosity);
         }

@@ -1,5 +1,6 @@
 //! The page: what was gathered, as one HTML file that needs nothing else.
 
+pub(crate) mod against;
 pub(crate) mod bars;
 pub(crate) mod chart;
 pub(crate) mod frames;
@@ -33,11 +34,14 @@ pub(crate) struct View<'a> {
     pub(crate) markers: Vec<Marker>,
 }
 
-/// The page as text.
-pub(crate) fn page(bag: &Bag, record: &Record, torn: &[String]) -> String {
+/// The page as text; with another print beside this one where there is one.
+pub(crate) fn page(bag: &Bag, record: &Record, torn: &[String], other: Option<&against::Other>) -> String {
     let span_s = record.time.newest_s.max(1.0);
     let view = View { bag, record, torn, span_s, markers: markers(record) };
-    let sections = sections(&view);
+    let mut sections = sections(&view);
+    if let Some(other) = other {
+        sections.insert(1, ("against", "Against another print", against::section(&view, other)));
+    }
     html! {
         (DOCTYPE)
         html lang="en" {

@@ -43,9 +43,9 @@ impl Printing {
                 }
             }
             Output::Motion { start, segment } => self.move_on(now, start, *segment),
-            Output::Coming { sequence, segment, .. } => {
-                if let Some(trim) = self.controller.on_coming(sequence, &segment) {
-                    _ = self.simulator.on_schedule(trim);
+            Output::Coming { stamp, sequence, segment } => {
+                if let Some(trim) = self.controller.on_coming(stamp, sequence, &segment) {
+                    _ = self.simulator.on_schedule(trim, Seconds(f64::INFINITY));
                 }
             }
             Output::Note { .. } => {}

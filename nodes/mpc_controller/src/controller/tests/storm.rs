@@ -94,7 +94,7 @@ fn every_command_is_within_bounds_and_rates() {
         let before = controller.held;
         controller.on_event(Event::Tick { now: Seconds(dice.poisoned(now_s)) });
         moved_by_a_rate(&before, &controller.held, &params);
-        if let Some(trim) = controller.on_coming(u64::from(round), &coming(&mut dice)) {
+        if let Some(trim) = controller.on_coming(Seconds(now_s), u64::from(round), &coming(&mut dice)) {
             assert!(trim.is_valid(), "{trim:?}");
         }
     }

@@ -1,0 +1,132 @@
+//! What of a bag a printer is learned from: what a real one records. What a simulation knows beyond is not read.
+
+use crate::report::bag::Bag;
+use crate::report::decode::decode;
+use crate::report::scan::{Ended, Raw, Visitor, scan};
+use anyhow::bail;
+use models::status::PrinterStatus;
+use models::units::Kelvin;
+use runtime::topics;
+use runtime::wire;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Stamps that fall by more than this belong to another print `[s]`.
+const BACK_S: f64 = 1.0;
+
+/// A reading at a time `[s]`.
+pub(super) type At = (f64, f64);
+
+/// A measured width of the road.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Width {
+    /// Exposure `[s]`.
+    pub(super) at_s: f64,
+    pub(super) width_m: f64,
+    /// Noise as its source states it `[m]`.
+    pub(super) sigma_m: f64,
+}
+
+/// The readings of a print, each in the order of its stamps.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Recorded {
+    /// Thermistor of the hot end `[K]`.
+    pub(super) hotend_k: Vec<At>,
+    /// State of printer and job.
+    pub(super) states: Vec<PrinterStatus>,
+    /// Filament past the encoder `[m]`.
+    pub(super) encoder_m: Vec<At>,
+    pub(super) widths: Vec<Width>,
+    /// Messages that say what cannot be.
+    pub(super) refused: u64,
+    namespace: Option<String>,
+    jumped: bool,
+}
+
+impl Recorded {
+    /// Reads a bag.
+    pub(super) fn read(path: &Path, namespace: Option<&str>) -> anyhow::Result<Self> {
+        let namespace = namespace.map(|name| name.trim_end_matches('/').to_owned());
+        let mut recorded = Self { namespace, ..Self::default() };
+        for file in Bag::find(path)?.files {
+            if scan(&file, &mut recorded)? == Ended::NoBag {
+                bail!("{}: no MCAP file", file.display());
+            }
+        }
+        if recorded.jumped {
+            bail!("{}: its time jumps back: more than one print is in it", path.display());
+        }
+        recorded.widths.sort_by(|one, other| one.at_s.total_cmp(&other.at_s));
+        Ok(recorded)
+    }
+
+    /// Filament that the drive has fed `[m]`: what the encoder saw, or the motor's own count where there is none.
+    pub(super) fn fed_m(&self) -> Vec<At> {
+        if self.encoder_m.is_empty() {
+            self.states.iter().map(|state| (state.stamp.0, state.motor_position_m)).collect()
+        } else {
+            self.encoder_m.clone()
+        }
+    }
+
+    fn take(&mut self, topic: &str, payload: &[u8]) -> Option<()> {
+        match topic {
+            topic if topic == topics::HOTEND_TEMPERATURE.name() => {
+                let (stamp, temp) = wire::temperature_from_wire(&decode(payload)?).ok()?;
+                push(&mut self.hotend_k, (stamp.0, Kelvin::from(temp).0), &mut self.jumped);
+            }
+            topic if topic == topics::FILAMENT_MOTION.name() => {
+                let read = wire::filament_from_wire(&decode(payload)?).ok()?;
+                push(&mut self.encoder_m, (read.stamp.0, read.position_m), &mut self.jumped);
+            }
+            topic if topic == topics::PRINTER_STATE.name() => {
+                let state = wire::status_from_wire(&decode(payload)?).ok()?;
+                let newest_s = self.states.last().map_or(f64::NEG_INFINITY, |last| last.stamp.0);
+                self.jumped |= state.stamp.0 < newest_s - BACK_S;
+                if state.stamp.0 > newest_s {
+                    self.states.push(state);
+                }
+            }
+            topic if topic == topics::BEAD_WIDTH.name() => {
+                let read = wire::bead_width_from_wire(&decode(payload)?).ok()?;
+                let (at_s, width_m, sigma_m) = (read.exposed.0, read.width_m, read.sigma_m);
+                self.widths.push(Width { at_s, width_m, sigma_m });
+            }
+            _ => {}
+        }
+        Some(())
+    }
+}
+
+/// Takes a reading that is newer than the last one.
+fn push(readings: &mut Vec<At>, reading: At, jumped: &mut bool) {
+    let newest_s = readings.last().map_or(f64::NEG_INFINITY, |last| last.0);
+    *jumped |= reading.0 < newest_s - BACK_S;
+    if reading.0 > newest_s {
+        readings.push(reading);
+    }
+}
+
+/// Topics that are read.
+const READ: [&str; 4] = [
+    topics::HOTEND_TEMPERATURE.name(),
+    topics::PRINTER_STATE.name(),
+    topics::FILAMENT_MOTION.name(),
+    topics::BEAD_WIDTH.name(),
+];
+
+impl Visitor for Recorded {
+    fn message(&mut self, raw: &Raw<'_>) {
+        let found = READ.iter().find_map(|name| {
+            let namespace = raw.topic.strip_suffix(name)?.strip_suffix('/')?;
+            Some((*name, namespace))
+        });
+        let Some((topic, namespace)) = found.filter(|_| raw.encoding == "cdr") else { return };
+        let chosen = self.namespace.get_or_insert_with(|| namespace.to_owned());
+        if *chosen == namespace && self.take(topic, raw.payload).is_none() {
+            self.refused += 1;
+        }
+    }
+
+    fn note(&mut self, _: &str, _: &BTreeMap<String, String>) {}
+}

@@ -1,0 +1,68 @@
+//! What people read.
+
+use super::Figures;
+use super::learn::Quantity;
+use super::trial;
+use crate::options::significant;
+
+fn digits(value: f64) -> String {
+    if value.is_nan() { "-".to_owned() } else { significant(value, 4) }
+}
+
+/// What was learned from a bag.
+pub(super) fn page(figures: &Figures) -> String {
+    let mut page = format!(
+        "{}: {} readings of the hot end, {} widths\n\n{:<32} {:>9} {:>12} {:>12} {:>12} {:>12}\n",
+        figures.bag, figures.readings, figures.widths, "", "unit", "learned", "95 % from", "to", "file says"
+    );
+    for quantity in &figures.quantities {
+        let Quantity { name, unit, value, low, high, before, source, .. } = quantity;
+        let [value, low, high, before] = [*value, *low, *high, *before].map(digits);
+        let belief = if *source == "belief" { "  mostly belief" } else { "" };
+        page.push_str(&format!(
+            "{name:<32} {unit:>9} {value:>12} {low:>12} {high:>12} {before:>12}{belief}\n"
+        ));
+    }
+    page.push_str("\nHeat capacities, losses and coupling scale with the heater's power, which is taken as the file says.");
+    page
+}
+
+/// Simulated printers: truth beside what was learned.
+pub(super) fn trial(figures: &trial::Figures) -> String {
+    let mut page = String::new();
+    for run in &figures.runs {
+        page.push_str(&format!(
+            "seed {}\n{:<32} {:>12} {:>12} {:>12} {:>12} {:>9}\n",
+            run.seed, "", "truth", "learned", "95 % from", "to", "error %"
+        ));
+        for Quantity { name, value, low, high, truth, .. } in &run.quantities {
+            let truth = truth.unwrap_or(f64::NAN);
+            let slack = 1e-9 * truth.abs();
+            let inside = (low - slack..=high + slack).contains(&truth);
+            let verdict = match (inside, (value / truth - 1.0).abs() <= trial::NEAR) {
+                (true, _) => "",
+                (false, true) => "outside, within 5 %",
+                (false, false) => "OUTSIDE",
+            };
+            let error = format!("{:.2}", 100.0 * (value / truth - 1.0));
+            let [truth, value, low, high] = [truth, *value, *low, *high].map(digits);
+            let line =
+                format!("{name:<32} {truth:>12} {value:>12} {low:>12} {high:>12} {error:>9}  {verdict}");
+            page.push_str(line.trim_end());
+            page.push('\n');
+        }
+        page.push('\n');
+    }
+    page.push_str(&format!(
+        "{:<32} {:>8} {:>8} {:>8} {:>8} {:>10} {:>14}\n",
+        "", "printers", "inside", "within 5%", "either", "RMS err %", "half width %"
+    ));
+    for verdict in &figures.verdicts {
+        let trial::Verdict { name, runs, inside, near, either, error_rms_rel, half_width_rel } = verdict;
+        let (error, half) = (100.0 * error_rms_rel, 100.0 * half_width_rel);
+        page.push_str(&format!(
+            "{name:<32} {runs:>8} {inside:>8} {near:>9} {either:>8} {error:>10.2} {half:>14.2}\n"
+        ));
+    }
+    page
+}

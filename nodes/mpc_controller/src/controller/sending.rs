@@ -1,0 +1,59 @@
+//! What is sent: the plan's moves about the base, as trims of the printer.
+
+use super::Controller;
+use crate::input::Estimate;
+use crate::params::Level;
+use crate::qp::{Move, input};
+use models::command::Trims;
+use models::status::{HostProfile, JobPhase, PrinterStatus};
+
+impl Controller {
+    pub(super) fn trims(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Trims {
+        let printing = !matches!(status.phase, JobPhase::Idle | JobPhase::Done | JobPhase::Failed);
+        if self.params.control == Level::Off || !printing {
+            return Trims::NEUTRAL;
+        }
+        let slip = self.slip(status, estimate);
+        let setpoint_offset_k =
+            if self.params.control == Level::Mpc { self.held[input::SETPOINT] } else { 0.0 };
+        let (flow, speed) = self.scheduled();
+        Trims {
+            flow,
+            speed,
+            setpoint_offset_k,
+            advance_s: self.advance.command(estimate.stamp.0, status, self.printer.material.lag_s),
+            slip,
+        }
+    }
+
+    /// Flow over path and speed of the plan, as trims have them.
+    pub(super) fn scheduled(&self) -> (f64, f64) {
+        if self.params.control != Level::Mpc {
+            return (1.0, 1.0);
+        }
+        let [feed, speed, _] = self.held;
+        let most = self.params.limits.feed;
+        // The move is feed over time, the printer's trim is feed over path. Slow and fed high at once, the quotient
+        // would leave the range that the supervisor lets through (K6).
+        let flow = self.base.feed() * (1.0 + feed) / (1.0 + speed);
+        (flow.clamp(1.0 - most, 1.0 + most), 1.0 + speed)
+    }
+
+    fn slip(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Option<f64> {
+        if !estimate.encoder_alive {
+            self.catch_up.open();
+            return None;
+        }
+        Some(match status.host {
+            HostProfile::Native => estimate.slip.clamp(self.params.slip.low, self.params.slip.high),
+            HostProfile::Serial | HostProfile::Moonraker | HostProfile::Octoprint => {
+                self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s)
+            }
+        })
+    }
+}
+
+/// Feed over time about the base's, speed and offset of trims in force.
+pub(super) fn moves_of(trims: &Trims, base_feed: f64) -> Move {
+    [trims.flow * trims.speed / base_feed - 1.0, trims.speed - 1.0, trims.setpoint_offset_k]
+}

@@ -1,0 +1,110 @@
+//! What was measured, applied to the belief.
+
+use super::{Filter, Running};
+use crate::channel::{CHANNELS, Channel, Record, Verdict};
+use crate::estimator::Inbox;
+use crate::measurement::{self, Observation};
+use crate::printer_model::state;
+use crate::ukf::Update;
+use models::transient::Transient;
+
+impl Filter {
+    /// Applies what was measured; `false` if the filter broke.
+    pub(super) fn correct(
+        &mut self,
+        run: &mut Running,
+        inbox: &mut Inbox,
+        records: &mut [Record; CHANNELS],
+    ) -> bool {
+        let mut observations: [Option<(Channel, Observation)>; 2] = [None, None];
+        if let Some(temperature) = inbox.temperature.take() {
+            observations[0] = Some((Channel::Thermistor, measurement::thermistor(&self.params, temperature)));
+        }
+        let encoder =
+            measurement::encoder(&self.params, self.reference_feed_m_s, inbox, &mut run.encoder_used);
+        observations[1] = encoder.map(|observation| (Channel::Encoder, observation));
+        for (channel, observation) in observations.into_iter().flatten() {
+            if !self.apply(run, channel, &observation, &mut records[channel as usize]) {
+                return false;
+            }
+        }
+        for frame in inbox.frames.iter() {
+            let past = measurement::Past {
+                flows: &run.flows,
+                flow_m_s: run.ukf.belief().mean[state::FLOW],
+                at_s: run.at_s,
+                imbalance: run.imbalance_m_s / self.reference_feed_m_s,
+                transient_m: run.transient.rest(run.at_s, self.fade_s()),
+            };
+            let scale = self.width_noise.scale();
+            let Some(observation) = measurement::width(&self.params, scale, frame, &inbox.samples, &past)
+            else {
+                continue;
+            };
+            if !self.apply(run, Channel::Width, &observation, &mut records[Channel::Width as usize]) {
+                return false;
+            }
+        }
+        inbox.frames.clear();
+        true
+    }
+
+    fn apply(
+        &mut self,
+        run: &mut Running,
+        channel: Channel,
+        observation: &Observation,
+        record: &mut Record,
+    ) -> bool {
+        let model = self.model;
+        let update = run.ukf.update(&observation.measurement(record.gate(run.encoder_alive)), |x| {
+            observation.predicted(&model, x)
+        });
+        record.used_s = Some(run.at_s);
+        if channel == Channel::Width && self.opens(run, observation, &update) {
+            // whether it fades can be told of what comes from now on
+            record.begin();
+        }
+        let verdict = record.note(&update, observation.passing());
+        if verdict == Verdict::Stepped && channel == Channel::Width {
+            run.transient = Transient::default();
+        }
+        if observation.is_of_noise() {
+            self.learn(channel, verdict, record.nis);
+        }
+        match verdict {
+            Verdict::Consistent | Verdict::Rejected => true,
+            Verdict::Diverged => false,
+            Verdict::Stepped => {
+                self.steps += 1;
+                run.ukf.inflate(&self.doubt(channel));
+                true
+            }
+        }
+    }
+
+    /// Noise is learnt from what passed the gate; a step is none.
+    fn learn(&mut self, channel: Channel, verdict: Verdict, nis: Option<f64>) {
+        match (channel, verdict, nis) {
+            (Channel::Width, Verdict::Consistent, Some(nis)) => self.width_noise.on_accepted(nis),
+            (Channel::Width, Verdict::Stepped | Verdict::Diverged, _) => self.width_noise.forget(),
+            _ => {}
+        }
+    }
+
+    /// Whether a transient begins. A width that is rejected while the encoder vouches for the feed is of filament that is
+    /// being compressed, or of pressure that was held before the road began: it fades, and what follows is its rest. Where
+    /// the innovations stay, they are taken as a step, and that is the end of it.
+    fn opens(&self, run: &mut Running, observation: &Observation, update: &Update<1>) -> bool {
+        let Update::Rejected(innovation) = update else { return false };
+        let residual_m = innovation.residual.x;
+        if run.encoder_alive {
+            run.transient.on_error(run.at_s, residual_m, self.fade_s());
+        }
+        run.encoder_alive && observation.is_of_noise()
+    }
+
+    fn fade_s(&self) -> f64 {
+        self.params.width.transient_lags * self.model.lag_s()
+    }
+}
