@@ -1,6 +1,6 @@
 //! X1: garbage on the network. Whatever reaches the RTPS ports of a printing graph, the printer is at the slicer's values
-//! within 0.25 s of the last permit that it can have heard, what dies is started again, and the graph is whole again within
-//! 5 s of the last datagram.
+//! within 0.25 s of the last permit that it can have heard, what dies is started again, and the graph is whole again by
+//! itself: within 5 s of the last datagram where `FDM_WHOLE_LIMIT_S` holds it to that, as the long form of the tests does.
 //!
 //! The graph is `fdm up` in a network namespace of its own, the garbage comes from `tests/rtps_fuzz.py`, and what the
 //! printer did is read from its states as an observer heard them and as the bag holds them. `FDM_RTPS_DATAGRAMS` sets

@@ -3,13 +3,14 @@
 use crate::graph::{Graph, Said, root};
 use crate::judge::{Judged, Record};
 use crate::observer::{Observer, Seen, is_neutral};
+use crate::report::whole_limit_s;
 use fdm_loop_msgs::{PrinterState, SafetyState};
 use models::units::Seconds;
 use std::collections::BTreeMap;
 use std::process::{Child, Command, Stdio};
 
-/// Longest wait for a graph that is whole `[s]`; the limit itself stands in the report.
-const PATIENCE_S: f64 = 25.0;
+/// Wait for a graph that is whole, beyond the limit of the report: by how much it was missed is worth knowing `[s]`.
+const PATIENCE_S: f64 = 20.0;
 /// So long a graph stays whole to be called whole `[s]`.
 const LASTS_S: f64 = 1.0;
 /// A node is heard that has beaten within this time `[s]`: C4.
@@ -138,7 +139,7 @@ impl Storm {
                 storm.lacking = lacking;
             }
             storm.whole_s = look.whole_since(now).map(|since| (since - ended).0);
-            if storm.whole_s.is_some() || (now - ended).0 > PATIENCE_S {
+            if storm.whole_s.is_some() || (now - ended).0 > whole_limit_s() + PATIENCE_S {
                 storm.span_s.1 = record.newest_s();
                 return storm;
             }
