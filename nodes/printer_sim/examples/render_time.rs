@@ -14,7 +14,7 @@ mod support;
 use models::gcode::Header;
 use models::motion::{Job, MotionParams, MoveKind, Segment, Step};
 use models::units::Seconds;
-use printer_sim::camera::{CameraParams, Frame, Look, Moment, Renderer, Rig, View};
+use printer_sim::camera::{Camera, CameraParams, Frame, Look, Moment, Renderer, Rig, View};
 use std::io::Cursor;
 use std::path::Path;
 use std::time::{Duration, Instant};

@@ -1,5 +1,6 @@
 //! From the node's parameters to a simulator with its job; reads the files that they name.
 
+use crate::node::darkroom::Darkroom;
 use crate::params::Params;
 use crate::run_params::{Chosen, ProcessKind, RunParams};
 use crate::scenario::Scenario;
@@ -85,7 +86,11 @@ pub fn load(parameters: &Parameters) -> Result<Loaded, LoadError> {
     let job = JobSource::from_gcode(&bytes, &header, &motion, params.wishes(run.layers, override_by));
     let quantum_m = params.simulator.sensors.encoder_quantum_m;
     let preheat = job.preheat;
+    let camera = params.camera.enabled.then(|| Darkroom::new(&params.camera, run.seed));
     let mut simulator = Simulator::new(params, job, &scenario, run.seed)?;
+    if let Some(camera) = camera {
+        simulator.fit(Box::new(camera));
+    }
     if run.warm {
         simulator.warm_up(&preheat);
     }

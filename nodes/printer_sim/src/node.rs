@@ -18,16 +18,18 @@ use runtime::{
 use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
 
+pub(crate) mod darkroom;
 mod wall;
 
 /// Step of the plant `[s]`.
 const STEP_S: f64 = 1e-3;
-/// Simulated time between two readings of `/clock`, and between two looks at the permits `[s]`.
-const CLOCK_PERIOD_S: f64 = 0.01;
-/// Steps between two readings of `/clock`.
-const STEPS_PER_CLOCK: u32 = 10;
-/// Readings of `/clock` between two messages of truth: 50 Hz.
-const CLOCKS_PER_TRUTH: u32 = 2;
+/// Simulated time between two looks at the permits `[s]`.
+const LOOK_PERIOD_S: f64 = 0.01;
+/// Steps between two looks.
+const STEPS_PER_LOOK: u32 = 10;
+/// Looks between two readings of `/clock`, and between two messages of truth: 50 Hz, the rate of the fastest timer on the
+/// graph. Each reading wakes every process.
+const LOOKS_PER_CLOCK: u32 = 2;
 
 /// Everything that the printer says.
 struct Outlets {
@@ -57,7 +59,7 @@ struct Shell {
     name: String,
     quantum_m: f64,
     segments: u64,
-    clocks: u32,
+    looks: u32,
 }
 
 /// Runs until a signal ends it; the printer stays on the graph after its job has ended.
@@ -91,7 +93,7 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
         name: node.name(),
         quantum_m,
         segments: 0,
-        clocks: 0,
+        looks: 0,
     };
     node.activated().await;
     shell.outlets.info.send(info);
@@ -137,10 +139,10 @@ fn of_now(now: Seconds, header: &Header) -> Result<(), Reason> {
     Ok(())
 }
 
-/// Wall time of one reading of the clock. What was missed is not made up for in a burst: the other nodes would see
+/// Wall time of one look. What was missed is not made up for in a burst: the other nodes would see
 /// simulated seconds pass in which they had no chance to act.
 fn pace(speed: f64) -> Interval {
-    let mut pace = interval(Duration::from_secs_f64(CLOCK_PERIOD_S / speed));
+    let mut pace = interval(Duration::from_secs_f64(LOOK_PERIOD_S / speed));
     pace.set_missed_tick_behavior(MissedTickBehavior::Delay);
     pace
 }
@@ -201,16 +203,18 @@ impl Shell {
     }
 
     fn advance(&mut self) {
-        for _ in 0..STEPS_PER_CLOCK {
+        for _ in 0..STEPS_PER_LOOK {
             self.simulator.step(Seconds(STEP_S));
         }
-        let now = self.simulator.now();
-        self.outlets.clock.send(Clock { clock: Time::from_seconds(now.0) });
+        self.looks += 1;
+        let reads = self.looks.is_multiple_of(LOOKS_PER_CLOCK);
+        if reads {
+            self.outlets.clock.send(Clock { clock: Time::from_seconds(self.simulator.now().0) });
+        }
         while let Some(output) = self.simulator.poll() {
             self.pass_on(output);
         }
-        self.clocks += 1;
-        if self.clocks.is_multiple_of(CLOCKS_PER_TRUTH) {
+        if reads {
             let motor_m = self.simulator.status().motor_position_m;
             let truth = convert::truth(self.simulator.truth(), motor_m, self.simulator.first_onset());
             self.outlets.truth.send(truth);

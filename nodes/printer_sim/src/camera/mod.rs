@@ -45,7 +45,7 @@ pub use image::Frame;
 pub use look::Look;
 pub use params::{CameraParams, FieldParams, RawCamera, Span, Style, StyleRanges, TextureKind};
 pub use render::{Renderer, View};
-pub use rig::{Moment, Rig, Shot};
+pub use rig::{Camera, Moment, Rig, Shot};
 pub use strands::{Tangle, blob, string};
 pub use synthesize::{Class, Example, synthesize};
 

@@ -38,6 +38,14 @@ pub struct Shot {
     pub jpeg: Vec<u8>,
 }
 
+/// What looks at the print: [`Rig`], or one at work elsewhere.
+pub trait Camera: Send {
+    /// Takes one step of the simulation, of a millisecond or so, in.
+    fn observe(&mut self, moment: &Moment);
+    /// The next frame that has arrived by now.
+    fn ready(&mut self, now: Seconds) -> Option<Shot>;
+}
+
 /// A straight piece of road that is still growing.
 #[derive(Debug, Clone, Copy)]
 struct Run {
@@ -83,28 +91,6 @@ impl Rig {
             failed: 0,
             waiting: VecDeque::new(),
         }
-    }
-
-    /// Takes one step of the simulation, of a millisecond or so, in.
-    pub fn observe(&mut self, moment: &Moment) {
-        let from_m = self.tool_m.replace(moment.tool_m).unwrap_or(moment.tool_m);
-        match moment.road_m {
-            Some(road_m) => self.extend(from_m, moment.tool_m, road_m),
-            None => self.finish(),
-        }
-        if moment.loose_m3 > 0.0 {
-            self.tangle.grow(&mut self.deposit, moment.tool_m, moment.loose_m3);
-        }
-        if self.period.due(moment.now) {
-            self.finish();
-            self.shoot(moment);
-        }
-    }
-
-    /// The next frame that has arrived by now.
-    pub fn ready(&mut self, now: Seconds) -> Option<Shot> {
-        let arrives_s = self.waiting.front()?.exposed.0 + self.delay_s;
-        if now.0 + 1e-6 >= arrives_s { self.waiting.pop_front() } else { None }
     }
 
     /// Joins steps that go straight on, so that a road is stamped once a few steps and not every step.
@@ -166,6 +152,28 @@ impl Rig {
     #[must_use]
     pub fn failed(&self) -> u64 {
         self.failed
+    }
+}
+
+impl Camera for Rig {
+    fn observe(&mut self, moment: &Moment) {
+        let from_m = self.tool_m.replace(moment.tool_m).unwrap_or(moment.tool_m);
+        match moment.road_m {
+            Some(road_m) => self.extend(from_m, moment.tool_m, road_m),
+            None => self.finish(),
+        }
+        if moment.loose_m3 > 0.0 {
+            self.tangle.grow(&mut self.deposit, moment.tool_m, moment.loose_m3);
+        }
+        if self.period.due(moment.now) {
+            self.finish();
+            self.shoot(moment);
+        }
+    }
+
+    fn ready(&mut self, now: Seconds) -> Option<Shot> {
+        let arrives_s = self.waiting.front()?.exposed.0 + self.delay_s;
+        if now.0 + 1e-6 >= arrives_s { self.waiting.pop_front() } else { None }
     }
 }
 

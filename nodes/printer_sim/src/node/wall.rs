@@ -1,6 +1,6 @@
 //! Shell of the wire machine: the same pace, clock and permits as a printer that extrudes.
 
-use super::{CLOCK_PERIOD_S, CLOCKS_PER_TRUTH, pace, permit};
+use super::{LOOK_PERIOD_S, LOOKS_PER_CLOCK, pace, permit};
 use crate::convert;
 use crate::load::LoadError;
 use crate::load::wall::{LoadedWall, load};
@@ -25,7 +25,7 @@ struct Shell {
     outlets: Outlets,
     refused: Refused,
     name: String,
-    clocks: u32,
+    looks: u32,
 }
 
 /// Runs until a signal ends it; the machine stays on the graph after its wall is done.
@@ -35,7 +35,7 @@ pub(super) async fn run(mut node: Node) -> Result<(), LoadError> {
     let outlets = Outlets::new(&mut node)?;
     let refused = Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name());
     let (work, diagnostics, name) = (node.work(), node.diagnostics(), node.name());
-    let mut shell = Shell { machine, outlets, refused, name, clocks: 0 };
+    let mut shell = Shell { machine, outlets, refused, name, looks: 0 };
     node.activated().await;
     shell.outlets.info.send(info);
     let mut pace = pace(speed);
@@ -77,13 +77,16 @@ impl Shell {
     }
 
     fn advance(&mut self) {
-        self.machine.step(Seconds(CLOCK_PERIOD_S));
-        self.outlets.clock.send(Clock { clock: Time::from_seconds(self.machine.now().0) });
+        self.machine.step(Seconds(LOOK_PERIOD_S));
+        self.looks += 1;
+        let reads = self.looks.is_multiple_of(LOOKS_PER_CLOCK);
+        if reads {
+            self.outlets.clock.send(Clock { clock: Time::from_seconds(self.machine.now().0) });
+        }
         while let Some(output) = self.machine.poll() {
             self.pass_on(output);
         }
-        self.clocks += 1;
-        if self.clocks.is_multiple_of(CLOCKS_PER_TRUTH) {
+        if reads {
             self.outlets.truth.send(convert::wire_truth(&self.machine.truth()));
         }
     }

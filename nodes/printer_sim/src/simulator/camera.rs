@@ -1,7 +1,7 @@
 //! The camera on the tool head, where one is fitted.
 
 use super::Simulator;
-use crate::camera::{Moment, Rig};
+use crate::camera::{Camera, Moment};
 use crate::output::Output;
 use crate::plant::Road;
 use std::f64::consts::FRAC_PI_4;
@@ -10,19 +10,19 @@ impl Simulator {
     /// Shows the camera what was laid in this step; `outlet_before_m` is the truth's `outlet_m` before it.
     pub(super) fn photograph(&mut self, road: Option<Road>, outlet_before_m: f64) {
         let tool_m = self.tool_m();
-        let Some(rig) = &mut self.camera else { return };
+        let Some(camera) = &mut self.camera else { return };
         let truth = &self.truth;
         let nominal_m2 = FRAC_PI_4 * self.params.plant.extruder.filament_diameter_m.powi(2);
         let left_m3 = (truth.outlet_m - outlet_before_m) * truth.gain * nominal_m2;
         let [x_m_s, y_m_s, _] = self.motion.velocity_m_s;
-        rig.observe(&Moment {
+        camera.observe(&Moment {
             now: self.now,
             tool_m,
             velocity_m_s: [x_m_s, y_m_s],
             road_m: road.map(|road| (truth.width_m, road.height_m)),
             loose_m3: if truth.detached { left_m3.max(0.0) } else { 0.0 },
         });
-        while let Some(shot) = rig.ready(self.now) {
+        while let Some(shot) = camera.ready(self.now) {
             self.outputs.push_back(Output::Frame {
                 exposed: shot.exposed,
                 sequence: shot.sequence,
@@ -31,9 +31,8 @@ impl Simulator {
         }
     }
 
-    /// The camera, where one is fitted.
-    #[must_use]
-    pub fn camera(&self) -> Option<&Rig> {
-        self.camera.as_deref()
+    /// Puts another camera in the place of its own, before the first step.
+    pub fn fit(&mut self, camera: Box<dyn Camera>) {
+        self.camera = Some(camera);
     }
 }
