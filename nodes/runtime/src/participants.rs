@@ -67,12 +67,10 @@ fn echo(environment: &Environment) -> Result<DomainParticipant, RuntimeError> {
     Ok(echo)
 }
 
-/// Whether the loopback interface was told to carry multicast (`ip link set lo multicast on`).
+/// Whether the loopback interface was told to carry multicast (`ip link set lo multicast on`), in this process's own
+/// network namespace: `/sys` may show another one.
 pub(crate) fn lo_has_multicast() -> bool {
-    const IFF_MULTICAST: u32 = 0x1000;
-    let flags = std::fs::read_to_string("/sys/class/net/lo/flags").unwrap_or_default();
-    u32::from_str_radix(flags.trim().trim_start_matches("0x"), 16)
-        .is_ok_and(|flags| flags & IFF_MULTICAST != 0)
+    netdev::get_interfaces().iter().any(|interface| interface.is_loopback() && interface.is_multicast())
 }
 
 /// Port of a participant's discovery: RTPS 2.5, 9.6.2.3, `PB + DG domain + d1 + PG participant`. Domains up to 232 and

@@ -81,6 +81,9 @@ const fn transient_local(depth: usize) -> End {
 /// is away for 0.1 s at 100 Hz.
 pub const SENSOR: Qos = Qos { offered: reliable(10), requested: best_effort(10) };
 
+/// Beats: four of five may be lost before anybody is missed, so nobody acknowledges them.
+pub const BEAT: Qos = Qos { offered: reliable(10), requested: best_effort(10) };
+
 /// Results of which none may be lost; the depth covers 1 s of short moves at 500 Hz and two times real time.
 pub const RELIABLE: Qos = Qos { offered: reliable(1000), requested: reliable(1000) };
 

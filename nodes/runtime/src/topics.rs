@@ -140,7 +140,7 @@ pub const EVENTS: Topic<PrintEvent> = Topic::new("events", qos::RELIABLE);
 /// What is being printed.
 pub const PRINT_INFO: Topic<PrintInfo> = Topic::new("print/info", qos::LATCHED);
 /// Proof of work of all nodes.
-pub const HEARTBEAT: Topic<Heartbeat> = Topic::new("heartbeat", qos::STANDARD);
+pub const HEARTBEAT: Topic<Heartbeat> = Topic::new("heartbeat", qos::BEAT);
 /// What the simulated printer really does: tests and reports only.
 pub const SIM_TRUTH: Topic<SimTruth> = Topic::new("sim/truth/state", qos::SENSOR);
 /// What the simulated wire process really is: tests and reports only.
