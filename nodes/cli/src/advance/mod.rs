@@ -7,7 +7,7 @@ mod measured;
 mod plant_line;
 pub mod predict;
 pub mod train;
-mod turns;
+pub(crate) mod turns;
 
 use crate::config::ConfigDir;
 use crate::process;

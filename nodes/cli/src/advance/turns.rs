@@ -113,7 +113,7 @@ fn read(folder: &std::path::Path, motion: &MotionParams, buffers: &[u32]) -> any
 }
 
 /// The path under a look-ahead of the buffer alone: a longer one would tell the future by its speeds.
-fn planned(bytes: &[u8], motion: &MotionParams, buffered: u32) -> Path {
+pub(crate) fn planned(bytes: &[u8], motion: &MotionParams, buffered: u32) -> Path {
     let lookahead_moves = (buffered as usize).max(LOOKAHEAD_MIN);
     let steps = Job::from_bytes(bytes, &MotionParams { lookahead_moves, ..*motion });
     let pieces = steps.filter_map(|step| match step {

@@ -1,5 +1,6 @@
 //! `fdm bench`: measured figures beside a peer's, or beside their target.
 
+mod advance;
 mod controller;
 mod estimator;
 mod graph;
@@ -34,6 +35,8 @@ enum What {
     Controller(PeerArgs),
     /// Steps of the simulated plant beside plain Python's; the whole loop of `fdm sim`.
     Sim(PeerArgs),
+    /// One answer of the advance predictor: the pressure advance of a condition, an update of the foresight of turns.
+    Advance(AdvanceArgs),
     /// A process of the other benchmarks.
     #[command(hide = true)]
     Load(load::LoadArgs),
@@ -71,6 +74,20 @@ pub struct GraphArgs {
     /// File to print.
     #[arg(long, default_value = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode")]
     gcode: PathBuf,
+    /// Write the figures to a file, or to standard output with `-`.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
+/// The advance predictor.
+#[derive(Debug, Args)]
+pub struct AdvanceArgs {
+    /// File whose path is followed.
+    #[arg(long, default_value = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode")]
+    gcode: PathBuf,
+    /// Folder with the parameter files.
+    #[arg(long)]
+    config: Option<PathBuf>,
     /// Write the figures to a file, or to standard output with `-`.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -178,6 +195,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
         What::Estimator(estimator) => (&estimator.json, estimator::run(estimator)),
         What::Controller(controller) => (&controller.json, controller::run(controller)),
         What::Sim(sim) => (&sim.json, sim::run(sim)),
+        What::Advance(advance) => (&advance.json, advance::run(advance)),
     };
     let json = Json::new(json.as_deref());
     json.check()?;
