@@ -15,6 +15,13 @@ pub struct AdvancePrediction {
     pub advance_s: f64,
     /// Half width of its 95 % interval `[s]`. Range `[0, inf)`; invalid where advance_known is false.
     pub advance_half_width_s: f64,
+    /// The same as a law over the filament's feed `u`: its linear part `[s]`. Range `[0, 10]`; invalid where
+    /// advance_known is false.
+    pub advance_linear_s: f64,
+    /// Scale of the melt's part `a u^(index - 1)` `[m (s/m)^index]`. Range `[0, 10]`; invalid where advance_known is false.
+    pub advance_shear_m: f64,
+    /// Flow index of the melt `[-]`. Range `(0, 1]`; invalid where advance_known is false.
+    pub advance_index: f64,
     /// One of SOURCE_*. Range `[0, 1]`; invalid where advance_known is false.
     pub source: u8,
     /// The conditions lie inside the networks' data. Invalid where advance_known is false.

@@ -31,7 +31,7 @@ pub fn printer(wire: &PrinterState) -> Result<(Seconds, Event), WireError> {
             high: TARGET_MAX_C,
         });
     }
-    Ok((stamp, Event::Target(Celsius(value))))
+    Ok((stamp, Event::Target(stamp, Celsius(value))))
 }
 
 /// What is known at `now`.
@@ -41,6 +41,9 @@ pub fn prediction(now: Seconds, output: &Output) -> AdvancePrediction {
         wire.advance_known = true;
         wire.advance_s = advance.advance().0;
         wire.advance_half_width_s = advance.half_width().0;
+        wire.advance_linear_s = advance.law.linear_s;
+        wire.advance_shear_m = advance.law.shear;
+        wire.advance_index = advance.law.index;
         wire.in_hull = advance.prediction.source == Source::Network;
         wire.source = match advance.prediction.source {
             Source::Network => AdvancePrediction::SOURCE_NETWORK,
@@ -77,8 +80,8 @@ mod tests {
         let sound =
             PrinterState { header: Header::at(12.5), hotend_target_degc: 210.0, ..PrinterState::default() };
         storm(&sound, printer, |(stamp, event)| {
-            let Event::Target(target) = event else { return false };
-            is_a_stamp(*stamp) && all(&[target.0], 0.0, TARGET_MAX_C)
+            let Event::Target(at, target) = event else { return false };
+            is_a_stamp(*stamp) && at == stamp && all(&[target.0], 0.0, TARGET_MAX_C)
         });
     }
 }

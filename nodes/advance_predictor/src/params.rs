@@ -4,6 +4,7 @@ use crate::compensation::Bounds;
 use crate::turn::TurnParams;
 use models::advance::{Condition, DriveKind};
 use models::params::{ParamError, in_range, positive};
+use models::units::Seconds;
 use serde::Deserialize;
 use std::path::PathBuf;
 
@@ -21,10 +22,20 @@ pub struct Params {
     pub bounds: Bounds,
     /// Changes of the conditions that are answered anew.
     pub steps: Steps,
+    /// Time after which an answer is said again.
+    #[serde(deserialize_with = "repeat")]
+    pub repeat_s: Seconds,
     /// Changes of speed that are printed.
     pub speeds: SpeedParams,
     /// Foresight of turns.
     pub turn: TurnParams,
+}
+
+/// A time between 50 ms and a minute.
+fn repeat<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Seconds, D::Error> {
+    let repeat_s = f64::deserialize(deserializer)?;
+    in_range("repeat_s", repeat_s, "s", (0.05, 60.0)).map_err(serde::de::Error::custom)?;
+    Ok(Seconds(repeat_s))
 }
 
 /// Changes of speed that are printed. Built only from a valid [`RawSpeeds`].

@@ -5,6 +5,7 @@ use crate::params::Params;
 use crate::speeds::Speeds;
 use crate::turn::{Foresight, Piece, TurnNetwork, Watcher};
 use models::advance::Condition;
+use models::command::AdvanceLaw;
 use models::motion::{MoveKind, Segment};
 use models::units::{Celsius, Seconds};
 use std::f64::consts::FRAC_PI_4;
@@ -14,8 +15,8 @@ use std::f64::consts::FRAC_PI_4;
 pub enum Event {
     /// A move begins; those behind it are not known yet.
     Move(Segment),
-    /// The hot end's set-point; 0 degC is off.
-    Target(Celsius),
+    /// The hot end's set-point at a time; 0 degC is off.
+    Target(Seconds, Celsius),
 }
 
 /// A `K_A` and what it is meant for.
@@ -25,6 +26,8 @@ pub struct Advance {
     pub prediction: Prediction,
     /// Its condition; the width is the road's cross section over its height.
     pub at: Condition,
+    /// The answer over the feed, at whatever speed is printed.
+    pub law: AdvanceLaw,
     /// Lag over the changes of speed that are printed over the lag over those of the test line `[-]`.
     pub speeds: f64,
 }
@@ -78,6 +81,10 @@ pub struct AdvancePredictor {
     road_m: Option<[f64; 2]>,
     advance: Option<Advance>,
     turn: Option<Foresight>,
+    /// First set-point after the move that the turn was foreseen in.
+    turn_since: Option<Seconds>,
+    /// When set-points made the last word, or might have.
+    said: Option<Seconds>,
     refused: Option<Unanswered>,
     counts: Counts,
 }
@@ -97,12 +104,15 @@ impl AdvancePredictor {
             road_m: None,
             advance: None,
             turn: None,
+            turn_since: None,
+            said: None,
             refused: None,
             counts: Counts::default(),
         }
     }
 
-    /// Takes an event in; a move always yields an output, a set-point where it changes the answer.
+    /// Takes an event in; a move always yields an output, a set-point where it changes the answer, and from time to time
+    /// where it does not: a road may be long, and who is silent counts as dead.
     pub fn on_event(&mut self, event: Event) -> Option<Output> {
         match event {
             Event::Move(segment) => {
@@ -113,9 +123,17 @@ impl AdvancePredictor {
                 self.see_speeds(&segment);
                 Some(self.output())
             }
-            Event::Target(target) => {
+            Event::Target(now, target) => {
                 self.target = (target.0 > 0.0).then_some(target);
-                self.answer().then(|| self.output())
+                self.come_nearer(now);
+                let changed = self.answer();
+                let due =
+                    self.said.is_none_or(|said| !(0.0..self.params.repeat_s.0).contains(&(now - said).0));
+                if !(changed || due) {
+                    return None;
+                }
+                self.said = Some(now);
+                (changed || self.advance.is_some()).then(|| self.output())
             }
         }
     }
@@ -139,6 +157,17 @@ impl AdvancePredictor {
             }
             self.watcher.push(piece);
             self.turn = self.watcher.foresee(&self.network, 0.0);
+            self.turn_since = None;
+        }
+    }
+
+    /// The turn foreseen at the start of the move is nearer by the time since then.
+    fn come_nearer(&mut self, now: Seconds) {
+        let since = self.turn_since.replace(now);
+        if let (Some(turn), Some(since)) = (&mut self.turn, since) {
+            let left_s = (turn.lead.0 - (now - since).0.max(0.0)).max(0.0);
+            turn.way_m *= if turn.lead.0 > 0.0 { left_s / turn.lead.0 } else { 1.0 };
+            turn.lead = Seconds(left_s);
         }
     }
 
@@ -187,7 +216,10 @@ impl AdvancePredictor {
         let was_known = self.advance.is_some();
         self.refused = answered.err();
         let speeds = self.advance.map_or(1.0, |before| before.speeds);
-        self.advance = answered.ok().map(|prediction| Advance { prediction, at, speeds });
+        self.advance = answered.ok().and_then(|prediction| {
+            let law = self.compensation.law(&self.params.polymer, &at, prediction.advance)?;
+            Some(Advance { prediction, at, law, speeds })
+        });
         match &self.advance {
             Some(advance) if advance.prediction.source == crate::compensation::Source::Physics => {
                 self.counts.outside_hull += 1;

@@ -5,9 +5,13 @@
 //! corner the wrong `K_A` costs more: a change of speed `dv` leaves `(K - K_A) dv` of filament out of place. So a change
 //! is slow on a straight, fast while a turn is foreseen, so that it is over before the speed falls, and at once where
 //! nothing is laid (`v = 0`). It never slows the tool.
+//!
+//! A host that executes trims of coming moves gets the foretold law over the feed with each of them instead: then no
+//! `K_A` changes while a road is laid.
 
 use crate::params::{AdvanceSource, RawAdvance};
 use learning::Learning;
+use models::command::AdvanceLaw;
 use models::status::PrinterStatus;
 use models::units::Seconds;
 
@@ -29,6 +33,8 @@ pub struct Foretold {
     pub advance_s: f64,
     /// Half width of its 95 % interval `[s]`, 0 or more.
     pub half_width_s: f64,
+    /// The same over the feed.
+    pub law: AdvanceLaw,
     /// Who says so.
     pub basis: Basis,
 }
@@ -59,7 +65,7 @@ impl Prediction {
     pub(crate) fn is_valid(&self) -> bool {
         let size = |value: f64| value.is_finite() && value >= 0.0;
         self.stamp.0.is_finite()
-            && self.advance.is_none_or(|k| size(k.advance_s) && size(k.half_width_s))
+            && self.advance.is_none_or(|k| size(k.advance_s) && size(k.half_width_s) && k.law.is_valid())
             && self.turn.is_none_or(|turn| (0.0..=1.0).contains(&turn.probability) && size(turn.lead.0))
     }
 }
@@ -114,8 +120,8 @@ impl Advance {
 
     /// Follows feed and outlet, for what frames will show of them.
     pub(crate) fn on_status(&mut self, status: &PrinterStatus) {
-        if let Some(foretold_s) = self.foretold_s(status.stamp.0) {
-            self.learning.on_status(status, foretold_s);
+        if let Some(foretold) = self.foretold(status.stamp.0) {
+            self.learning.on_status(status, &foretold);
         }
     }
 
@@ -130,6 +136,11 @@ impl Advance {
         self.held_s = None;
     }
 
+    /// The foretold law for a coming move, with what was learnt; `None` where it is missing, stale or doubtful.
+    pub(crate) fn law(&self, now_s: f64) -> Option<AdvanceLaw> {
+        Some(self.foretold(now_s)?.law.scaled(self.learning.factor()))
+    }
+
     /// The advance to send at `now_s`; `nominal_s` is the material's constant.
     pub(crate) fn command(&mut self, now_s: f64, status: &PrinterStatus, nominal_s: f64) -> Option<f64> {
         self.report.sent_s = match self.settings.source {
@@ -141,18 +152,18 @@ impl Advance {
         self.report.sent_s
     }
 
-    /// `K_A` in use of what was foretold `[s]`; `None` where it is missing, stale or doubtful.
-    fn foretold_s(&self, now_s: f64) -> Option<f64> {
+    /// What was foretold; `None` where it is missing, stale or doubtful.
+    fn foretold(&self, now_s: f64) -> Option<Foretold> {
         let newest = self.newest.filter(|newest| now_s - newest.stamp.0 <= self.settings.age_limit_s)?;
         let foretold = newest.advance?;
         let sure = foretold.half_width_s <= self.settings.doubt_max * foretold.advance_s;
-        sure.then_some(foretold.advance_s)
+        sure.then_some(foretold)
     }
 
     fn predicted(&mut self, now_s: f64, status: &PrinterStatus) -> Option<f64> {
         let dt_s = (now_s - self.at_s).max(0.0);
         self.at_s = now_s;
-        let Some(foretold_s) = self.foretold_s(now_s) else {
+        let Some(Foretold { advance_s: foretold_s, .. }) = self.foretold(now_s) else {
             self.report.without += 1;
             self.held_s = None;
             return None;

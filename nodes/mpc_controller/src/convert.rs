@@ -3,6 +3,7 @@
 use fdm_loop_msgs::{
     AdvancePrediction, BeadWidth, FilamentMotion, LayerHeight, MotionSegment, PrinterState, StateEstimate,
 };
+use models::command::AdvanceLaw;
 use models::motion::Segment;
 use models::units::Seconds;
 use runtime::Reason;
@@ -64,6 +65,11 @@ fn foretold(message: &AdvancePrediction) -> Result<Foretold, WireError> {
     Ok(Foretold {
         advance_s: within("advance_s", message.advance_s, ADVANCE_MAX_S)?,
         half_width_s: within("advance_half_width_s", message.advance_half_width_s, ADVANCE_MAX_S)?,
+        law: AdvanceLaw {
+            linear_s: within("advance_linear_s", message.advance_linear_s, ADVANCE_MAX_S)?,
+            shear: within("advance_shear_m", message.advance_shear_m, ADVANCE_MAX_S)?,
+            index: within("advance_index", message.advance_index, 1.0)?,
+        },
         basis: match message.source {
             AdvancePrediction::SOURCE_NETWORK => Basis::Network,
             AdvancePrediction::SOURCE_PHYSICS => Basis::Physics,
@@ -140,6 +146,9 @@ mod tests {
             advance_known: true,
             advance_s: 0.5,
             advance_half_width_s: 0.1,
+            advance_linear_s: 0.4,
+            advance_shear_m: 1e-3,
+            advance_index: 0.5,
             turn_known: true,
             turn_expected: true,
             turn_probability: 0.5,
@@ -151,7 +160,12 @@ mod tests {
             let advance = read.advance.as_ref();
             let turn = read.turn.as_ref();
             is_a_stamp(*stamp)
-                && advance.is_none_or(|read| all(&[read.advance_s, read.half_width_s], 0.0, ADVANCE_MAX_S))
+                && advance.is_none_or(|read| {
+                    let law = [read.law.linear_s, read.law.shear];
+                    all(&[read.advance_s, read.half_width_s], 0.0, ADVANCE_MAX_S)
+                        && all(&law, 0.0, ADVANCE_MAX_S)
+                        && all(&[read.law.index], 0.0, 1.0)
+                })
                 && turn.is_none_or(|read| all(&[read.probability], 0.0, 1.0) && read.lead.0.is_finite())
         });
     }

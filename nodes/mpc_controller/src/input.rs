@@ -24,7 +24,6 @@ pub struct Estimate {
 }
 
 /// What the controller reacts to.
-#[expect(clippy::large_enum_variant, reason = "an event is passed by value once and never stored")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
     /// A new estimate; a command follows at once.

@@ -203,7 +203,12 @@ fn printer() -> Sample<PrinterState> {
 
 fn prediction() -> Sample<AdvancePrediction> {
     Sample {
-        sound: AdvancePrediction { advance_known: true, advance_s: 0.5, ..AdvancePrediction::default() },
+        sound: AdvancePrediction {
+            advance_known: true,
+            advance_s: 0.5,
+            advance_index: 0.5,
+            ..AdvancePrediction::default()
+        },
         header: |message| &mut message.header,
         set: |message, value| message.advance_s = value,
         out_of_range: 100.0,

@@ -5,7 +5,7 @@ use super::ensemble::Ensemble;
 use crate::network::training::mean;
 use models::advance::published::Published;
 use models::advance::{Condition, DriveKind, Physics};
-use models::units::Celsius;
+use models::units::{Celsius, Seconds};
 use serde::Serialize;
 
 /// Largest error that counts as near `[s]`: the paper's deviation.
@@ -100,6 +100,8 @@ pub struct Widths {
     pub best: f64,
     /// With the foretold one.
     pub foretold: f64,
+    /// With the same as a law over the feed.
+    pub foretold_law: f64,
 }
 
 /// Judges an ensemble on lines that it was not trained with.
@@ -212,7 +214,7 @@ fn broken(ensemble: &Ensemble, lines: &[Line], along: Along) -> (usize, usize) {
 fn widths(ensemble: &Ensemble, physics: &Physics, data: &DataParams, held_out: &[&Line]) -> Widths {
     // Evenly over the held-out lines.
     let stride = (held_out.len() / WIDTHS).max(1);
-    let printed: Vec<[f64; 3]> = held_out
+    let printed: Vec<[f64; 4]> = held_out
         .iter()
         .step_by(stride)
         .take(WIDTHS)
@@ -220,9 +222,16 @@ fn widths(ensemble: &Ensemble, physics: &Physics, data: &DataParams, held_out: &
             let foretold_s = ensemble.predict(&line.polymer, &line.at)?.advance.0;
             let printer = physics.line(ensemble.drive(), &line.polymer, &line.at, data.step())?;
             let rms = |advance_s: f64| printer.errors(advance_s).map(|errors| errors.rms);
-            Some([rms(0.0)?, rms(line.true_s)?, rms(foretold_s)?])
+            let law = physics.law(ensemble.drive(), &line.polymer, &line.at, Seconds(foretold_s))?;
+            Some([rms(0.0)?, rms(line.true_s)?, rms(foretold_s)?, printer.errors_by_law(&law)?.rms])
         })
         .collect();
     let column = |place: usize| mean(printed.iter().map(|row| row[place]));
-    Widths { count: printed.len(), none: column(0), best: column(1), foretold: column(2) }
+    Widths {
+        count: printed.len(),
+        none: column(0),
+        best: column(1),
+        foretold: column(2),
+        foretold_law: column(3),
+    }
 }

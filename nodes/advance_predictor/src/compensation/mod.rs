@@ -13,6 +13,7 @@ pub mod training;
 pub use ensemble::{Ensemble, Hull};
 
 use models::advance::{Condition, DriveKind, Physics};
+use models::command::AdvanceLaw;
 use models::extruder::StaticLaw;
 use models::params::{ParamError, in_range};
 use models::units::Seconds;
@@ -142,6 +143,12 @@ impl Predictor {
             half_width: Seconds(advance_s * self.bounds.0.physics_doubt),
             source: Source::Physics,
         })
+    }
+
+    /// An answer as a law over the feed, see [`Physics::law`].
+    #[must_use]
+    pub fn law(&self, polymer: &str, at: &Condition, advance: Seconds) -> Option<AdvanceLaw> {
+        self.physics.law(self.drive(), polymer, at, advance)
     }
 
     /// Static law and outlet speed over head speed of a condition; `None` for a polymer that is not known.

@@ -10,6 +10,11 @@ fn predictor() -> AdvancePredictor {
     AdvancePredictor::new(params.clone(), shipped(params.drive), network)
 }
 
+/// A set-point, all at one time.
+fn target(celsius: f64) -> Event {
+    Event::Target(Seconds(1.0), Celsius(celsius))
+}
+
 fn road(start_mm: [f64; 2], end_mm: [f64; 2], width_mm: f64) -> Event {
     let length_m = 1e-3 * (end_mm[0] - start_mm[0]).hypot(end_mm[1] - start_mm[1]);
     Event::Move(Segment {
@@ -33,7 +38,7 @@ fn road(start_mm: [f64; 2], end_mm: [f64; 2], width_mm: f64) -> Event {
 #[test]
 fn the_answer_is_for_the_roads_cross_section() {
     let mut predictor = predictor();
-    assert!(predictor.on_event(Event::Target(Celsius(215.0))).is_none());
+    assert!(predictor.on_event(target(215.0)).is_none());
     let output = predictor.on_event(road([0.0, 0.0], [10.0, 0.0], 0.45)).unwrap();
     let advance = output.advance.unwrap();
     assert!((advance.at.width_m - 4.070_796e-4).abs() < 1e-9, "{advance:?}");
@@ -46,12 +51,12 @@ fn the_answer_is_for_the_roads_cross_section() {
 #[test]
 fn a_changed_set_point_is_told_and_an_equal_one_is_not() {
     let mut predictor = predictor();
-    _ = predictor.on_event(Event::Target(Celsius(215.0)));
+    _ = predictor.on_event(target(215.0));
     let warm = predictor.on_event(road([0.0, 0.0], [10.0, 0.0], 0.45)).unwrap();
-    assert!(predictor.on_event(Event::Target(Celsius(215.2))).is_none());
-    let hot = predictor.on_event(Event::Target(Celsius(225.0))).unwrap();
+    assert!(predictor.on_event(target(215.2)).is_none());
+    let hot = predictor.on_event(target(225.0)).unwrap();
     assert!(hot.advance.unwrap().prediction.advance < warm.advance.unwrap().prediction.advance);
-    let off = predictor.on_event(Event::Target(Celsius(0.0))).unwrap();
+    let off = predictor.on_event(target(0.0)).unwrap();
     assert!(off.advance.is_none());
     assert_eq!(predictor.counts().unanswered, 0);
 }
@@ -60,7 +65,7 @@ fn a_changed_set_point_is_told_and_an_equal_one_is_not() {
 #[test]
 fn conditions_out_of_bounds_are_counted() {
     let mut predictor = predictor();
-    _ = predictor.on_event(Event::Target(Celsius(215.0)));
+    _ = predictor.on_event(target(215.0));
     let output = predictor.on_event(road([0.0, 0.0], [10.0, 0.0], 4.0)).unwrap();
     assert!(output.advance.is_none());
     assert_eq!((predictor.counts().unanswered, predictor.refused()), (1, Some(Unanswered::Bounds)));
@@ -70,7 +75,7 @@ fn conditions_out_of_bounds_are_counted() {
 #[test]
 fn a_repeated_square_is_foreseen_without_any_buffer() {
     let mut predictor = predictor();
-    _ = predictor.on_event(Event::Target(Celsius(215.0)));
+    _ = predictor.on_event(target(215.0));
     let corners = [[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0], [0.0, 0.0]];
     let (mut right, mut all) = (0, 0);
     for layer in 0..4 {
@@ -90,4 +95,22 @@ fn a_repeated_square_is_foreseen_without_any_buffer() {
         }
     }
     assert!(all == 144 && right >= 137, "{right} of {all}");
+}
+
+/// A road of 180 mm takes seconds in which no move begins: its word is said again each second, the turn nearer by as much.
+#[test]
+fn a_word_is_said_again_while_a_road_lasts() {
+    let mut predictor = predictor();
+    let at = |time_s| Event::Target(Seconds(time_s), Celsius(215.0));
+    assert!(predictor.on_event(at(10.0)).is_none(), "nothing is known yet");
+    let said = predictor.on_event(road([0.0, 0.0], [180.0, 0.0], 0.45)).unwrap();
+    assert!(predictor.on_event(at(10.02)).is_none());
+    assert!(predictor.on_event(at(10.98)).is_none());
+    let again = predictor.on_event(at(11.02)).unwrap();
+    assert_eq!(again.advance, said.advance);
+    let [first, second] = [said, again].map(|output| output.turn.unwrap().lead.0);
+    assert!((first - second - 1.0).abs() < 1e-9, "{first} {second}");
+    assert!(predictor.on_event(at(11.04)).is_none());
+    // Time that jumps back is no reason to be silent.
+    assert!(predictor.on_event(at(3.0)).is_some());
 }

@@ -124,8 +124,8 @@ fn text(trained: &Trained) -> String {
         ));
         let widths = &figures.widths;
         lines.push(format!(
-            "  width RMS    none {:.4}, best {:.4}, foretold {:.4}, over {} conditions held out",
-            widths.none, widths.best, widths.foretold, widths.count
+            "  width RMS    none {:.4}, best constant {:.4}, foretold {:.4}, as a law over the feed {:.4}, over {} conditions held out",
+            widths.none, widths.best, widths.foretold, widths.foretold_law, widths.count
         ));
     }
     lines.extend(trained.turns.iter().map(FileFigures::text));

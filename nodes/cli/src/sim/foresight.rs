@@ -42,7 +42,7 @@ impl Foresight {
             self.sum_s.0 += status.advance_s;
             self.sum_s.1 += 1.0;
         }
-        self.predictor.as_mut()?.on_event(Event::Target(status.hotend_target))
+        self.predictor.as_mut()?.on_event(Event::Target(status.stamp, status.hotend_target))
     }
 
     /// What became of the pressure advance.
@@ -63,6 +63,7 @@ pub(super) fn told(stamp: Seconds, output: &Output) -> Prediction {
     let advance = output.advance.map(|advance| Foretold {
         advance_s: advance.advance().0,
         half_width_s: advance.half_width().0,
+        law: advance.law,
         basis: match advance.prediction.source {
             Source::Network => Basis::Network,
             Source::Physics => Basis::Physics,

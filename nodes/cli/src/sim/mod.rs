@@ -135,6 +135,10 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     let mut setup = config.load(&choice)?;
     if let Some(moves) = args.buffer {
         setup.motion = setup.motion.with_buffer(moves as usize);
+        // What is planned is not known farther ahead either.
+        let executor = &mut setup.simulated.simulator.executor;
+        executor.plan_moves = executor.plan_moves.min(moves as usize);
+        executor.serial_buffer_moves = executor.serial_buffer_moves.min(moves as usize);
     }
     let file = if args.material.is_some() { file.with_set_points(&setup) } else { file };
     let names = Names {

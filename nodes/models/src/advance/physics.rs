@@ -7,6 +7,7 @@ use serde::Deserialize;
 use super::drive::{Condition, Drive, DriveKind, Polymer};
 use super::line::TestLine;
 use super::virtual_line::{Best, VirtualLine};
+use crate::command::AdvanceLaw;
 use crate::units::Seconds;
 
 /// The block `advance_physics`.
@@ -52,6 +53,20 @@ impl Physics {
     #[must_use]
     pub fn best(&self, kind: DriveKind, polymer: &str, at: &Condition, step: Seconds) -> Option<Best> {
         self.line(kind, polymer, at, step)?.best()
+    }
+
+    /// A compensation as a law over the feed: the drive's own, scaled so that `advance` is its secant between the speeds
+    /// of the test line. One `K_A` holds at one speed alone; `None` for a polymer that is not known.
+    #[must_use]
+    pub fn law(
+        &self,
+        kind: DriveKind,
+        polymer: &str,
+        at: &Condition,
+        advance: Seconds,
+    ) -> Option<AdvanceLaw> {
+        let law = self.drive(kind).law(self.polymers.get(polymer)?, at);
+        Some(law.advance().scaled(advance.0 / self.secant_s(kind, polymer, at)?))
     }
 
     /// The same in closed form, within 2 %: the secant of the static law between the speeds of the test line `[s]`.

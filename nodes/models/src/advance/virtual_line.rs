@@ -3,6 +3,7 @@
 use super::drive::{Condition, Drive, Polymer};
 use super::line::TestLine;
 use super::width::{Tally, WidthErrors};
+use crate::command::AdvanceLaw;
 use crate::extruder::{Pressure, StaticLaw};
 use crate::units::Seconds;
 
@@ -66,8 +67,26 @@ impl VirtualLine {
         tally.errors()
     }
 
+    /// The same with a law of the advance over the feed: `v_in = v0 + d(K_A(v0) v0)/dt`.
+    #[must_use]
+    pub fn errors_by_law(&self, law: &AdvanceLaw) -> Option<WidthErrors> {
+        let mut tally = Tally::default();
+        self.print_holding(
+            |feed_m_s| law.held_m(feed_m_s),
+            |_, wanted_m_s, laid_m_s, dt| {
+                tally.add(laid_m_s / wanted_m_s - 1.0, wanted_m_s * dt.0 / self.per_way);
+            },
+        );
+        tally.errors()
+    }
+
     /// Prints the line: for each step its middle, wanted and laid outlet speed `[m/s]`, and its length.
-    pub fn print(&self, advance_s: f64, mut step: impl FnMut(Seconds, f64, f64, Seconds)) {
+    pub fn print(&self, advance_s: f64, step: impl FnMut(Seconds, f64, f64, Seconds)) {
+        self.print_holding(|feed_m_s| advance_s * feed_m_s, step);
+    }
+
+    /// Prints it with an advance that holds so much filament compressed at a feed `[m/s]` `[m]`.
+    fn print_holding(&self, held_m: impl Fn(f64) -> f64, mut step: impl FnMut(Seconds, f64, f64, Seconds)) {
         let knots = self.line.knots_m_s();
         let mut pressure = Pressure::steady(&self.law, self.per_way * knots[0]);
         let mut start_s = 0.0;
@@ -81,7 +100,9 @@ impl VirtualLine {
             for index in 0..steps {
                 let middle_s = (f64::from(index) + 0.5) * dt.0;
                 let wanted_m_s = self.per_way * knots[part] + slope * middle_s;
-                let laid_m = pressure.step(&self.law, wanted_m_s + advance_s * slope, dt);
+                let half_m_s = 0.5 * slope * dt.0;
+                let pushed_m = held_m(wanted_m_s + half_m_s) - held_m(wanted_m_s - half_m_s);
+                let laid_m = pressure.step(&self.law, wanted_m_s + pushed_m / dt.0, dt);
                 step(Seconds(start_s + middle_s), wanted_m_s, laid_m / dt.0, dt);
             }
             start_s = end_s;

@@ -43,13 +43,21 @@ impl AdvanceLaw {
         if feed_m_s > 0.0 { self.held_m(feed_m_s) / feed_m_s } else { 0.0 }
     }
 
+    /// Lag of what is held at a feed `[m/s]` above 0, the slope of the law `[s]`.
+    #[must_use]
+    pub fn lag_s(&self, feed_m_s: f64) -> f64 {
+        self.linear_s + self.shear * self.index * feed_m_s.powf(self.index - 1.0)
+    }
+
     /// The same law with both parts times `factor` `[-]`.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self { linear_s: self.linear_s * factor, shear: self.shear * factor, ..*self }
     }
 
-    fn is_valid(&self) -> bool {
+    /// Whether all of it is finite and physical.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
         let size = |value: f64| value.is_finite() && value >= 0.0;
         size(self.linear_s) && size(self.shear) && self.index > 0.0 && self.index <= 1.0
     }
@@ -166,6 +174,8 @@ mod tests {
         for feed_m_s in [1e-4, 2e-3, 1e-2] {
             let ratio = law.scaled(0.5).advance_s(feed_m_s) / law.advance_s(feed_m_s);
             assert!((ratio - 0.5).abs() < 1e-12, "{ratio}");
+            let rise_m = law.held_m(1.001 * feed_m_s) - law.held_m(0.999 * feed_m_s);
+            assert!((rise_m / (2e-3 * feed_m_s) / law.lag_s(feed_m_s) - 1.0).abs() < 1e-6);
         }
         assert!(law.advance_s(0.0).abs() < f64::EPSILON);
     }

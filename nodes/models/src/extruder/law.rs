@@ -2,6 +2,7 @@
 
 use super::Extruder;
 use super::lag::fading_mean;
+use crate::command::AdvanceLaw;
 use crate::melt::Melt;
 use crate::units::{Kelvin, Seconds};
 
@@ -62,6 +63,12 @@ impl StaticLaw {
     #[must_use]
     pub fn force_n(&self, outlet_m_s: f64) -> f64 {
         self.force_scale * outlet_m_s.powf(self.flow_index)
+    }
+
+    /// Pressure advance that holds compressed what this law asks at every outlet speed.
+    #[must_use]
+    pub fn advance(&self) -> AdvanceLaw {
+        AdvanceLaw { linear_s: self.linear_lag_s, shear: self.compression_scale, index: self.flow_index }
     }
 
     /// Local lag dx/du `[s]` at an outlet speed `[m/s]` above 0.

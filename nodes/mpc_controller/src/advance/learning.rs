@@ -1,21 +1,32 @@
 //! Learns how far the foretold `K_A` is off, from the widths of roads whose speed has just changed.
 //!
-//! With `K y' + y = v + K_A v'` and `u` the same feed behind the lag alone, the width error is
-//! `e = r_w (K_A - K)/K (1 - u/v)`. With `K = rho K_0`, `K_A = kappa K_0`, `K_0` foretold, and `h = r_w (1 - u/v)` behind
-//! the lag that is believed now, `f K_0`, that is `kappa h - f e = rho h` near `f = rho`: a line through widths, whose slope
-//! is `rho`. A constant part of `e` (diameter, slip) is no lag: slopes are taken about the means. The prior is `rho = 1`.
+//! At a feed v the drive holds `kappa L(v)` compressed, `L` the foretold law; the printer needs `rho L(u)` at an outlet u.
+//! Near `rho = kappa = f`, the factor that is believed, the printer is `f L'(v) y' + y = L(v)`, and the width error is
+//! `e = r_w (kappa - rho)/f (L(v) - y)/(L'(v) v)`. With `h = r_w (L(v) - y)/(L'(v) v)` that is `kappa h - f e = rho h`: a line
+//! through widths, whose slope is `rho`. For one `K_0`, `L = K_0 v` and `h = r_w (1 - u/v)`, u the feed behind the lag. A
+//! constant part of `e` (diameter, slip) is no lag: slopes are taken about the means. The prior is `rho = 1`.
 
+use super::Foretold;
 use crate::params::RawLearning;
 use models::bead::ROUND_SIDES;
+use models::command::AdvanceLaw;
 use models::extruder::LinearLag;
-use models::status::PrinterStatus;
+use models::status::{HostProfile, PrinterStatus};
 use models::units::Seconds;
 use std::collections::VecDeque;
 
 /// A smaller relative change from status to status is none.
 const CALM: f64 = 0.01;
+/// Slower feeds count as this one where the law is steep `[m/s]`: a tenth of what a slow road takes.
+const SLOW_M_S: f64 = 1e-4;
 /// Statuses kept to meet a frame: 1.6 s at 50 Hz.
 const STATUSES: usize = 80;
+
+/// Whether laws attached to moves are executed: a permit lets them act, and the host attaches them.
+fn is_ahead(status: &PrinterStatus) -> bool {
+    let attaches = matches!(status.host, HostProfile::Native | HostProfile::Serial);
+    attaches && status.trims.advance_s.is_some()
+}
 
 /// A moment at which a road was laid.
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +34,7 @@ struct Moment {
     stamp_s: f64,
     /// Since when a road has been laid without a break `[s]`.
     since_s: f64,
-    /// Since when the feed has been constant `[s]`.
+    /// Since when the feed has been constant `[s]`; for ever where the drive smooths around the present.
     calm_since_s: f64,
     target_width_m: f64,
     /// `h`: what a relative error of `K_A` does to the relative width `[-]`.
@@ -48,7 +59,8 @@ struct Sums {
 #[derive(Debug, Clone)]
 pub(crate) struct Learning {
     settings: RawLearning,
-    outlet_m_s: f64,
+    /// y: what the printer holds over the factor `[m]`.
+    held_m: f64,
     before: Option<(f64, f64)>,
     since_s: Option<f64>,
     calm_since_s: f64,
@@ -60,12 +72,22 @@ impl Learning {
     pub(crate) fn new(settings: RawLearning) -> Self {
         Self {
             settings,
-            outlet_m_s: 0.0,
+            held_m: 0.0,
             before: None,
             since_s: None,
             calm_since_s: f64::NEG_INFINITY,
             moments: VecDeque::with_capacity(STATUSES),
             sums: Sums::default(),
+        }
+    }
+
+    /// L and `kappa` of what is executed: the law of the moves, which carry the factor believed, else one K.
+    fn executed(&self, status: &PrinterStatus, foretold: &Foretold) -> (AdvanceLaw, f64) {
+        if is_ahead(status) {
+            (foretold.law, self.factor())
+        } else {
+            let one = AdvanceLaw { linear_s: foretold.advance_s, shear: 0.0, index: 1.0 };
+            (one, status.advance_s / foretold.advance_s)
         }
     }
 
@@ -82,8 +104,8 @@ impl Learning {
         factor.clamp(1.0 - self.settings.reach, 1.0 + self.settings.reach)
     }
 
-    /// Follows the feed behind a lag of `foretold_s`.
-    pub(crate) fn on_status(&mut self, status: &PrinterStatus, foretold_s: f64) {
+    /// Follows the feed behind the foretold lag.
+    pub(crate) fn on_status(&mut self, status: &PrinterStatus, foretold: &Foretold) {
         let stamp_s = status.stamp.0;
         let feed_m_s = (status.planned_feed_m_s * status.trims.flow * status.trims.speed).max(0.0);
         let (before_s, before_m_s) = self.before.replace((stamp_s, feed_m_s)).unwrap_or((stamp_s, feed_m_s));
@@ -91,14 +113,17 @@ impl Learning {
         if (feed_m_s - before_m_s).abs() > CALM * feed_m_s.max(before_m_s) {
             self.calm_since_s = stamp_s;
         }
-        if !(foretold_s > 0.0 && (0.0..=foretold_s).contains(&dt_s)) {
-            self.outlet_m_s = feed_m_s;
+        let (law, share) = self.executed(status, foretold);
+        let wanted_m = law.held_m(feed_m_s);
+        if !(foretold.advance_s > 0.0 && (0.0..=foretold.advance_s).contains(&dt_s)) {
+            self.held_m = wanted_m;
             self.since_s = None;
             return;
         }
         let factor = self.factor();
-        let lag = LinearLag { lag_s: factor * foretold_s };
-        self.outlet_m_s = lag.step_ramp(self.outlet_m_s, (before_m_s, feed_m_s), Seconds(dt_s));
+        let slope_s = |at_m_s: f64| law.lag_s(at_m_s.max(SLOW_M_S));
+        let lag = LinearLag { lag_s: factor * slope_s(0.5 * (before_m_s + feed_m_s)) };
+        self.held_m = lag.step_ramp(self.held_m, (law.held_m(before_m_s), wanted_m), Seconds(dt_s));
         let (Some(target_width_m), Some(height_m), true) =
             (status.target_width_m, status.layer_height_m, status.depositing && feed_m_s > 0.0)
         else {
@@ -113,10 +138,10 @@ impl Learning {
         self.moments.push_back(Moment {
             stamp_s,
             since_s,
-            calm_since_s: self.calm_since_s,
+            calm_since_s: if is_ahead(status) { f64::NEG_INFINITY } else { self.calm_since_s },
             target_width_m,
-            lever: (1.0 - self.outlet_m_s / feed_m_s) * (1.0 - sides),
-            share: status.advance_s / foretold_s,
+            lever: (wanted_m - self.held_m) / (slope_s(feed_m_s) * feed_m_s) * (1.0 - sides),
+            share,
             factor,
         });
     }
@@ -125,7 +150,7 @@ impl Learning {
     pub(crate) fn on_width(&mut self, exposed_s: f64, width_m: f64) {
         let after = self.moments.partition_point(|moment| moment.stamp_s < exposed_s);
         let Some(moment) = self.moments.get(after).copied() else { return };
-        // In a ramp the drive's smoothing and the nozzle's flat show, which are no lag of the melt.
+        // In a ramp the smoothing of a drive that only sees the present shows, which is no lag of the melt.
         let settled = moment.stamp_s - moment.since_s >= self.settings.settle_s
             && moment.stamp_s - moment.calm_since_s >= self.settings.calm_s;
         if moment.stamp_s - exposed_s > self.settings.pairing_s

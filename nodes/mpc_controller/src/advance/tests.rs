@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::params::RawLearning;
-use models::command::Trims;
+use models::command::{AdvanceLaw, Trims};
 use models::status::{HostProfile, JobPhase};
 use models::units::Celsius;
 
@@ -68,8 +68,10 @@ pub(crate) fn status(stamp_s: f64, feed_m_s: f64) -> PrinterStatus {
     }
 }
 
+const LAW: AdvanceLaw = AdvanceLaw { linear_s: 0.4, shear: 1e-3, index: 0.5 };
+
 fn word(stamp_s: f64, advance_s: f64, turn: Option<Turn>) -> Prediction {
-    let advance = Some(Foretold { advance_s, half_width_s: 0.02, basis: Basis::Network });
+    let advance = Some(Foretold { advance_s, half_width_s: 0.02, law: LAW, basis: Basis::Network });
     Prediction { stamp: Seconds(stamp_s), advance, turn }
 }
 
@@ -105,9 +107,18 @@ fn a_stale_word_is_not_used() {
 #[test]
 fn a_doubtful_word_is_not_used() {
     let mut advance = Advance::new(SETTINGS);
-    let doubtful = Foretold { advance_s: 0.6, half_width_s: 0.2, basis: Basis::Physics };
+    let doubtful = Foretold { advance_s: 0.6, half_width_s: 0.2, law: LAW, basis: Basis::Physics };
     advance.on_prediction(Prediction { advance: Some(doubtful), ..word(0.0, 0.6, None) });
     assert_eq!(sent(&mut advance, 0.0), None);
+    assert_eq!(advance.law(0.0), None);
+}
+
+/// A coming move gets the law as it was foretold while nothing was learnt; a stale one is not attached.
+#[test]
+fn a_coming_move_gets_the_foretold_law() {
+    let advance = holding(0.6);
+    assert_eq!(advance.law(5.0), Some(LAW));
+    assert_eq!(advance.law(5.05), None);
 }
 
 #[test]
@@ -165,8 +176,10 @@ fn other_sources_ask_no_predictor() {
 
 #[test]
 fn words_that_are_no_numbers_are_invalid() {
-    let foretold = |advance_s, half_width_s| Foretold { advance_s, half_width_s, basis: Basis::Network };
-    for bad in [foretold(f64::NAN, 0.0), foretold(-0.1, 0.0), foretold(0.6, f64::INFINITY)] {
+    let foretold =
+        |advance_s, half_width_s| Foretold { advance_s, half_width_s, law: LAW, basis: Basis::Network };
+    let still = Foretold { law: AdvanceLaw { index: 0.0, ..LAW }, ..foretold(0.6, 0.1) };
+    for bad in [foretold(f64::NAN, 0.0), foretold(-0.1, 0.0), foretold(0.6, f64::INFINITY), still] {
         assert!(!Prediction { advance: Some(bad), ..word(0.0, 0.6, None) }.is_valid());
     }
     assert!(!word(f64::NAN, 0.6, None).is_valid());

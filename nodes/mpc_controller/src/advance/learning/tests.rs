@@ -2,11 +2,19 @@
 
 use super::super::tests::{LEARNING, status};
 use super::*;
+use crate::advance::Basis;
 use models::advance::Compensation;
+use models::command::Trims;
+use models::extruder::{Pressure, StaticLaw};
 
 const FORETOLD_S: f64 = 0.6;
 const HEIGHT_M: f64 = 2e-4;
 const TARGET_M: f64 = 4.5e-4;
+
+fn foretold() -> Foretold {
+    let law = AdvanceLaw { linear_s: FORETOLD_S, shear: 0.0, index: 1.0 };
+    Foretold { advance_s: FORETOLD_S, half_width_s: 0.02, law, basis: Basis::Network }
+}
 
 /// Feed that swings between 1 and 3 mm/s, 4 s a period, in ramps.
 fn feed_m_s(at_s: f64) -> f64 {
@@ -26,7 +34,7 @@ fn learnt(reach: f64, lag_s: f64, (offset, for_s): (f64, f64)) -> f64 {
         at_s = 0.02 * f64::from(step);
         let (before, now) = (feed_m_s(at_s - 0.02), feed_m_s(at_s));
         state = plant.step(state, (before, now), Seconds(0.02));
-        learning.on_status(&status(at_s, now), FORETOLD_S);
+        learning.on_status(&status(at_s, now), &foretold());
         // 2 Hz against 4 s would meet the same eight places for ever.
         if step.is_multiple_of(23) {
             let section = plant.outlet(state, now) / now;
@@ -70,8 +78,34 @@ fn frames_in_a_ramp_are_left_out() {
     for step in 0..2000_u32 {
         let at_s = 0.02 * f64::from(step);
         // 2 % more with every status, from anew each second.
-        learning.on_status(&status(at_s, 1e-3 * 1.02_f64.powf(f64::from(step % 50))), FORETOLD_S);
+        learning.on_status(&status(at_s, 1e-3 * 1.02_f64.powf(f64::from(step % 50))), &foretold());
         learning.on_width(at_s, 0.8 * TARGET_M);
     }
     assert!((learning.factor() - 1.0).abs() < 1e-12, "{}", learning.factor());
+}
+
+/// A printer whose law is 1.2 times the foretold one, `0.3 u + 1e-2 u^0.5` (secant 0.416 s from 1 to 3 mm/s), gets the law
+/// with each move: the factor meets 1.2 but for the prior, 0.05, and moves with what is learnt.
+#[test]
+fn the_factor_meets_a_law_over_the_feed() {
+    let law = AdvanceLaw { linear_s: 0.3, shear: 1e-2, index: 0.5 };
+    let foretold = Foretold { advance_s: 0.416, law, ..foretold() };
+    let plant = StaticLaw::of_compression(0.5, 1.2 * law.shear, 1.2 * law.linear_s);
+    let mut pressure = Pressure::steady(&plant, feed_m_s(0.0));
+    let mut learning = Learning::new(RawLearning { reach: 0.4, ..LEARNING });
+    for step in 1..=10_000_u32 {
+        let at_s = 0.02 * f64::from(step);
+        let (before, now) = (feed_m_s(at_s - 0.02), feed_m_s(at_s));
+        let factor = learning.factor();
+        let pushed_m = factor * (law.held_m(now) - law.held_m(before));
+        let laid_m_s = pressure.step(&plant, 0.5 * (before + now) + pushed_m / 0.02, Seconds(0.02)) / 0.02;
+        let acting = Trims { advance_s: Some(0.5), ..Trims::NEUTRAL };
+        learning.on_status(&PrinterStatus { trims: acting, ..status(at_s, now) }, &foretold);
+        if step.is_multiple_of(23) {
+            let sides_m = HEIGHT_M * ROUND_SIDES;
+            let section = laid_m_s / (0.5 * (before + now));
+            learning.on_width(at_s - 0.01, section * (TARGET_M - sides_m) + sides_m);
+        }
+    }
+    assert!((learning.factor() - 1.2).abs() < 0.05, "{}", learning.factor());
 }
