@@ -55,9 +55,12 @@ pub struct Figures {
     pub advance_s: f64,
     /// Half width of its 95 % interval.
     pub half_width_s: f64,
-    /// Best K of this printer's pressure at the set-point, which only a simulation knows. The printer as a whole needs
-    /// more: its nozzle is colder than its block, and its drive smooths.
+    /// Best K of this printer, which only a simulation knows: of the pressure alone with `line` and `simulated`, by its own
+    /// true widths with `plant`.
     pub true_s: f64,
+    /// Best K of its pressure alone at the set-point. The printer as a whole needs more: its nozzle is colder than its
+    /// block, and its drive smooths.
+    pub pressure_s: f64,
     /// K foretold.
     pub foretold_s: f64,
     /// Half width of its 95 % interval.
@@ -97,6 +100,9 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
         // Of the plant it gives the truth to compare with, nothing else.
         Printer::Simulated | Printer::Plant => simulated(config, &setup, (&polymer, &at), &pattern)?,
     };
+    let no_best = || anyhow::anyhow!("no compensation is best");
+    let pressure_s = printer.best().ok_or_else(no_best)?.advance_s;
+    let mut true_s = pressure_s;
     let mut chance = Stream::new(args.seed);
     let start = (foretold.advance.0, at.width_m);
     let Calibrated { advance_s, half_width_s, lines } = match args.printer {
@@ -105,6 +111,7 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
             let loaded = config.load(&choice)?;
             let line = (setup.physics.test_line, at);
             let plant = PlantLine::new(loaded.simulated, loaded.motion, line, pattern.width_sigma_m());
+            true_s = plant.best_s(pressure_s)?;
             let mut seed = args.seed;
             let mut lines = |advance_s: f64| {
                 seed += 1;
@@ -114,7 +121,6 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
         }
         _ => calibrate(&printer, &pattern, start, &mut chance)?,
     };
-    let no_best = || anyhow::anyhow!("no compensation is best");
     let difference_s = foretold.advance.0 - advance_s;
     Ok(Figures {
         drive,
@@ -122,7 +128,8 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
         printer: args.printer,
         advance_s,
         half_width_s,
-        true_s: printer.best().ok_or_else(no_best)?.advance_s,
+        true_s,
+        pressure_s,
         foretold_s: foretold.advance.0,
         foretold_half_width_s: foretold.half_width.0,
         difference_s,
@@ -167,12 +174,12 @@ fn text(figures: &Figures) -> String {
         figures.foretold_half_width_s,
         if figures.agree { "they agree" } else { "they DIFFER: take the measured one, train with it" }
     ));
-    let of = match figures.printer {
-        Printer::Plant => {
-            " of the pressure alone at the set-point: a colder nozzle and a drive that smooths need more"
-        }
-        Printer::Line | Printer::Simulated => ", which a simulation alone knows",
-    };
-    lines.push(format!("K in truth   {:.4} s{of}", figures.true_s));
+    lines.push(format!("K in truth   {:.4} s, which a simulation alone knows", figures.true_s));
+    if figures.printer == Printer::Plant {
+        lines.push(format!(
+            "             {:.4} s of the pressure alone at the set-point: a colder nozzle and a drive that smooths need more",
+            figures.pressure_s
+        ));
+    }
     lines.join("\n")
 }
