@@ -4,6 +4,7 @@ use crate::advance::{Advance, Prediction};
 use crate::base::Base;
 use crate::catch_up::CatchUp;
 use crate::fallback::Ladder;
+use crate::flow_error::FlowError;
 use crate::input::{Estimate, Event, is_valid};
 use crate::nominal::Nominal;
 use crate::params::{Level, Params};
@@ -43,7 +44,7 @@ pub struct Controller {
     ladder: Ladder,
     saturation: Saturation,
     /// Slow mean of the flow error `[-]`.
-    flow_error: f64,
+    flow_error: FlowError,
     status: Option<PrinterStatus>,
     estimate: Option<Estimate>,
     /// Move in force, about the base.
@@ -85,7 +86,7 @@ impl Controller {
             transient: Transient::default(),
             ladder: Ladder::new(&params.health),
             saturation: Saturation::new(params.health, params.limits.low(), params.limits.high()),
-            flow_error: 0.0,
+            flow_error: FlowError::default(),
             status: None,
             estimate: None,
             held: [0.0; input::COUNT],
@@ -214,7 +215,7 @@ impl Controller {
         self.nominal.clear();
         self.base.clear();
         self.transient = Transient::default();
-        self.flow_error = 0.0;
+        self.flow_error = FlowError::default();
         self.catch_up.open();
         self.advance.rest();
         self.ladder.clear();

@@ -23,6 +23,7 @@ mod controller;
 pub mod convert;
 mod deadband;
 mod fallback;
+mod flow_error;
 mod input;
 #[cfg(feature = "ros")]
 pub mod node;

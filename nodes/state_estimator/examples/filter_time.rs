@@ -23,7 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Spread { alpha: 0.3, beta: 2.0, kappa: 0.0 },
     );
     let noise = SMatrix::from_diagonal(&[0.01, 0.04, 4e-4, 5.28e-11, 9e-6, 6.4e-7].into());
-    let drive = Drive { heater_power_w: 17.0, motor_speed_m_s: 1.8535e-3, fan: 1.0 };
+    let drive =
+        Drive { heater_power_w: 17.0, motor_speed_m_s: 1.8535e-3, filament_speed_m_s: None, fan: 1.0 };
     let road = Road { path_speed_m_s: 0.05, height_m: 2e-4 };
     let measurement = |value: f64, variance: f64| Measurement {
         value: Vector1::new(value),

@@ -6,6 +6,7 @@ use crate::engine::Engine;
 use crate::estimator::Inbox;
 use crate::health::Watch;
 use crate::history::Ring;
+use crate::measurement;
 use crate::params::Params;
 use crate::printer_model::{Drive, PrinterModel, State, state};
 use crate::ukf::{Gaussian, Health, Spread};
@@ -124,13 +125,14 @@ impl Filter {
         Some(())
     }
 
-    /// Belief carried from the newest status to `now_s`, as if the drive stayed what it was.
+    /// Belief carried from the newest status to `now_s`, as if motor and heater stayed what they were.
     pub(crate) fn outlook(&self, now_s: f64, status: &PrinterStatus) -> Option<Gaussian<{ state::COUNT }>> {
         let run = self.running.as_ref()?;
         let ahead_s = (now_s - run.at_s).max(0.0);
         let mut belief = *run.ukf.belief();
         if ahead_s > 0.0 {
-            belief.mean = self.model.step(&belief.mean, &run.drive, ahead_s);
+            let drive = Drive { filament_speed_m_s: None, ..run.drive };
+            belief.mean = self.model.step(&belief.mean, &drive, ahead_s);
             belief.covariance += self.noise(run, status, ahead_s);
         }
         // below zero the state is a stroke, not a flow
@@ -165,7 +167,7 @@ impl Filter {
             ),
             encoder_alive: false,
             at_s: status.stamp.0,
-            drive: self.drive(status, 0.0),
+            drive: self.drive(status, 0.0, None),
             flows: Ring::new(FLOWS),
             imbalance_m_s: flow_std_m_s,
             transient: Transient::default(),
@@ -173,9 +175,10 @@ impl Filter {
         }
     }
 
-    fn drive(&self, status: &PrinterStatus, motor_speed_m_s: f64) -> Drive {
+    fn drive(&self, status: &PrinterStatus, motor_speed_m_s: f64, filament_speed_m_s: Option<f64>) -> Drive {
         let duty = if status.mains_on { status.hotend_duty } else { 0.0 };
-        Drive { heater_power_w: duty * self.model.heater_power_w(), motor_speed_m_s, fan: status.fan }
+        let heater_power_w = duty * self.model.heater_power_w();
+        Drive { heater_power_w, motor_speed_m_s, filament_speed_m_s, fan: status.fan }
     }
 
     /// Goes from report to report: a stroke back and a stroke forth do not cancel, since only one of them slips.
@@ -192,7 +195,9 @@ impl Filter {
             let motor_speed_m_s =
                 motor_m.map_or(status.planned_feed_m_s, |before_m| (sample.motor_m - before_m) / dt_s);
             motor_m = Some(sample.motor_m);
-            run.drive = self.drive(status, motor_speed_m_s);
+            let settle_s = self.params.encoder.settle_s;
+            let told = measurement::filament_in_strokes(inbox, (run.at_s, sample.stamp_s), settle_s);
+            run.drive = self.drive(status, motor_speed_m_s, told.filter(|_| run.encoder_alive));
             let noise = self.noise(run, status, dt_s);
             let (model, drive) = (self.model, run.drive);
             if run.ukf.predict(&noise, |x| model.step(x, &drive, dt_s)) == Health::Diverged {

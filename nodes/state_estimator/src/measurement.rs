@@ -114,6 +114,19 @@ pub(crate) fn encoder(
     })
 }
 
+/// Mean speed of the filament past the encoder over an interval of strokes, or one within `settle_s` of a stroke back
+/// `[m/s]`.
+///
+/// Pressure advance drives the motor forth and back by several times what it feeds. Only strokes forth slip, so a slip
+/// that is known to a hundredth leaves a tenth of the flow open, and the encoder tells no slip there: it tells the flow.
+pub(crate) fn filament_in_strokes(inbox: &Inbox, (from_s, to_s): (f64, f64), settle_s: f64) -> Option<f64> {
+    let (slowest_m_s, _) = inbox.samples.speed_range(from_s - settle_s, to_s)?;
+    if slowest_m_s >= 0.0 {
+        return None;
+    }
+    Some((inbox.positions.value_at(to_s)? - inbox.positions.value_at(from_s)?) / (to_s - from_s))
+}
+
 /// What the filter remembers for a late frame.
 pub(crate) struct Past<'a> {
     pub(crate) flows: &'a Ring<(f64, f64)>,

@@ -37,6 +37,8 @@ pub struct Drive {
     pub heater_power_w: f64,
     /// Mean speed of the extruder motor as filament speed `[m/s]`, negative in a retraction.
     pub motor_speed_m_s: f64,
+    /// Mean speed of the filament past the encoder `[m/s]`, where it is to be believed rather than motor and slip.
+    pub filament_speed_m_s: Option<f64>,
     /// Part fan `[0, 1]`.
     pub fan: f64,
 }
@@ -125,8 +127,9 @@ impl PrinterModel {
             next[state::SENSOR] += step_s * rates.sensor_k;
             done += 1.0;
         }
-        next[state::FLOW] =
-            lagged(x[state::FLOW], self.filament_speed(x, drive.motor_speed_m_s), dt_s, self.lag_s);
+        let modelled = || self.filament_speed(x, drive.motor_speed_m_s);
+        let filament_m_s = drive.filament_speed_m_s.unwrap_or_else(modelled);
+        next[state::FLOW] = lagged(x[state::FLOW], filament_m_s, dt_s, self.lag_s);
         next
     }
 

@@ -59,6 +59,7 @@ fn ukf_cycle(set: &Set, given: Inputs<'_>) -> Result<Value, String> {
     let drive = Drive {
         heater_power_w: given.num("P_W")?,
         motor_speed_m_s: given.num("v_cmd_m_s")?,
+        filament_speed_m_s: None,
         fan: given.num("fan")?,
     };
     let road = Road { path_speed_m_s: given.num("v_xy_m_s")?, height_m: given.num("h_m")? };

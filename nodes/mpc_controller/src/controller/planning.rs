@@ -118,7 +118,7 @@ impl Controller {
         if ratio <= 0.0 {
             return None;
         }
-        let flow_error = self.flow_error;
+        let flow_error = self.flow_error.mean();
         let planned_m_s = status.planned_feed_m_s * self.base.feed();
         let ambient = Kelvin(self.params.ambient_k);
         let Printer { hotend, material, melt, .. } = &self.printer;
@@ -149,8 +149,7 @@ impl Controller {
                 true => settings.flow_averaging_s,
                 false => settings.flow_averaging_alone_s,
             };
-            let share = 1.0 - (-dt_s / averaging_s).exp();
-            self.flow_error += share * (estimate.flow_m_s / nominal_m_s - 1.0 - self.flow_error);
+            self.flow_error.follow((estimate.flow_m_s, nominal_m_s), dt_s, averaging_s);
         }
     }
 }

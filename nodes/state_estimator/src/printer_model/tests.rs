@@ -64,7 +64,12 @@ fn a_cycle_of_the_filter_agrees_with_the_reference() {
         Spread { alpha: 0.3, beta: 2.0, kappa: 0.0 },
     );
     let noise = SMatrix::from_diagonal(&[0.01, 0.04, 4e-4, 5.283_347_350_167_39e-11, 9e-6, 6.4e-7].into());
-    let drive = Drive { heater_power_w: 17.0, motor_speed_m_s: 0.001_853_509_270_126_897_8, fan: 1.0 };
+    let drive = Drive {
+        heater_power_w: 17.0,
+        motor_speed_m_s: 0.001_853_509_270_126_897_8,
+        filament_speed_m_s: None,
+        fan: 1.0,
+    };
     assert_eq!(filter.predict(&noise, |x| model.step(x, &drive, 0.05)), Health::Sound);
     let predicted = [491.001_849_956, 483.062_967_357, 490.505_490_058, 0.001_817_110_493, 0.02, 1.01];
     let spread = [1.006_456_737, 3.951_814_211, 0.978_701_063, 2.596_522_501e-9, 4.09e-4, 4.006_4e-4];
