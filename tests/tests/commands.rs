@@ -1,6 +1,9 @@
 //! The command `fdm` as a program that others script against: field names, figures, exit codes.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
+#[path = "commands/mistakes.rs"]
+mod mistakes;
+
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -243,56 +246,6 @@ fn a_file_is_surveyed_with_its_oddities() {
             assert!(warning["line"].as_u64().is_some() && warning["reason"].is_string(), "{name}: {warning}");
         }
     }
-}
-
-/// Whatever a person gets wrong: exit code 2 and one line that says what and where.
-#[test]
-fn mistakes_end_with_code_2_and_one_line() {
-    let file = gcode("prusa_cube_pla_marlin_relE.gcode");
-    std::fs::write(std::env::temp_dir().join("fdm_no_move.gcode"), "; nothing\n").unwrap();
-    let no_move = std::env::temp_dir().join("fdm_no_move.gcode").display().to_string();
-    let cases: [(&[&str], &str); 12] = [
-        (&["sim", "nowhere.gcode"], "nowhere.gcode"),
-        (&["sim", &file, "--scenario", "nope"], "slip09"),
-        (&["sim", &file, "--control", "pid"], "off, encoder or mpc"),
-        (&["sim", &file, "--seeds", "5..1"], "A..B"),
-        (&["sim", &file, "--material", "NYLON"], "PETG"),
-        (&["gcode", "nowhere.gcode"], "nowhere.gcode"),
-        (&["up", "--gcode", &file, "--speed", "0"], "[0.1, 20]"),
-        (&["sim", &file, "--config", "/nowhere"], "/nowhere"),
-        (&["sim", &no_move], "no move"),
-        (&["sim", &file, "--json", "/nowhere/x.json"], "/nowhere/x.json"),
-        (&["up", "--gcode", &file, "--control", "off,off"], "twice"),
-        (&["up", "--gcode", &file, "--json", "/nowhere/x.json"], "/nowhere/x.json"),
-    ];
-    for (arguments, told) in cases {
-        let output = run(arguments);
-        let text = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
-        assert_eq!(text.trim_end().lines().count(), 1, "{arguments:?}: {text}");
-        assert!(text.contains(told), "{arguments:?}: {text}");
-        assert!(output.stdout.is_empty());
-    }
-}
-
-/// A parameter out of range names file, line, field, value and range.
-#[test]
-fn a_bad_parameter_file_is_told_by_line() {
-    let folder = std::env::temp_dir().join(format!("fdm_config_{}", std::process::id()));
-    copy_folder(&root().join("config"), &folder).unwrap();
-    let path = folder.join("printers/ender3.yaml");
-    let text = std::fs::read_to_string(&path).unwrap();
-    std::fs::write(&path, text.replace("coupling_w_k: 0.45", "coupling_w_k: -0.45")).unwrap();
-    let line = text.lines().position(|line| line.contains("coupling_w_k")).unwrap() + 1;
-
-    let file = gcode("prusa_cube_pla_marlin_relE.gcode");
-    let output = run(&["sim", &file, "--config", folder.to_str().unwrap()]);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    std::fs::remove_dir_all(&folder).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{told}");
-    let expected =
-        format!("ender3.yaml:{line}: printer.hotend.coupling_w_k = -0.45 W/K: must be finite and > 0");
-    assert!(told.contains(&expected), "{told}");
 }
 
 /// In virtual time a solve ends by its iterations: with no time at all for one, the figures are the same.

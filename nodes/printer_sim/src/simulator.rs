@@ -1,6 +1,6 @@
 //! The simulated printer as a whole: job, drive, plant, firmware's heaters, sensors, dead-man.
 
-use crate::camera::{Camera, Rig};
+use crate::camera::Camera;
 use crate::drive::Drive;
 use crate::executor::{Coming, Executor, Motion, Sliced, Surroundings};
 use crate::fan::PartFan;
@@ -15,6 +15,7 @@ use crate::scenario::{Entry, Scenario};
 use crate::score::Score;
 use crate::sensors::{Noise, Pace, Thermometer, WidthGauge};
 use crate::toolhead::Toolhead;
+use elapsed::Elapsed;
 use link::Link;
 use models::command::{DeadMan, InForce, Mode, Permit, Refusal, Request, ScheduleGate, Trims};
 use models::motion::{MoveKind, Step};
@@ -24,6 +25,7 @@ use models::units::{Kelvin, Seconds};
 use std::collections::VecDeque;
 
 mod camera;
+mod elapsed;
 mod faults;
 mod link;
 mod schedule;
@@ -58,8 +60,7 @@ struct Paces {
 pub struct Simulator {
     params: Params,
     now: Seconds,
-    /// The same as a whole number `[ns]`: a sum of rounded steps would drift.
-    elapsed_ns: u64,
+    elapsed: Elapsed,
     executor: Executor,
     filament_m: f64,
     drive: Drive,
@@ -106,7 +107,7 @@ impl Simulator {
             |stream| Thermometer::new(sensors.temperature_sigma_k, Noise::new(seed, stream), plant.ambient());
         Ok(Self {
             now: Seconds(0.0),
-            elapsed_ns: 0,
+            elapsed: Elapsed::default(),
             executor: Executor::new(host.executor, job.steps, off),
             filament_m: job.filament_m,
             duty: (0.0, 0.0),
@@ -143,10 +144,7 @@ impl Simulator {
                 let noises = (Noise::new(seed, 5), Noise::new(seed, 6));
                 Imu::new(host.imu, (plant.structure, plant.impact), noises)
             }),
-            camera: params
-                .camera
-                .enabled
-                .then(|| Box::new(Rig::new(&params.camera, seed)) as Box<dyn Camera>),
+            camera: camera::of(&params.camera, seed),
             advance_s: host.firmware.advance_s,
             schedule_gate: ScheduleGate::new(Seconds(host.executor.schedule_validity_max_s)),
             scheduled: false,
@@ -174,15 +172,9 @@ impl Simulator {
         self.dead_man.on_permit(self.now, permit)
     }
 
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
-    fn later(&mut self, dt: Seconds) -> Seconds {
-        self.elapsed_ns += (dt.0 * 1e9).round() as u64;
-        Seconds(self.elapsed_ns as f64 / 1e9)
-    }
-
     /// Advances by `dt`, at most one millisecond if the figures are to count.
     pub fn step(&mut self, dt: Seconds) {
-        self.now = self.later(dt);
+        self.now = self.elapsed.step(dt);
         let before = std::mem::replace(&mut self.in_force, self.dead_man.in_force(self.now));
         // A person's resume ends the pause that the file itself asked for (`M0`, `M600`) as well.
         if before.request >= Request::Pause && self.in_force.request == Request::Run {

@@ -1,10 +1,15 @@
 //! The camera on the tool head, where one is fitted.
 
 use super::Simulator;
-use crate::camera::{Camera, Moment};
+use crate::camera::{Camera, CameraParams, Moment, Rig};
 use crate::output::Output;
 use crate::plant::Road;
 use std::f64::consts::FRAC_PI_4;
+
+/// The camera that the parameters fit, in the simulation's own thread.
+pub(super) fn of(params: &CameraParams, seed: u64) -> Option<Box<dyn Camera>> {
+    params.enabled.then(|| Box::new(Rig::new(params, seed)) as Box<dyn Camera>)
+}
 
 impl Simulator {
     /// Shows the camera what was laid in this step; `outlet_before_m` is the truth's `outlet_m` before it.
