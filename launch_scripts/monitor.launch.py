@@ -83,7 +83,10 @@ def nodes(context):
     fdm_launch.check_material(chosen["material"], chosen["config"])
     camera_values(chosen)
     bag = fdm_launch.new_bag(chosen, "monitor", chosen["mode"])
-    os.makedirs(os.path.dirname(latch_file(chosen)), exist_ok=True)
+    try:
+        os.makedirs(os.path.dirname(latch_file(chosen)), exist_ok=True)
+    except OSError as error:
+        raise RuntimeError(f"latch_file:={latch_file(chosen)}: {error.strerror}: name a folder that is yours") from error
     wanted = [name for name in NODES if name != "advance_predictor" or chosen["advance"] == "predicted"]
     return [fdm_launch.node(name, chosen, chosen["material"], values_of(name, chosen, bag)) for name in wanted]
 

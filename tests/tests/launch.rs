@@ -140,17 +140,20 @@ fn the_graph_beside_a_printer_is_the_same_under_launch_and_systemd() {
     }
     let bag = folder.join("bag");
     let bag = format!("bag:={}", bag.display());
-    let latch = "latch_file:=/var/lib/fdm_loop/latch.json";
+    let latch = format!("latch_file:={}", folder.join("latch.json").display());
     let launched =
-        processes(&launched("monitor", &[&bag, latch, "advance:=predicted", "namespace:=/printer"]));
+        processes(&launched("monitor", &[&bag, &latch, "advance:=predicted", "namespace:=/printer"]));
     let target = std::fs::read_to_string(root().join("launch_scripts/systemd/fdm_loop.target")).unwrap();
     for process in &launched {
         let node = process["node"].as_str().unwrap();
         assert!(target.contains(&format!("fdm_loop@{node}.service")), "{node} is not part of the target");
         std::fs::write(etc.join(format!("{node}.param.yaml")), "/**:\n  ros__parameters: {}\n").unwrap();
-        // Each its own bag; the unit's networks stand in the installed files; the launch argument chose the advance.
+        // Each its own bag and latch (/var/lib is root's); the unit's networks stand in the installed files; the launch
+        // argument chose the advance.
         let own = |line: &&str| {
-            !["bag_dir: ", "models.", "advance.source: "].iter().any(|key| line.starts_with(key))
+            !["bag_dir: ", "latch_file: ", "models.", "advance.source: "]
+                .iter()
+                .any(|key| line.starts_with(key))
         };
         let [ours, theirs] =
             [meaning(&unit(node, &etc)), meaning(process)].map(|[node, program, namespace, text]| {
