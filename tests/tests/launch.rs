@@ -162,10 +162,8 @@ fn the_graph_beside_a_printer_is_the_same_under_launch_and_systemd() {
         assert_eq!(ours, theirs);
         assert!(process["respawn"] == true && process["ends_all"] == false, "{node}");
         if node == "safety_supervisor" {
-            assert!(
-                meaning(&unit(node, &etc))[3].contains("latch_file: /var/lib/fdm_loop/"),
-                "a unit's own folder"
-            );
+            let [.., text] = meaning(&unit(node, &etc));
+            assert!(text.contains(r#"latch_file: "/var/lib/fdm_loop/"#), "the unit's own folder: {text}");
         }
     }
     assert_eq!(target.matches("fdm_loop@").count(), launched.len());
