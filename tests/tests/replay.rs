@@ -111,6 +111,23 @@ fn a_torn_bag_is_told_and_recovered() {
     assert_eq!((&mended["whole"], &mended["messages"]), (&true.into(), &held.into()), "{mended}");
     assert_eq!(mended["topics"], torn["topics"]);
     assert_eq!(json(&["recover", &bag])["files"][0]["outcome"], "sound");
+
+    // The finished file cut off in turn: what is whole is saved, the rest is kept beside.
+    let cut = std::fs::OpenOptions::new().write(true).open(file("torn_0.mcap")).unwrap();
+    cut.set_len(cut.metadata().unwrap().len() / 2).unwrap();
+    let salvaged = json(&["recover", &bag]);
+    let saved = salvaged["messages"].as_u64().unwrap();
+    assert!(salvaged["files"][0]["outcome"] == "recovered" && saved > 500 && saved < held, "{salvaged}");
+    assert!(file("torn_0.mcap.torn").is_file());
+    assert_eq!(json(&["bag", "info", &bag])["messages"], saved);
+
+    // No bag any more: it is told, and what the folder says of it stands.
+    std::fs::write(file("torn_0.mcap"), [0; 1000]).unwrap();
+    let before = std::fs::read_to_string(file("metadata.yaml")).unwrap();
+    let refused = fdm(&["recover", &bag]);
+    assert!(!refused.status.success());
+    assert_eq!(std::fs::read(file("torn_0.mcap")).unwrap(), [0; 1000]);
+    assert_eq!(std::fs::read_to_string(file("metadata.yaml")).unwrap(), before);
 }
 
 /// SIGKILL at random moments under 2 kHz IMU and 30 frames of 300 kB a second, half of them among splits and compactions:

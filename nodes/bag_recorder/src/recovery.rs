@@ -94,23 +94,51 @@ pub fn recover_all(folder: &Folder, leftover: &[u32], tally: &Tally, stop: &Atom
 /// # Errors
 /// A file that cannot be read at all, or a disk that refuses.
 pub fn recover(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<u64>, RecorderError> {
-    let layout = folder.layout();
-    let source = folder.path(&layout.active(number));
-    let half_made = layout.recovering(number);
+    let active = folder.layout().active(number);
+    let total = finished_from(folder, number, &folder.path(&active), stop)?;
+    if total.is_some() {
+        folder.remove(&active)?;
+    }
+    Ok(total)
+}
+
+/// The same for a finished file that was cut off or damaged since: it is kept beside, with the ending `.torn`, as what lies
+/// behind a damage may be read by other means.
+///
+/// # Errors
+/// As [`recover`]; the file is then where it was.
+pub fn salvage(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<u64>, RecorderError> {
+    let name = folder.layout().finished(number);
+    let (finished, torn) = (folder.path(&name), folder.path(&format!("{name}.torn")));
+    std::fs::rename(&finished, &torn).map_err(RecorderError::file("rename", &finished))?;
+    let total = finished_from(folder, number, &torn, stop);
+    if !matches!(total, Ok(Some(_))) {
+        std::fs::rename(&torn, &finished).map_err(RecorderError::file("rename", &torn))?;
+    }
+    total
+}
+
+/// Copies the whole records of `source` into a finished file; `None` where it was stopped.
+fn finished_from(
+    folder: &Folder,
+    number: u32,
+    source: &Path,
+    stop: &AtomicBool,
+) -> Result<Option<u64>, RecorderError> {
+    let half_made = folder.layout().recovering(number);
     let target = folder.path(&half_made);
-    let mut copy = BagFile::create(&target, Form::Indexed, number, layout.finished(number))?;
-    match copy_records(&source, &mut copy, stop)? {
-        Copied::Stopped => {
-            drop(copy);
-            folder.remove(&half_made)?;
-            Ok(None)
-        }
-        Copied::All => {
+    let mut copy = BagFile::create(&target, Form::Indexed, number, folder.layout().finished(number))?;
+    match copy_records(source, &mut copy, stop) {
+        Ok(Copied::All) => {
             let contents = copy.finish()?;
             let total = contents.total();
             folder.add(contents)?;
-            folder.remove(&layout.active(number))?;
             Ok(Some(total))
+        }
+        stopped => {
+            drop(copy);
+            folder.remove(&half_made)?;
+            stopped.map(|_| None)
         }
     }
 }

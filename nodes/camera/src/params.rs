@@ -208,33 +208,42 @@ pub struct CameraParams {
 #[allow(missing_docs, reason = "as the checked struct")]
 pub struct RawCameraParams {
     pub frame: String,
-    pub width_px: f64,
-    pub height_px: f64,
+    pub width_px: u32,
+    pub height_px: u32,
     pub scale_m: f64,
     pub working_distance_m: f64,
     pub rate_hz: f64,
     pub rate_max_hz: f64,
-    pub jpeg_quality: f64,
+    pub jpeg_quality: u8,
     pub stamp_future_max_s: f64,
     pub stamp_age_max_s: f64,
     pub lost_after_s: f64,
 }
 
+/// A whole number in a range.
+fn whole<T: Copy + Into<f64>>(
+    name: &'static str,
+    value: T,
+    unit: &'static str,
+    range: (f64, f64),
+) -> Result<T, ParamError> {
+    in_range(name, value.into(), unit, range).map(|_| value)
+}
+
 impl TryFrom<RawCameraParams> for CameraParams {
     type Error = ParamError;
 
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "each is in a small range")]
     fn try_from(raw: RawCameraParams) -> Result<Self, ParamError> {
         let rate_hz = in_range("rate_hz", raw.rate_hz, "Hz", (0.01, 120.0))?;
         Ok(Self {
             frame: raw.frame,
-            width_px: in_range("width_px", raw.width_px, "px", (64.0, 4096.0))? as u32,
-            height_px: in_range("height_px", raw.height_px, "px", (64.0, 4096.0))? as u32,
+            width_px: whole("width_px", raw.width_px, "px", (64.0, 4096.0))?,
+            height_px: whole("height_px", raw.height_px, "px", (64.0, 4096.0))?,
             scale_m: in_range("scale_m", raw.scale_m, "m", (5e-6, 1e-2))?,
             working_distance_m: in_range("working_distance_m", raw.working_distance_m, "m", (5e-3, 5.0))?,
             rate_hz,
             rate_max_hz: in_range("rate_max_hz", raw.rate_max_hz, "Hz", (rate_hz, 120.0))?,
-            jpeg_quality: in_range("jpeg_quality", raw.jpeg_quality, "-", (1.0, 100.0))? as u8,
+            jpeg_quality: whole("jpeg_quality", raw.jpeg_quality, "-", (1.0, 100.0))?,
             stamp_future_max_s: in_range("stamp_future_max_s", raw.stamp_future_max_s, "s", (0.0, 10.0))?,
             stamp_age_max_s: in_range("stamp_age_max_s", raw.stamp_age_max_s, "s", (0.01, 60.0))?,
             lost_after_s: in_range("lost_after_s", raw.lost_after_s, "s", (0.05, 600.0))?,

@@ -64,12 +64,28 @@ impl Json {
         let Some(path) = &self.0 else { return Ok(()) };
         self.check()?;
         let text = serde_json::to_string_pretty(figures)?;
-        if self.is_stdout() {
-            line(&text)
-        } else {
-            std::fs::write(path, text + "\n").with_context(|| path.display().to_string())
-        }
+        if self.is_stdout() { line(&text) } else { write_whole(path, &(text + "\n")) }
     }
+}
+
+/// Writes a file so that an older one of its name stands until the new one is whole: a disk may be full. What is no plain
+/// file is written to as it is.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
+    let told = || path.display().to_string();
+    if std::fs::symlink_metadata(path).is_ok_and(|found| !found.is_file()) {
+        return std::fs::write(path, text).with_context(told);
+    }
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.part", std::process::id()));
+    let half_made = path.with_file_name(name);
+    let written = std::fs::write(&half_made, text).and_then(|()| std::fs::rename(&half_made, path));
+    if written.is_err() {
+        _ = std::fs::remove_file(&half_made);
+    }
+    written.with_context(told)
 }
 
 /// Refuses an output that this command line names a second time, as an input or as another output.

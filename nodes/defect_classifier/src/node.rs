@@ -112,7 +112,12 @@ struct Setup {
 }
 
 impl Setup {
+    /// What is refused here are parameters and the files that they name.
     fn read(node: &Node) -> Result<Self, NodeError> {
+        Self::of(node).inspect_err(|_| node.refuse())
+    }
+
+    fn of(node: &Node) -> Result<Self, NodeError> {
         let parameters = node.raw_parameters();
         let params: Params = parameters.without(&SHARED).parse()?;
         node.check_parameters(|parameters| parameters.without(&SHARED).parse::<Params>().map(drop));

@@ -180,7 +180,7 @@ impl Node {
     pub fn parameters<T: DeserializeOwned + 'static>(&self) -> Result<T, RuntimeError> {
         self.check_parameters(|parameters| parameters.parse::<T>().map(drop));
         self.parameters.parse().map_err(|error| {
-            lock(&self.core.refused).store(true, Ordering::Relaxed);
+            self.refuse();
             RuntimeError::Parameters(error)
         })
     }
@@ -198,6 +198,11 @@ impl Node {
     #[must_use]
     pub fn live_parameters(&self, names: &'static [&'static str]) -> LiveParameters {
         self.core.store.declare(names)
+    }
+
+    /// A shell refuses what its parameters name, by an error of its own: the process ends as after a refused parameter.
+    pub fn refuse(&self) {
+        lock(&self.core.refused).store(true, Ordering::Relaxed);
     }
 
     /// Notes refused parameters in `refused` from now on.

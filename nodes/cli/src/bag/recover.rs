@@ -108,7 +108,10 @@ fn recover(bag: &Path) -> anyhow::Result<Figures> {
         figures.messages += file.messages.unwrap_or(0);
         figures.files.push(file);
     }
-    folder.set_active(None)?;
+    // What the bag says of a file that could not be read stands.
+    if figures.files.iter().all(|file| file.outcome != "unreadable") {
+        folder.set_active(None)?;
+    }
     Ok(figures)
 }
 
@@ -123,7 +126,13 @@ fn one(
         let messages = recovery::recover(folder, number, go_on)?;
         return Ok((messages.unwrap_or(0), "recovered"));
     }
-    let read = recovery::read_finished(folder, number)?;
+    let read = match recovery::read_finished(folder, number) {
+        Ok(read) => read,
+        Err(torn) => {
+            let salvaged = recovery::salvage(folder, number, go_on).map_err(|_| torn)?;
+            return Ok((salvaged.unwrap_or(0), "recovered"));
+        }
+    };
     let messages = read.contents.total();
     folder.add(read.contents)?;
     if read.indexed {

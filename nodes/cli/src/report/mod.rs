@@ -12,7 +12,7 @@ mod timeline;
 mod view;
 
 use crate::output;
-use anyhow::{Context, bail};
+use anyhow::bail;
 use bag::Bag;
 use clap::Args;
 use record::Record;
@@ -46,7 +46,7 @@ pub fn run(args: &ReportArgs) -> anyhow::Result<()> {
         check_out(&path, other)?;
     }
     let text = page_against(&args.bag, args.namespace.as_deref(), args.against.as_deref())?;
-    std::fs::write(&path, &text).with_context(|| path.display().to_string())?;
+    output::write_whole(&path, &text)?;
     output::line(&format!("{} ({})", path.display(), view::words::bytes(text.len() as u64)))
 }
 
