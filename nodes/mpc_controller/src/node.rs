@@ -132,6 +132,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     }
     let last = Command { sequence: newest.sequence + 1, trims: Trims::NEUTRAL, ..newest };
     commands.send(command_to_wire(clock.now(), &last));
+    node.spoken().await;
     Ok(())
 }
 

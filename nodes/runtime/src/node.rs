@@ -25,6 +25,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::task::{AbortHandle, JoinSet};
 
+/// Real time in which the middleware sends what was said last.
+const LAST_WORD: std::time::Duration = std::time::Duration::from_millis(50);
+
 /// A node of the graph; dropping it takes it from the graph.
 pub struct Node {
     core: Arc<Core>,
@@ -198,6 +201,11 @@ impl Node {
     #[must_use]
     pub fn live_parameters(&self, names: &'static [&'static str]) -> LiveParameters {
         self.core.store.declare(names)
+    }
+
+    /// Waits until a last word has left the process: RustDDS forgets a writer together with what it has not sent yet.
+    pub async fn spoken(&self) {
+        tokio::time::sleep(LAST_WORD).await;
     }
 
     /// A shell refuses what its parameters name, by an error of its own: the process ends as after a refused parameter.

@@ -70,6 +70,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let now = clock.now();
     if let Some(output) = shell.take(now, Event::Tick { now }) {
         shell.end(now, &output).await;
+        node.spoken().await;
     }
     Ok(())
 }
