@@ -110,6 +110,12 @@ pub fn recover(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option
 pub fn salvage(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<u64>, RecorderError> {
     let name = folder.layout().finished(number);
     let (finished, torn) = (folder.path(&name), folder.path(&format!("{name}.torn")));
+    let mut head = [0; mcap::MAGIC.len()];
+    let begun = File::open(&finished).and_then(|mut file| file.read_exact(&mut head));
+    begun.map_err(RecorderError::file("read", &finished))?;
+    if head != mcap::MAGIC {
+        return Err(RecorderError::mcap("read", &finished)(McapError::BadMagic));
+    }
     std::fs::rename(&finished, &torn).map_err(RecorderError::file("rename", &finished))?;
     let total = finished_from(folder, number, &torn, stop);
     if !matches!(total, Ok(Some(_))) {
