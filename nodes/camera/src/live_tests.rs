@@ -4,22 +4,14 @@ use crate::frames::{Frames, Refusal};
 use crate::params::{LIVE, Params};
 use crate::picture::tests::jpeg;
 use models::units::Seconds;
-use std::collections::BTreeMap;
 
 #[path = "../../runtime/tests/live/changed.rs"]
 mod changed;
 
 const SHIPPED: &str = include_str!("../../../config/camera.param.yaml");
 
-#[derive(serde::Deserialize)]
-struct File {
-    #[serde(rename = "ros__parameters")]
-    parameters: Params,
-}
-
 fn parsed(text: &str) -> Option<Params> {
-    let file: BTreeMap<String, File> = serde_saphyr::from_str(text).ok()?;
-    file.into_values().next().map(|file| file.parameters)
+    changed::parsed(text)
 }
 
 /// Whether one of ten frames at 20 Hz is left out.

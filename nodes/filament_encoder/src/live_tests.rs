@@ -3,22 +3,14 @@
 use super::*;
 use crate::params::LIVE;
 use models::units::Seconds;
-use std::collections::BTreeMap;
 
 #[path = "../../runtime/tests/live/changed.rs"]
 mod changed;
 
 const SHIPPED: &str = include_str!("../../../config/filament_encoder.param.yaml");
 
-#[derive(serde::Deserialize)]
-struct File {
-    #[serde(rename = "ros__parameters")]
-    parameters: Params,
-}
-
 fn parsed(text: &str) -> Option<Params> {
-    let file: BTreeMap<String, File> = serde_saphyr::from_str(text).ok()?;
-    file.into_values().next().map(|file| file.parameters)
+    changed::parsed(text)
 }
 
 /// Counts of a device that jumps after its first report, one after the other.

@@ -4,22 +4,14 @@ use crate::accelerometer::{Accelerometer, Report};
 use crate::params::{LIVE, Params};
 use crate::window::{GRAVITY_M_S2, Verdict};
 use models::units::Seconds;
-use std::collections::BTreeMap;
 
 #[path = "../../runtime/tests/live/changed.rs"]
 mod changed;
 
 const SHIPPED: &str = include_str!("../../../config/imu.param.yaml");
 
-#[derive(serde::Deserialize)]
-struct File {
-    #[serde(rename = "ros__parameters")]
-    parameters: Params,
-}
-
 fn parsed(text: &str) -> Option<Params> {
-    let file: BTreeMap<String, File> = serde_saphyr::from_str(text).ok()?;
-    file.into_values().next().map(|file| file.parameters)
+    changed::parsed(text)
 }
 
 /// 2 s of samples at a rate that the device states; the variance that tools were told last.

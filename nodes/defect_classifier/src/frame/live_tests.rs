@@ -3,22 +3,14 @@
 use super::tests::{jpeg, picture};
 use super::*;
 use crate::camera::tests::camera;
-use std::collections::BTreeMap;
 
 #[path = "../../../runtime/tests/live/changed.rs"]
 mod changed;
 
 const SHIPPED: &str = include_str!("../../../../config/defect_classifier.param.yaml");
 
-#[derive(Deserialize)]
-struct File {
-    #[serde(rename = "ros__parameters")]
-    parameters: crate::params::Params,
-}
-
 fn parsed(text: &str) -> Option<FrameChecks> {
-    let file: BTreeMap<String, File> = serde_saphyr::from_str(text).ok()?;
-    file.into_values().next().map(|file| file.parameters.checks)
+    changed::parsed(text).map(|parameters: crate::params::Params| parameters.checks)
 }
 
 /// Bars of levels 60 and 160, eight pixels wide: mean 110, sharp.

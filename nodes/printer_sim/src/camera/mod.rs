@@ -50,4 +50,4 @@ pub use strands::{Tangle, blob, string};
 pub use synthesize::{Class, Example, synthesize};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -21,7 +21,7 @@ struct Blocks {
     camera: CameraParams,
 }
 
-fn params() -> CameraParams {
+pub(crate) fn params() -> CameraParams {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/printer_sim.param.yaml");
     let mut nodes: BTreeMap<String, Node> =
         serde_saphyr::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();

@@ -96,26 +96,7 @@ fn develop(mut rig: Rig, rolls: &Receiver<Roll>, shots: &Sender<Option<Shot>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde::Deserialize;
-    use std::collections::BTreeMap;
-    use std::path::Path;
-
-    #[derive(Deserialize)]
-    struct Node {
-        #[serde(rename = "ros__parameters")]
-        parameters: Blocks,
-    }
-
-    #[derive(Deserialize)]
-    struct Blocks {
-        camera: CameraParams,
-    }
-
-    fn params() -> CameraParams {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/printer_sim.param.yaml");
-        let mut nodes: BTreeMap<String, Node> = runtime::params::from_yaml(&path).unwrap();
-        nodes.remove("/**").unwrap().parameters.camera
-    }
+    use crate::camera::tests::params;
 
     #[test]
     fn a_darkroom_hands_out_what_its_rig_would_at_the_same_times() {

@@ -1,5 +1,21 @@
 //! A shipped parameter file with one value changed: for the tables of what may change while a node is active.
 
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
+
+#[derive(Deserialize)]
+struct File<T> {
+    #[serde(rename = "ros__parameters")]
+    parameters: T,
+}
+
+/// The parameters of the one node of a file; `None` where they are refused.
+pub(super) fn parsed<T: DeserializeOwned>(text: &str) -> Option<T> {
+    let nodes: BTreeMap<String, File<T>> = serde_saphyr::from_str(text).ok()?;
+    nodes.into_values().next().map(|node| node.parameters)
+}
+
 /// The text with another value of a parameter, named as `ros2 param` names it.
 pub(super) fn changed(text: &str, name: &str, value: &str) -> String {
     let mut path: Vec<(usize, &str)> = Vec::new();
