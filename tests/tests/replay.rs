@@ -121,6 +121,13 @@ fn a_torn_bag_is_told_and_recovered() {
     assert!(file("torn_0.mcap.torn").is_file());
     assert_eq!(json(&["bag", "info", &bag])["messages"], saved);
 
+    // Cut off once more: what was kept the first time is not replaced.
+    let kept = std::fs::metadata(file("torn_0.mcap.torn")).unwrap().len();
+    let cut = std::fs::OpenOptions::new().write(true).open(file("torn_0.mcap")).unwrap();
+    cut.set_len(cut.metadata().unwrap().len() / 2).unwrap();
+    assert!(!fdm(&["recover", &bag]).status.success());
+    assert_eq!(std::fs::metadata(file("torn_0.mcap.torn")).unwrap().len(), kept);
+
     // No bag any more: it is told, and what the folder says of it stands.
     std::fs::write(file("torn_0.mcap"), [0; 1000]).unwrap();
     let before = std::fs::read_to_string(file("metadata.yaml")).unwrap();

@@ -116,6 +116,10 @@ pub fn salvage(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option
     if head != mcap::MAGIC {
         return Err(RecorderError::mcap("read", &finished)(McapError::BadMagic));
     }
+    if torn.exists() {
+        // What was kept from an earlier damage is not given up for this one.
+        return Err(RecorderError::file("keep", &torn)(std::io::ErrorKind::AlreadyExists.into()));
+    }
     std::fs::rename(&finished, &torn).map_err(RecorderError::file("rename", &finished))?;
     let total = finished_from(folder, number, &torn, stop);
     if !matches!(total, Ok(Some(_))) {

@@ -7,8 +7,9 @@ use system_tests::copy_folder;
 #[test]
 fn mistakes_end_with_code_2_and_one_line() {
     let file = gcode("prusa_cube_pla_marlin_relE.gcode");
-    std::fs::write(std::env::temp_dir().join("fdm_no_move.gcode"), "; nothing\n").unwrap();
-    let no_move = std::env::temp_dir().join("fdm_no_move.gcode").display().to_string();
+    let no_move = std::env::temp_dir().join(format!("fdm_no_move_{}.gcode", std::process::id()));
+    std::fs::write(&no_move, "; nothing\n").unwrap();
+    let no_move = no_move.display().to_string();
     let cases: [(&[&str], &str); 12] = [
         (&["sim", "nowhere.gcode"], "nowhere.gcode"),
         (&["sim", &file, "--scenario", "nope"], "slip09"),
@@ -31,6 +32,7 @@ fn mistakes_end_with_code_2_and_one_line() {
         assert!(text.contains(told), "{arguments:?}: {text}");
         assert!(output.stdout.is_empty());
     }
+    std::fs::remove_file(no_move).unwrap();
 }
 
 /// A parameter out of range names file, line, field, value and range.

@@ -128,8 +128,8 @@ fn one(
     }
     let read = match recovery::read_finished(folder, number) {
         Ok(read) => read,
-        Err(torn) => {
-            let salvaged = recovery::salvage(folder, number, go_on).map_err(|_| torn)?;
+        Err(_) => {
+            let salvaged = recovery::salvage(folder, number, go_on)?;
             return Ok((salvaged.unwrap_or(0), "recovered"));
         }
     };
