@@ -90,7 +90,7 @@ struct Rig {
     flow_m_s: f64,
     slip: f64,
     gain: f64,
-    /// The motor goes back and forth by so much, 2.5 times a second, as with pressure advance in an infill.
+    /// The motor goes back and forth by so much, 5 times a second, as with pressure advance in an infill.
     stroke_m: f64,
     /// Scatter of the widths beside what the road is, evenly over plus and minus so much.
     width_noise_m: f64,
@@ -127,7 +127,7 @@ impl Rig {
         while self.step < end {
             self.step += 1;
             let now_s = f64::from(self.step) * 0.01;
-            let stroke_m_s = match self.step % 40 {
+            let stroke_m_s = match self.step % 20 {
                 0..6 => -self.stroke_m / 0.06,
                 6..12 => self.stroke_m / 0.06,
                 _ => 0.0,
@@ -182,20 +182,20 @@ fn a_slip_step_is_seen_in_a_third_of_a_second_and_known_after_half() {
     assert!((settled.x[state::FLOW] / (0.9 * FEED_M_S) - 1.0).abs() < 0.03);
 }
 
-/// 1.2 mm back and forth in 0.4 s are 1.9 mm forth for 0.7 mm of feed: of a slip that has grown by 0.05 unseen the flow
-/// would be off by a seventh. What is left is the spread of the filter around an outlet that runs dry.
+/// 0.9 mm back and forth in 0.2 s are 1.3 mm forth for 0.4 mm of feed: a slip that has grown by 0.05 unseen leaves the flow a
+/// fifth too high. Without frames, whose widths would hide it in part.
 #[test]
 fn in_strokes_the_encoder_tells_the_flow() {
     let mut rig = Rig::new();
     rig.run(1000);
-    (rig.slip, rig.stroke_m) = (0.06, 1.2e-3);
+    (rig.slip, rig.stroke_m, rig.width_noise_m) = (0.06, 0.9e-3, f64::NAN);
     rig.run(400);
     let (mut estimated_m, mut true_m) = (0.0, 0.0);
     for _ in 0..160 {
         estimated_m += rig.run(5).x[state::FLOW] * 0.05;
         true_m += rig.flow_m_s.max(0.0) * 0.05;
     }
-    assert!((estimated_m / true_m - 1.0).abs() < 0.06, "{estimated_m} m of {true_m} m");
+    assert!((estimated_m / true_m - 1.0).abs() < 0.01, "{estimated_m} m of {true_m} m");
 }
 
 #[test]
