@@ -172,6 +172,11 @@ impl Timer {
         Self { punctuality: Some(Punctuality::new(diagnostics, tolerance)), ..self }
     }
 
+    /// Puts the next tick off to `after` from now: the work of a tick was done for another reason.
+    pub fn put_off(&mut self, after: Seconds) {
+        self.due = self.clock.now() + after;
+    }
+
     /// Waits for the next tick and yields the time now. Ticks that were missed are not made up for, and after a
     /// jump back of simulated time the next tick is one period after the jump. Cancelling loses no tick. In a process
     /// that was stopped and goes on no tick comes any more.

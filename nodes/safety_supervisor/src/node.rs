@@ -1,4 +1,4 @@
-//! The shell: streams and requests in, a permit every 20 ms out.
+//! The shell: streams and requests in, a permit every 20 ms out, and one at once for what may not wait.
 
 mod inlets;
 mod latch_file;
@@ -61,7 +61,10 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 operators.answer(&ask, output.as_ref());
             }
             heard = inlets.next() => {
-                shell.hear(clock.now(), heard);
+                let now = clock.now();
+                if let Some(output) = shell.hear(now, heard) {
+                    shell.publish(now, &output, inlets.totals()).await;
+                }
                 // Where messages never end the timers of the executor would not get their turn.
                 tokio::task::yield_now().await;
             }
@@ -89,14 +92,14 @@ impl Shell {
         self.supervisor.on_event(now, event)
     }
 
-    fn hear(&mut self, now: Seconds, heard: Heard) {
+    fn hear(&mut self, now: Seconds, heard: Heard) -> Option<Output> {
         match heard {
-            // Only ticks and requests yield an output.
-            Heard::Event(event) => _ = self.take(now, event),
+            Heard::Event(event) => self.take(now, event),
             Heard::Scheduled(scheduled) => {
                 if let Some(allowed) = self.supervisor.on_scheduled(now, scheduled) {
                     self.outlets.schedule(now, &allowed);
                 }
+                None
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The brain: takes events, yields a permit on every tick and at once on a person's request.
+//! The brain: takes events, yields a permit on every tick, and at once on a person's request and on a command.
 
 mod brains;
 mod observe;
@@ -41,6 +41,8 @@ pub struct Supervisor {
     paused_alone_since: Option<Seconds>,
     approved: Option<Trims>,
     allowed: Trims,
+    /// The tick's step of the trims, until a command has taken it again: where it began, and for how long it counts.
+    step: Option<(Trims, Seconds)>,
     ramp: Option<(Seconds, Trims)>,
     /// Since when corrections have been free to come back; `None` while they are taken back.
     returning_since: Option<Seconds>,
@@ -72,6 +74,7 @@ impl Supervisor {
             paused_alone_since: None,
             approved: None,
             allowed: Trims::NEUTRAL,
+            step: None,
             ramp: None,
             returning_since: None,
             started: None,
@@ -82,7 +85,8 @@ impl Supervisor {
         }
     }
 
-    /// Takes one event received at `now`. A tick yields the permit to publish; so does a person's request, at once.
+    /// Takes one event received at `now`. A tick yields the permit to publish; so does a person's request, at once, and
+    /// the first command after a tick. What was decided beside is told with the next tick or request.
     /// Without a time no age can be told: there is no permit then, and the printer's dead-man takes over.
     pub fn on_event(&mut self, now: Seconds, event: Event) -> Option<Output> {
         let timeless = !now.0.is_finite() || matches!(event, Event::Tick { now } if !now.0.is_finite());
@@ -97,7 +101,9 @@ impl Supervisor {
                 self.on_operator(now, request);
                 return Some(self.output(now));
             }
-            Event::Command(command) => self.on_command(now, command),
+            Event::Command(command) => {
+                return self.on_command(now, command).then(|| self.answer(now)).flatten();
+            }
             Event::Refused { .. } => self.checks.bad_values.note(now),
             Event::Imu { first, period, samples } => self.on_imu(now, (first, period), &samples),
             Event::Vision(report) => self.on_vision(now, &report),
@@ -124,7 +130,8 @@ impl Supervisor {
         self.ages.of(stream).is_seen()
     }
 
-    fn on_command(&mut self, now: Seconds, command: models::command::Command) {
+    /// True where the command was taken, as it came or clamped.
+    fn on_command(&mut self, now: Seconds, command: models::command::Command) -> bool {
         let before = self.modes.mode();
         let verdict = self.envelope.on_command(now, command);
         // What is not carried out swings nothing.
@@ -134,7 +141,10 @@ impl Supervisor {
             self.checks.oscillation.on_trims(now, &command.trims);
         }
         let (what, why) = match verdict {
-            Verdict::Taken => return self.ages.command.note(now),
+            Verdict::Taken => {
+                self.ages.command.note(now);
+                return true;
+            }
             Verdict::Clamped => {
                 self.ages.command.note(now);
                 (What::CommandClamped, "outside of range or slew")
@@ -147,6 +157,7 @@ impl Supervisor {
             }
         };
         self.decisions.push(Decision { what, why, before, after: before });
+        what == What::CommandClamped
     }
 
     /// After a pause or a trip the filters start anew.
@@ -205,6 +216,7 @@ impl Supervisor {
             self.started = self.started.map(|_| now);
         }
         self.allowed = Trims::NEUTRAL;
+        self.step = None;
         self.ramp = None;
         self.returning_since = None;
         self.approved = None;
@@ -230,42 +242,46 @@ impl Supervisor {
     }
 
     fn output(&mut self, now: Seconds) -> Output {
-        self.sequence += 1;
-        let mode = self.modes.mode();
-        let latched = mode >= Mode::SafeOff;
-        if latched {
+        if self.modes.mode() >= Mode::SafeOff {
             self.allowed = Trims::NEUTRAL;
         }
+        let events = std::mem::take(&mut self.decisions);
+        Output { permit: self.permit(now), state: self.state(), events }
+    }
+
+    fn permit(&mut self, now: Seconds) -> Permit {
+        self.sequence += 1;
+        Permit {
+            session: self.session,
+            sequence: self.sequence,
+            validity: Seconds(self.params.permit_validity_s),
+            mode: self.modes.mode(),
+            request: self.modes.request(now),
+            trims: self.allowed,
+        }
+    }
+
+    fn state(&self) -> SafetyState {
+        let mode = self.modes.mode();
         let cause = self.modes.cause().or(self.brains.fallen().filter(|_| mode == Mode::Observe));
-        Output {
-            permit: Permit {
-                session: self.session,
-                sequence: self.sequence,
-                validity: Seconds(self.params.permit_validity_s),
-                mode,
-                request: self.modes.request(now),
-                trims: self.allowed,
-            },
-            state: SafetyState {
-                mode,
-                set_mode: self.modes.set_mode(),
-                cause,
-                since: self.modes.since(),
-                what_to_do: cause.map_or("", Cause::what_to_do),
-                attention: self.checks.attention.level(),
-                refused_values: self.checks.bad_values.total(),
-                refused_commands: self.envelope.refused(),
-                clamped_commands: self.envelope.clamped(),
-                scheduled: self.scheduled,
-                refused_schedule: self.schedule.refused(),
-                clamped_schedule: self.schedule.clamped(),
-                impulses: self.checks.impulse.total(),
-                hotend_excess_w: self.checks.heater.excess_w(),
-                bed_excess_w: self.checks.bed_heater.excess_w(),
-                drift_k: self.checks.drift.residual_k(),
-                slip: self.checks.filament.slip(),
-            },
-            events: std::mem::take(&mut self.decisions),
+        SafetyState {
+            mode,
+            set_mode: self.modes.set_mode(),
+            cause,
+            since: self.modes.since(),
+            what_to_do: cause.map_or("", Cause::what_to_do),
+            attention: self.checks.attention.level(),
+            refused_values: self.checks.bad_values.total(),
+            refused_commands: self.envelope.refused(),
+            clamped_commands: self.envelope.clamped(),
+            scheduled: self.scheduled,
+            refused_schedule: self.schedule.refused(),
+            clamped_schedule: self.schedule.clamped(),
+            impulses: self.checks.impulse.total(),
+            hotend_excess_w: self.checks.heater.excess_w(),
+            bed_excess_w: self.checks.bed_heater.excess_w(),
+            drift_k: self.checks.drift.residual_k(),
+            slip: self.checks.filament.slip(),
         }
     }
 }

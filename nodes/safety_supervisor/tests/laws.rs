@@ -8,7 +8,7 @@ use common::{params, params_with};
 use models::command::{Command, Mode, Request, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
-use safety_supervisor::{Cause, Event, Operator, Stream, Supervisor, What};
+use safety_supervisor::{Cause, Decision, Event, Operator, Stream, Supervisor, What};
 
 /// A supervisor that begins when the host has been up for a while.
 fn late(start_ticks: u32, change: impl FnOnce(&mut Print)) -> Print {
@@ -77,6 +77,42 @@ fn refusals_and_clamps_are_counted_one_by_one() {
     print.wish.flow = 2.0;
     period(&mut print);
     assert_eq!(print.output.state.clamped_commands, 1);
+}
+
+/// Once a tick, with what the tick's own step leaves: 0.6 a second for 20 ms. What was decided waits for the tick.
+#[test]
+fn a_command_is_answered_at_once_and_moves_no_faster_for_it() {
+    let mut print = Print::acting();
+    period(&mut print);
+    let before = print.output.permit;
+    print.wish.flow += 0.2;
+    let now = Seconds(print.now() + 0.005);
+    let commands: [Event; 2] = std::array::from_fn(|_| print.command());
+    let answer = print.supervisor.on_event(now, commands[0].clone()).unwrap();
+    assert!((answer.permit.trims.flow - before.trims.flow - 0.012).abs() < 1e-9, "{:?}", answer.permit);
+    assert_eq!((answer.permit.sequence, answer.events.len()), (before.sequence + 1, 0));
+    assert_eq!(print.supervisor.on_event(now, commands[1].clone()), None, "once a tick");
+    print.controller = false;
+    print.step();
+    assert!((print.output.permit.trims.flow - before.trims.flow - 0.024).abs() < 1e-9);
+    let clamped = |decision: &Decision| decision.what == What::CommandClamped;
+    assert!(print.output.events.iter().any(clamped), "{:?}", print.output.events);
+}
+
+/// Nothing to do at once: a refused command, and one that is not carried out.
+#[test]
+fn what_is_not_carried_out_is_not_answered() {
+    let mut print = Print::acting();
+    period(&mut print);
+    let now = Seconds(print.now());
+    let stranger = Command { session: 4, sequence: 1, validity: Seconds(1.0), trims: Trims::NEUTRAL };
+    assert_eq!(print.supervisor.on_event(now, Event::Command(stranger)), None);
+    for mode in [Mode::Observe, Mode::Advise] {
+        print.ask(Operator::SetMode(mode));
+        period(&mut print);
+        let command = print.command();
+        assert_eq!(print.supervisor.on_event(Seconds(print.now()), command), None, "{mode:?}");
+    }
 }
 
 /// A command may move the trims as fast as its limits say over the time since the one before, and no faster.

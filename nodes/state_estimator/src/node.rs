@@ -1,9 +1,13 @@
-//! The shell: sensors and printer state in, an estimate per tick out.
+//! The shell: sensors and printer state in, an estimate per tick out, and one at once on a temperature of the hot end.
 
+use fdm_loop_msgs::StateEstimate;
 use models::material::Material;
 use models::printer::Printer;
 use models::units::Seconds;
-use runtime::{Diagnostics, Node, ParamFileError, Parameters, Reason, Refused, RuntimeError, topics};
+use runtime::{
+    Clock, Diagnostics, Node, ParamFileError, Parameters, Publisher, Reason, Refused, RuntimeError, Timer,
+    Work, topics,
+};
 
 use crate::channel::Channel;
 use crate::convert;
@@ -23,17 +27,19 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut encoder = node.inlet(&topics::FILAMENT_MOTION, Seconds(params.encoder.trust.age_limit_s))?;
     let mut width = node.inlet(&topics::BEAD_WIDTH, Seconds(params.width.trust.age_limit_s))?;
     let mut printer = node.inlet(&topics::PRINTER_STATE, Seconds(params.telemetry.age_limit_s))?;
-    let estimates = node.publish_on(&topics::ESTIMATE)?;
-    let mut ticks = node.timer(Seconds(params.period_s));
-    let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
-    let (mut estimator, mut jumps) = (setup.estimator(), clock.jumps_back());
+    let mut rhythm = Rhythm::open(&mut node, params.period_s)?;
+    let mut estimator = setup.estimator();
     let mut live = node.live_parameters(&LIVE);
     node.activated().await;
     loop {
         tokio::select! {
             taken = hotend.next(convert::hotend) => {
+                let sampled = taken.is_ok();
                 pass(&mut estimator, taken);
                 follow(&mut hotend.refused, estimator.refusals(), |all| &all.hotend);
+                if sampled {
+                    rhythm.answer(&setup, &mut estimator);
+                }
             }
             taken = encoder.next(convert::encoder) => {
                 pass(&mut estimator, taken);
@@ -47,23 +53,68 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 pass(&mut estimator, taken);
                 follow(&mut printer.refused, estimator.refusals(), |all| &all.printer);
             }
-            now = ticks.next() => {
-                if std::mem::replace(&mut jumps, clock.jumps_back()) != clock.jumps_back() {
-                    estimator = setup.estimator();
-                }
-                if let Some(estimate) = estimator.on_event(Event::Tick { now }) {
-                    show(&diagnostics, &estimate);
-                    estimates.send(convert::estimate(&estimate));
-                }
-                diagnostics.set("refused_ticks", estimator.refusals().tick.disordered);
-                work.done();
-            }
+            now = rhythm.ticks.next() => rhythm.tick(now, &setup, &mut estimator),
             changed = live.next() => {
                 setup = Setup::of(&changed)?;
                 estimator.retune(setup.params);
             }
             () = node.shutdown() => return Ok(()),
         }
+    }
+}
+
+/// When the filter turns, and what it tells then.
+struct Rhythm {
+    period: Seconds,
+    ticks: Timer,
+    turned_at: Seconds,
+    jumps: u64,
+    clock: Clock,
+    work: Work,
+    estimates: Publisher<StateEstimate>,
+    diagnostics: Diagnostics,
+}
+
+impl Rhythm {
+    /// Share of the period by which the timer follows a turn on a sample later than on its own: it must not come just
+    /// before the next sample.
+    const SLACK: f64 = 0.25;
+    /// Share of the period that lies between two turns at least: a flood of samples is not answered one by one.
+    const LEAST: f64 = 0.25;
+
+    fn open(node: &mut Node, period_s: f64) -> Result<Self, RuntimeError> {
+        Ok(Self {
+            period: Seconds(period_s),
+            ticks: node.timer(Seconds(period_s)),
+            turned_at: Seconds(f64::NEG_INFINITY),
+            jumps: node.clock().jumps_back(),
+            clock: node.clock(),
+            work: node.work(),
+            estimates: node.publish_on(&topics::ESTIMATE)?,
+            diagnostics: node.diagnostics(),
+        })
+    }
+
+    /// Answers a sample with an estimate at once, so that what it tells does not wait for the timer.
+    fn answer(&mut self, setup: &Setup, estimator: &mut Estimator) {
+        let now = self.clock.now();
+        if (now - self.turned_at).0 >= Self::LEAST * self.period.0 {
+            self.ticks.put_off(Seconds((1.0 + Self::SLACK) * self.period.0));
+            self.tick(now, setup, estimator);
+        }
+    }
+
+    fn tick(&mut self, now: Seconds, setup: &Setup, estimator: &mut Estimator) {
+        if std::mem::replace(&mut self.jumps, self.clock.jumps_back()) != self.clock.jumps_back() {
+            *estimator = setup.estimator();
+        }
+        if let Some(estimate) = estimator.on_event(Event::Tick { now }) {
+            show(&self.diagnostics, &estimate);
+            self.estimates.send(convert::estimate(&estimate));
+        }
+        self.diagnostics.set("refused_ticks", estimator.refusals().tick.disordered);
+        self.turned_at = now;
+        self.work.done();
     }
 }
 

@@ -82,11 +82,16 @@ pub(crate) fn start_printer() -> Child {
 }
 
 fn start(node: &str) -> Child {
+    start_with(node, &[])
+}
+
+/// A node with its shipped parameters, and further arguments after them.
+pub(crate) fn start_with(node: &str, arguments: &[&str]) -> Child {
     let mut files = vec![format!("{node}.param.yaml")];
     if matches!(node, "state_estimator" | "mpc_controller") {
         files.extend(["printers/ender3.yaml".into(), "materials/pla.yaml".into()]);
     }
-    command(node, &files).spawn().unwrap()
+    command(node, &files).args(arguments).spawn().unwrap()
 }
 
 fn command(node: &str, files: &[String]) -> Command {

@@ -1,7 +1,8 @@
-//! The whole graph over DDS: from a sample of the filament encoder to the permit that it has part in.
+//! The whole graph over DDS: from a sample to the permit that it has part in.
 //!
-//! Timers lie between: the estimator's (20 Hz) and the supervisor's (50 Hz). The times are the senders' own, so that the
-//! one who looks on delays nothing.
+//! A temperature of the hot end is answered at once by estimator, controller and supervisor; a sample of the filament
+//! encoder waits for the estimator's next turn (20 Hz). The times are the senders' own, so that the one who looks on delays
+//! nothing.
 
 use super::proc;
 use super::{Benchmark, GraphArgs};
@@ -21,6 +22,10 @@ const PRINTER: &str = "printer_sim";
 
 /// Stations of a sample.
 const STATIONS: usize = 4;
+/// Whose samples are followed.
+const HOTEND: usize = 0;
+/// Whose samples are followed, and counted.
+const ENCODER: usize = 1;
 
 /// One topic as it is looked on.
 struct Station {
@@ -110,6 +115,7 @@ async fn follow(samples: u64, graph: u32) -> anyhow::Result<Vec<Benchmark>> {
     let mut node = Node::start_with("fdm_bench_graph", NodeArgs { namespace, ..NodeArgs::default() })?;
     let mut stations = Vec::new();
     let mut infos = [
+        topics::HOTEND_TEMPERATURE.info(),
         topics::FILAMENT_MOTION.info(),
         topics::ESTIMATE.info(),
         topics::CONTROL_COMMAND.info(),
@@ -120,32 +126,45 @@ async fn follow(samples: u64, graph: u32) -> anyhow::Result<Vec<Benchmark>> {
         let subscription = node.subscribe_raw(info)?;
         stations.push(Station { subscription, newest: BTreeMap::new(), heard: 0, lost: 0 });
     }
-    let Ok([mut encoder, mut estimate, mut command, mut permit]) = <[Station; STATIONS]>::try_from(stations)
+    let Ok([mut hotend, mut encoder, mut estimate, mut command, mut permit]) =
+        <[Station; STATIONS + 1]>::try_from(stations)
     else {
-        bail!("four topics");
+        bail!("five topics");
     };
     let flows = tokio::time::timeout(PATIENCE, command.next()).await;
     flows.context("no command within a minute: is the graph up? see fdm up")?;
     let before = usage(graph);
     let begin = Instant::now();
-    let mut ways = Ways::default();
-    while ways.samples < samples {
-        let (station, sent) = tokio::select! {
-            sent = encoder.next() => (0, sent),
-            sent = estimate.next() => (1, sent),
-            sent = command.next() => (2, sent),
-            sent = permit.next() => (3, sent),
+    let mut ways: [Ways; 2] = Default::default();
+    while ways[ENCODER].samples < samples {
+        let (of, station, sent) = tokio::select! {
+            sent = hotend.next() => (Some(HOTEND), 0, sent),
+            sent = encoder.next() => (Some(ENCODER), 0, sent),
+            sent = estimate.next() => (None, 1, sent),
+            sent = command.next() => (None, 2, sent),
+            sent = permit.next() => (None, 3, sent),
             () = tokio::time::sleep(PATIENCE) => bail!("the graph fell silent"),
         };
-        if let Some(ns) = sent {
-            ways.pass(station, ns);
+        let Some(ns) = sent else { continue };
+        for way in ways
+            .iter_mut()
+            .enumerate()
+            .filter(|(index, _)| of.is_none_or(|of| of == *index))
+            .map(|(_, way)| way)
+        {
+            way.pass(station, ns);
         }
     }
     let wall_s = begin.elapsed().as_secs_f64();
-    let mut all = told(&mut ways);
-    for (name, station) in
-        [("filament", &encoder), ("estimate", &estimate), ("command", &command), ("permit", &permit)]
-    {
+    let mut all = told(&mut ways[HOTEND], "temperature");
+    all.extend(told(&mut ways[ENCODER], "filament"));
+    for (name, station) in [
+        ("temperature", &hotend),
+        ("filament", &encoder),
+        ("estimate", &estimate),
+        ("command", &command),
+        ("permit", &permit),
+    ] {
         #[allow(clippy::cast_precision_loss, reason = "counts of messages")]
         let share = 1e6 * station.lost as f64 / (station.heard + station.lost).max(1) as f64;
         all.push(Benchmark::new(format!("{name}: messages lost on the way to a reader"), "of 10^6", share));
@@ -155,16 +174,16 @@ async fn follow(samples: u64, graph: u32) -> anyhow::Result<Vec<Benchmark>> {
 }
 
 #[allow(clippy::cast_precision_loss, reason = "counts of messages")]
-fn told(ways: &mut Ways) -> Vec<Benchmark> {
+fn told(ways: &mut Ways, sample: &str) -> Vec<Benchmark> {
     let mut all = vec![
-        Benchmark::new("samples followed", "-", ways.samples as f64),
-        Benchmark::new("samples without a permit within 1 s", "-", ways.unanswered as f64),
+        Benchmark::new(format!("{sample}: samples followed"), "-", ways.samples as f64),
+        Benchmark::new(format!("{sample}: samples without a permit within 1 s"), "-", ways.unanswered as f64),
     ];
     let names = ["sample to estimate", "estimate to command", "command to permit", "sample to permit"];
     for (name, values) in names.into_iter().zip(&mut ways.parts_ms) {
         values.sort_by(f64::total_cmp);
         for (which, share) in [("p50", 0.5), ("p99", 0.99), ("max", 1.0)] {
-            all.push(Benchmark::new(format!("{name}, {which}"), "ms", quantile(values, share)));
+            all.push(Benchmark::new(format!("{sample}: {name}, {which}"), "ms", quantile(values, share)));
         }
     }
     all

@@ -199,7 +199,9 @@ fn settings_differ(record: &Record, settings: &Settings) -> bool {
         .filter_map(|kept| schedule::stamp_ns(&kept.payload))
         .take(200)
         .collect();
-    let mut gaps_ns: Vec<u64> = stamps.windows(2).map(|pair| pair[1].saturating_sub(pair[0])).collect();
+    // Two at a time: a turn on a sample comes early, and the timer's after it later for that.
+    let mut gaps_ns: Vec<u64> =
+        stamps.windows(3).map(|turns| turns[2].saturating_sub(turns[0]) / 2).collect();
     gaps_ns.sort_unstable();
     #[allow(clippy::cast_precision_loss, reason = "a period")]
     let median_s = gaps_ns.get(gaps_ns.len() / 2).map(|ns| *ns as f64 * 1e-9);

@@ -57,7 +57,12 @@ pub(crate) struct Schedule<'a> {
     part: &'a [Kept],
     happenings: Vec<(u64, Happening)>,
     asked: Vec<Operator>,
+    /// The newest permit of a tick `[ns]`.
+    ticked_ns: Option<u64>,
 }
+
+/// A permit so soon after a tick's is none of a tick `[ns]`: half of [`topics::PERMIT_PERIOD`].
+const ANSWERS_NS: u64 = 10_000_000;
 
 /// A time on the brains' clock as a stamp of it reads.
 pub(crate) fn seconds(ns: u64) -> Seconds {
@@ -83,7 +88,7 @@ impl<'a> Schedule<'a> {
         settings: &Settings,
         (feeds, timers): (Feeds, Timers),
     ) -> Self {
-        let mut schedule = Self { part, happenings: Vec::new(), asked: Vec::new() };
+        let mut schedule = Self { part, happenings: Vec::new(), asked: Vec::new(), ticked_ns: None };
         let requests = requests(part);
         for (number, kept) in part.iter().enumerate() {
             schedule.place(number, kept, (feeds, timers), &requests);
@@ -129,7 +134,7 @@ impl<'a> Schedule<'a> {
                     self.happenings.push((stamp_ns, Happening::Ask(self.asked.len())));
                     self.asked.push(*request);
                 }
-                if timers.permits && !requests.contains_key(&stamp_ns) {
+                if timers.permits && !requests.contains_key(&stamp_ns) && self.is_of_tick(stamp_ns) {
                     self.happenings.push((stamp_ns, Happening::Permit));
                 }
                 None
@@ -142,6 +147,15 @@ impl<'a> Schedule<'a> {
             _ => heard(false),
         };
         self.happenings.extend(happening);
+    }
+
+    /// Whether a permit is of a tick. One that answers a command follows soon, mostly at the same simulated time.
+    fn is_of_tick(&mut self, stamp_ns: u64) -> bool {
+        let answers = self.ticked_ns.is_some_and(|ticked_ns| stamp_ns < ticked_ns + ANSWERS_NS);
+        if !answers {
+            self.ticked_ns = Some(stamp_ns);
+        }
+        !answers
     }
 
     /// Lets the brains live through the part.
@@ -228,6 +242,13 @@ impl Timer {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_permit_that_answers_is_told_from_one_of_a_tick() {
+        let mut schedule = Schedule { part: &[], happenings: Vec::new(), asked: Vec::new(), ticked_ns: None };
+        let told = [0, 20, 20, 24, 40, 60, 69, 80].map(|ms| schedule.is_of_tick(ms * 1_000_000));
+        assert_eq!(told, [true, true, false, false, true, true, false, true]);
+    }
 
     #[test]
     fn a_timer_is_due_at_the_first_step_that_is_late_enough() {

@@ -49,6 +49,20 @@ fn a_timer_on_simulated_time_ticks_once_per_period_and_skips_what_was_missed() {
 }
 
 #[test]
+fn a_timer_that_is_put_off_ticks_later_and_then_as_before() {
+    let clock = Clock::simulated();
+    let mut timer = clock.timer(Seconds(0.5));
+    clock.set(Seconds(0.3));
+    timer.put_off(Seconds(0.6));
+    clock.set(Seconds(0.89));
+    assert_eq!(timer.next().now_or_never(), None);
+    for due_s in [0.91, 1.41] {
+        clock.set(Seconds(due_s));
+        assert_eq!(timer.next().now_or_never(), Some(Seconds(due_s)));
+    }
+}
+
+#[test]
 fn a_timer_goes_on_after_a_jump_back() {
     let clock = Clock::simulated();
     let mut timer = clock.timer(Seconds(1.0));

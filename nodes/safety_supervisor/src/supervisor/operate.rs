@@ -7,7 +7,7 @@ use models::units::Seconds;
 use super::Supervisor;
 use crate::attention::Level;
 use crate::cause::{Cause, Reaction};
-use crate::event::{Decision, Operator, Stream, What};
+use crate::event::{Decision, Operator, Output, Stream, What};
 use crate::modes::Readiness;
 
 impl Supervisor {
@@ -79,26 +79,43 @@ impl Supervisor {
 
     /// Corrections follow the mode: slewed towards what is wished, or ramped back to the slicer's values.
     pub(super) fn move_trims(&mut self, now: Seconds, dt: Seconds) {
-        let mode = self.modes.mode();
-        if mode != Mode::Advise {
+        if self.modes.mode() != Mode::Advise {
             self.approved = None;
         }
-        let wished = self.envelope.wished(now);
-        let target = match mode {
-            Mode::Act if self.is_held(now) => Some(self.allowed),
-            Mode::Act => Some(wished.unwrap_or(Trims::NEUTRAL)),
-            // An approval ends with the controller's silence.
-            Mode::Advise => Some(self.approved.filter(|_| wished.is_some()).unwrap_or(Trims::NEUTRAL)),
-            _ => None,
-        };
-        if let Some(target) = target {
+        self.step = None;
+        if let Some(target) = self.target(now) {
             self.ramp = None;
             self.returning_since.get_or_insert(now);
+            self.step = Some((self.allowed, dt));
             self.allowed = self.limits.slew(&self.allowed, &target, dt).trims;
         } else {
             self.returning_since = None;
             let (start, from) = *self.ramp.get_or_insert((now, self.allowed));
             self.allowed = from.ramp_to_neutral(now - start, Seconds(self.params.modes.ramp_s));
+        }
+    }
+
+    /// A command goes on at once where commands are carried out: the tick's step is taken again, once, towards what is
+    /// wished now, so that corrections move no faster for it.
+    pub(super) fn answer(&mut self, now: Seconds) -> Option<Output> {
+        if self.modes.mode() != Mode::Act {
+            return None;
+        }
+        let target = self.target(now)?;
+        let (from, dt) = self.step.take()?;
+        self.allowed = self.limits.slew(&from, &target, dt).trims;
+        Some(Output { permit: self.permit(now), state: self.state(), events: Vec::new() })
+    }
+
+    /// Where the trims go to; `None` where they go back to the slicer's values.
+    fn target(&self, now: Seconds) -> Option<Trims> {
+        let wished = self.envelope.wished(now);
+        match self.modes.mode() {
+            Mode::Act if self.is_held(now) => Some(self.allowed),
+            Mode::Act => Some(wished.unwrap_or(Trims::NEUTRAL)),
+            // An approval ends with the controller's silence.
+            Mode::Advise => Some(self.approved.filter(|_| wished.is_some()).unwrap_or(Trims::NEUTRAL)),
+            _ => None,
         }
     }
 

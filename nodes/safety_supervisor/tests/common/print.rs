@@ -103,11 +103,17 @@ impl Print {
             self.event(Event::EstimateHeartbeat { stamp: now });
         }
         if self.controller && self.tick.is_multiple_of(12) {
-            self.sequence += 1;
-            let (sequence, trims) = (self.sequence, self.wish);
-            self.event(Event::Command(Command { session: 3, sequence, validity: Seconds(1.0), trims }));
+            let command = self.command();
+            self.event(command);
         }
         self.event(Event::Tick { now });
+    }
+
+    /// The controller's next command.
+    pub(crate) fn command(&mut self) -> Event {
+        self.sequence += 1;
+        let (sequence, trims) = (self.sequence, self.wish);
+        Event::Command(Command { session: 3, sequence, validity: Seconds(1.0), trims })
     }
 
     pub(crate) fn run(&mut self, span_s: f64) {

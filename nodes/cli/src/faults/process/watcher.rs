@@ -3,7 +3,7 @@
 use super::observer::{Permit, Seen, is_neutral};
 use crate::up::fleet::Happening;
 use crate::up::words::mode_name;
-use fdm_loop_msgs::{DiagnosticArray, DiagnosticStatus, Header, PrinterState, SafetyState};
+use fdm_loop_msgs::{DiagnosticArray, DiagnosticStatus, Header, PrinterState, SafetyState, Time};
 use models::units::Seconds;
 use runtime::{Gid, topics};
 
@@ -15,25 +15,42 @@ const LASTS_S: f64 = 1.0;
 const ALARM: &str = "irregular";
 
 /// How regularly permits are sent, by the supervisor's own stamps of sending.
+///
+/// Of ticks alone: a permit that answers a command or a request bears the graph's time of the tick before it, which goes
+/// on once in 20 ms, as the ticks do.
 #[derive(Debug, Default)]
 pub(super) struct Jitter {
-    last: Option<(Gid, i64, i64)>,
+    last: Option<Heard>,
     /// Differences of the intervals from 20 ms, longer ones positive `[s]`.
     samples: Vec<f64>,
 }
 
+/// The newest permit.
+#[derive(Debug)]
+struct Heard {
+    publisher: Gid,
+    sequence: i64,
+    /// Time of the graph.
+    stamp: Time,
+    /// When the permit of its tick was sent `[ns]`.
+    tick_ns: i64,
+}
+
 impl Jitter {
     fn take(&mut self, permit: &Permit) {
-        let Some(sent_ns) = permit.sent_ns else { return };
-        let now = (permit.publisher, permit.sequence, sent_ns);
-        if let Some((publisher, sequence, before_ns)) = self.last.replace(now)
-            && publisher == permit.publisher
-            && sequence + 1 == permit.sequence
-        {
-            #[allow(clippy::cast_precision_loss, reason = "an interval, not a date")]
-            let interval_s = (sent_ns - before_ns) as f64 / NANOS_PER_S;
-            self.samples.push(interval_s - topics::PERMIT_PERIOD.0);
+        let Some(tick_ns) = permit.sent_ns else { return };
+        let Permit { publisher, sequence, .. } = *permit;
+        let stamp = permit.command.header.stamp.clone();
+        let before = self.last.replace(Heard { publisher, sequence, stamp, tick_ns });
+        let follows = |before: &Heard| before.publisher == publisher && before.sequence + 1 == sequence;
+        let (Some(before), Some(last)) = (before.filter(follows), &mut self.last) else { return };
+        if before.stamp == last.stamp {
+            last.tick_ns = before.tick_ns;
+            return;
         }
+        #[allow(clippy::cast_precision_loss, reason = "an interval, not a date")]
+        let interval_s = (tick_ns - before.tick_ns) as f64 / NANOS_PER_S;
+        self.samples.push(interval_s - topics::PERMIT_PERIOD.0);
     }
 
     /// How far the intervals are from 20 ms `[s]`.

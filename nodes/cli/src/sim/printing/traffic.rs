@@ -100,7 +100,11 @@ impl Printing {
             Stream::Vision => stale.vision.oldest_stamp(),
         };
         match runtime::check_age((now - stamp).0, limit) {
-            Ok(()) => _ = self.supervisor.on_event(now, event),
+            Ok(()) => {
+                if let Some(output) = self.supervisor.on_event(now, event) {
+                    self.say(now, output);
+                }
+            }
             Err(_refused) => self.refuse(now, Some(stream)),
         }
     }
