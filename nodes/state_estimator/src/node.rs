@@ -68,6 +68,8 @@ struct Rhythm {
     period: Seconds,
     ticks: Timer,
     turned_at: Seconds,
+    /// A sample came too soon after a turn, and waits.
+    owes: bool,
     jumps: u64,
     clock: Clock,
     work: Work,
@@ -87,6 +89,7 @@ impl Rhythm {
             period: Seconds(period_s),
             ticks: node.timer(Seconds(period_s)),
             turned_at: Seconds(f64::NEG_INFINITY),
+            owes: false,
             jumps: node.clock().jumps_back(),
             clock: node.clock(),
             work: node.work(),
@@ -95,16 +98,28 @@ impl Rhythm {
         })
     }
 
-    /// Answers a sample with an estimate at once, so that what it tells does not wait for the timer.
+    /// Answers a sample with an estimate at once, so that what it tells does not wait for the timer; one that comes just
+    /// after a turn waits for a quarter of the period.
     fn answer(&mut self, setup: &Setup, estimator: &mut Estimator) {
         let now = self.clock.now();
-        if (now - self.turned_at).0 >= Self::LEAST * self.period.0 {
-            self.ticks.put_off(Seconds((1.0 + Self::SLACK) * self.period.0));
+        let early_s = Self::LEAST * self.period.0 - (now - self.turned_at).0;
+        self.owes = true;
+        if early_s > 0.0 && self.jumps == self.clock.jumps_back() {
+            self.ticks.put_off(Seconds(early_s));
+        } else {
             self.tick(now, setup, estimator);
         }
     }
 
+    /// The timer's turn; the one that a sample waited for counts as an answer.
     fn tick(&mut self, now: Seconds, setup: &Setup, estimator: &mut Estimator) {
+        self.turn(now, setup, estimator);
+        if std::mem::take(&mut self.owes) {
+            self.ticks.put_off(Seconds((1.0 + Self::SLACK) * self.period.0));
+        }
+    }
+
+    fn turn(&mut self, now: Seconds, setup: &Setup, estimator: &mut Estimator) {
         if std::mem::replace(&mut self.jumps, self.clock.jumps_back()) != self.clock.jumps_back() {
             *estimator = setup.estimator();
         }

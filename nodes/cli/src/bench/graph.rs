@@ -22,35 +22,31 @@ const PRINTER: &str = "printer_sim";
 
 /// Stations of a sample.
 const STATIONS: usize = 4;
-/// Whose samples are followed.
-const HOTEND: usize = 0;
-/// Whose samples are followed, and counted.
-const ENCODER: usize = 1;
-
 /// One topic as it is looked on.
 struct Station {
     subscription: RawSubscription,
     newest: BTreeMap<Gid, i64>,
+    /// Moments of sending `[ns]`.
+    sent_ns: Vec<i64>,
     heard: u64,
     lost: u64,
 }
 
 impl Station {
-    /// The time at which a message was sent `[ns]`.
-    async fn next(&mut self) -> Option<i64> {
+    /// Takes a message in.
+    async fn next(&mut self) {
         let message = self.subscription.recv().await;
         self.heard += 1;
         if let Some(before) = self.newest.insert(message.publisher, message.sequence) {
             self.lost += u64::try_from(message.sequence - before - 1).unwrap_or(0);
         }
-        message.sent_ns
+        self.sent_ns.extend(message.sent_ns);
     }
 }
 
-/// Samples under way, by the station that they have passed.
+/// How long samples took.
 #[derive(Default)]
 struct Ways {
-    waiting: [Vec<(i64, i64)>; STATIONS - 1],
     /// Length of each part of the way and of the whole `[ms]`.
     parts_ms: [Vec<f64>; STATIONS],
     samples: u64,
@@ -58,25 +54,31 @@ struct Ways {
 }
 
 impl Ways {
-    /// A message was sent from a station at `ns`: what waited there goes on.
-    fn pass(&mut self, station: usize, ns: i64) {
-        if station == 0 {
-            self.samples += 1;
-            return self.waiting[0].push((ns, ns));
-        }
-        let waiting = std::mem::take(&mut self.waiting[station - 1]);
-        let (old, rest): (Vec<_>, Vec<_>) = waiting.into_iter().partition(|(_, at)| ns - at > OLD_NS);
-        self.unanswered += old.len() as u64;
-        // What was sent later than this message has no part in it.
-        let (gone, stays): (Vec<_>, Vec<_>) = rest.into_iter().partition(|(_, at)| *at < ns);
-        self.waiting[station - 1] = stays;
-        for (first, at) in gone {
-            self.parts_ms[station - 1].push(milliseconds(ns - at));
-            match self.waiting.get_mut(station) {
-                Some(next) => next.push((first, ns)),
-                None => self.parts_ms[STATIONS - 1].push(milliseconds(ns - first)),
+    /// Follows each sample to the first message of each station that was sent after that of the station before. All are
+    /// moments of sending `[ns]` in their order: messages of several topics reach a reader in any order.
+    fn of(samples: &[i64], stations: [&[i64]; STATIONS - 1]) -> Self {
+        let mut ways = Self::default();
+        let end_ns = stations[STATIONS - 2].last().map_or(i64::MIN, |newest| newest - OLD_NS);
+        for begin_ns in samples.iter().copied().filter(|begin_ns| *begin_ns <= end_ns) {
+            ways.samples += 1;
+            let mut at_ns = [begin_ns; STATIONS];
+            let answered = stations.iter().enumerate().all(|(index, sent)| {
+                let next = sent.get(sent.partition_point(|ns| *ns <= at_ns[index]));
+                next.is_some_and(|ns| {
+                    at_ns[index + 1] = *ns;
+                    ns - begin_ns <= OLD_NS
+                })
+            });
+            if !answered {
+                ways.unanswered += 1;
+                continue;
             }
+            for part in 1..STATIONS {
+                ways.parts_ms[part - 1].push(milliseconds(at_ns[part] - at_ns[part - 1]));
+            }
+            ways.parts_ms[STATIONS - 1].push(milliseconds(at_ns[STATIONS - 1] - begin_ns));
         }
+        ways
     }
 }
 
@@ -124,7 +126,13 @@ async fn follow(samples: u64, graph: u32) -> anyhow::Result<Vec<Benchmark>> {
     for info in &mut infos {
         info.qos.requested.depth = 1000;
         let subscription = node.subscribe_raw(info)?;
-        stations.push(Station { subscription, newest: BTreeMap::new(), heard: 0, lost: 0 });
+        stations.push(Station {
+            subscription,
+            newest: BTreeMap::new(),
+            sent_ns: Vec::new(),
+            heard: 0,
+            lost: 0,
+        });
     }
     let Ok([mut hotend, mut encoder, mut estimate, mut command, mut permit]) =
         <[Station; STATIONS + 1]>::try_from(stations)
@@ -135,29 +143,23 @@ async fn follow(samples: u64, graph: u32) -> anyhow::Result<Vec<Benchmark>> {
     flows.context("no command within a minute: is the graph up? see fdm up")?;
     let before = usage(graph);
     let begin = Instant::now();
-    let mut ways: [Ways; 2] = Default::default();
-    while ways[ENCODER].samples < samples {
-        let (of, station, sent) = tokio::select! {
-            sent = hotend.next() => (Some(HOTEND), 0, sent),
-            sent = encoder.next() => (Some(ENCODER), 0, sent),
-            sent = estimate.next() => (None, 1, sent),
-            sent = command.next() => (None, 2, sent),
-            sent = permit.next() => (None, 3, sent),
+    while encoder.heard < samples {
+        tokio::select! {
+            () = hotend.next() => (),
+            () = encoder.next() => (),
+            () = estimate.next() => (),
+            () = command.next() => (),
+            () = permit.next() => (),
             () = tokio::time::sleep(PATIENCE) => bail!("the graph fell silent"),
-        };
-        let Some(ns) = sent else { continue };
-        for way in ways
-            .iter_mut()
-            .enumerate()
-            .filter(|(index, _)| of.is_none_or(|of| of == *index))
-            .map(|(_, way)| way)
-        {
-            way.pass(station, ns);
         }
     }
     let wall_s = begin.elapsed().as_secs_f64();
-    let mut all = told(&mut ways[HOTEND], "temperature");
-    all.extend(told(&mut ways[ENCODER], "filament"));
+    for station in [&mut hotend, &mut encoder, &mut estimate, &mut command, &mut permit] {
+        station.sent_ns.sort_unstable();
+    }
+    let stations = [&estimate.sent_ns[..], &command.sent_ns, &permit.sent_ns];
+    let mut all = told(Ways::of(&hotend.sent_ns, stations), "temperature");
+    all.extend(told(Ways::of(&encoder.sent_ns, stations), "filament"));
     for (name, station) in [
         ("temperature", &hotend),
         ("filament", &encoder),
@@ -174,7 +176,7 @@ async fn follow(samples: u64, graph: u32) -> anyhow::Result<Vec<Benchmark>> {
 }
 
 #[allow(clippy::cast_precision_loss, reason = "counts of messages")]
-fn told(ways: &mut Ways, sample: &str) -> Vec<Benchmark> {
+fn told(mut ways: Ways, sample: &str) -> Vec<Benchmark> {
     let mut all = vec![
         Benchmark::new(format!("{sample}: samples followed"), "-", ways.samples as f64),
         Benchmark::new(format!("{sample}: samples without a permit within 1 s"), "-", ways.unanswered as f64),
@@ -220,16 +222,17 @@ fn nodes(
 mod tests {
     use super::*;
 
-    /// Sent at 0 and 8 ms, estimated at 10, commanded at 11, permitted at 20: 20 and 12 ms. A sample at 10.5 waits.
+    /// Sent at 0 and 8 ms, estimated at 10, commanded at 11, permitted at 20: 20 and 12 ms. A sample at 10.5 is too young.
+    /// One at -2 s had no answer in time.
     #[test]
     fn a_sample_is_followed_from_station_to_station() {
-        let mut ways = Ways::default();
-        let ms = |at: f64| (at * 1e6).round().to_string().parse::<i64>().unwrap();
-        for (station, at) in [(0, 0.0), (0, 8.0), (3, 9.0), (1, 10.0), (0, 10.5), (2, 11.0), (3, 20.0)] {
-            ways.pass(station, ms(at));
-        }
+        let ms = |at: &[i64]| at.iter().map(|at| at * 100_000).collect::<Vec<_>>();
+        let samples = ms(&[-20_000, 0, 80, 105]);
+        let (estimates, commands, permits) = (ms(&[100, 10_050]), ms(&[110, 10_060]), ms(&[90, 200, 10_100]));
+        let ways = Ways::of(&samples, [&estimates, &commands, &permits]);
         assert_eq!(ways.parts_ms[3], [20.0, 12.0]);
-        assert_eq!((ways.parts_ms[0].len(), ways.waiting[0].len(), ways.samples), (2, 1, 3));
+        assert_eq!(ways.parts_ms[0], [10.0, 2.0]);
+        assert_eq!((ways.samples, ways.unanswered), (3, 1));
         assert!((quantile(&[1.0, 2.0, 3.0], 0.5) - 2.0).abs() < 1e-12);
     }
 }
