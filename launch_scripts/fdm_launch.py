@@ -20,9 +20,12 @@ else:
     CONFIG = os.path.join(ROOT, "config")
     BIN = os.path.join(ROOT, "target", "release")
 
+# The namespace whose clock is the domain's: tools that follow simulated time look for /clock.
+DEFAULT_NAMESPACE = "/printer"
+
 # name, default, description, allowed values: of every launch file
 FOLDERS = [
-    ("namespace", "/printer", "namespace of the printer", None),
+    ("namespace", DEFAULT_NAMESPACE, "namespace of the printer", None),
     ("config", CONFIG, "folder with the parameter files", None),
     ("bin", BIN, "folder with the programs", None),
 ]
@@ -101,6 +104,8 @@ def node(name, chosen, material, values):
         name=name,
         namespace=chosen["namespace"],
         parameters=files + ([values] if values else []),
+        # The time of one simulated printer is not that of another in the same domain.
+        remappings=[] if chosen["namespace"] == DEFAULT_NAMESPACE else [("/clock", f"{chosen['namespace']}/clock")],
         ros_arguments=["--log-level", "info"],
         output="screen",
         respawn=not simulated,

@@ -72,16 +72,18 @@ class ExecuteProcess:
 
 class Node:
     def __init__(
-        self, *, executable, name, namespace, parameters, ros_arguments, output, respawn, respawn_delay, additional_env,
-        on_exit
+        self, *, executable, name, namespace, parameters, remappings, ros_arguments, output, respawn, respawn_delay,
+        additional_env, on_exit
     ):
         if respawn != ("FDM_STARTED_AGAIN" in additional_env):
             raise ValueError(f"{name} is not told whether it is started again")
         self.executable, self.name, self.namespace = executable, name, namespace
-        self.parameters, self.ros_arguments, self.respawn, self.on_exit = parameters, ros_arguments, respawn, on_exit
+        self.parameters, self.remappings, self.ros_arguments = parameters, remappings, ros_arguments
+        self.respawn, self.on_exit = respawn, on_exit
 
     def process(self, folder):
         words = ["--ros-args", *self.ros_arguments, "-r", f"__node:={self.name}", "-r", f"__ns:={self.namespace}"]
+        words += [word for old, new in self.remappings for word in ("-r", f"{old}:={new}")]
         for index, source in enumerate(self.parameters):
             if isinstance(source, dict):
                 path = os.path.join(folder, f"{self.name}_{index}.yaml")

@@ -47,6 +47,25 @@ fn keys(value: &Value) -> Vec<&str> {
     value.as_object().unwrap().keys().map(String::as_str).collect()
 }
 
+/// Beside the recorder of `fdm up`, under the clock of the same printer.
+#[test]
+fn a_recorder_of_its_own_has_a_name_and_the_printers_clock() {
+    let said = |more: &[&str]| {
+        let output = run(&[&["record", "--dry-run"], more].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let (usual, left) = (said(&[]), said(&["--namespace", "/left", "--name", "witness"]));
+    assert!(
+        usual.contains("-r __node:=fdm_record -r __ns:=/printer ") && !usual.contains("/clock"),
+        "{usual}"
+    );
+    assert!(
+        left.contains("-r __node:=witness -r __ns:=/left ") && left.contains("-r /clock:=/left/clock"),
+        "{left}"
+    );
+}
+
 /// Contract of `architecture.md`: fields keep their names once published.
 #[test]
 fn fields_of_one_simulated_run() {

@@ -35,8 +35,8 @@ fn processes(output: &Output) -> Vec<Value> {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Node, program, namespace and every parameter after merging, as text.
-fn meaning(process: &Value) -> [String; 4] {
+/// Node, program, namespace, remapped names and every parameter after merging, as text.
+fn meaning(process: &Value) -> [String; 5] {
     let text = |name: &str| process[name].as_str().unwrap().to_owned();
     let words = process["arguments"].as_array().unwrap().iter().map(|word| word.as_str().unwrap().to_owned());
     let args = Args::parse(words).unwrap();
@@ -45,7 +45,8 @@ fn meaning(process: &Value) -> [String; 4] {
     // Relative paths are those of the folder that both were started in.
     let files: Vec<PathBuf> = args.params_files.iter().map(|file| root().join(file)).collect();
     let parameters = Parameters::read(&files, &args.parameters, &path).unwrap();
-    [node, text("program"), namespace, parameters.text()]
+    let remaps = args.remaps.iter().map(|(from, to)| format!("{from}:={to} ")).collect();
+    [node, text("program"), namespace, remaps, parameters.text()]
 }
 
 /// `fdm up` and `sim.launch.py` with the same wishes start the same processes.
@@ -156,8 +157,14 @@ fn the_graph_beside_a_printer_is_the_same_under_launch_and_systemd() {
                 .any(|key| line.starts_with(key))
         };
         let [ours, theirs] =
-            [meaning(&unit(node, &etc)), meaning(process)].map(|[node, program, namespace, text]| {
-                (node, program, namespace, text.lines().filter(own).map(str::to_owned).collect::<Vec<_>>())
+            [meaning(&unit(node, &etc)), meaning(process)].map(|[node, program, namespace, remaps, text]| {
+                (
+                    node,
+                    program,
+                    namespace,
+                    remaps,
+                    text.lines().filter(own).map(str::to_owned).collect::<Vec<_>>(),
+                )
             });
         assert_eq!(ours, theirs);
         assert!(process["respawn"] == true && process["ends_all"] == false, "{node}");
@@ -181,7 +188,7 @@ fn the_camera_of_a_printer_is_an_argument() {
     for line in
         ["driver: \"mjpeg\"", "mjpeg.url: \"http://octopi.local:8080/?action=stream\"", "use_sim_time: false"]
     {
-        assert!(camera[3].contains(line), "{line} in {}", camera[3]);
+        assert!(camera[4].contains(line), "{line} in {}", camera[4]);
     }
     _ = std::fs::remove_dir_all(format!("{}_logs", bag.display()));
 }
@@ -209,8 +216,8 @@ fn a_replay_is_fdm_play_with_the_clock() {
         assert!(!word.starts_with("--") || help.contains(&format!("{word} ")), "{word} in {help}");
     }
     for node in nodes.iter().map(meaning) {
-        assert!(node[3].contains("use_sim_time: true"), "{node:?}");
-        assert!(node[0] != "mpc_controller" || node[3].contains("control: \"encoder\""), "{node:?}");
+        assert!(node[4].contains("use_sim_time: true"), "{node:?}");
+        assert!(node[0] != "mpc_controller" || node[4].contains("control: \"encoder\""), "{node:?}");
     }
     std::fs::remove_dir_all(bag).unwrap();
 }
@@ -232,7 +239,7 @@ fn the_predictor_is_started_where_it_is_asked_for_alone() {
     };
     let source = |nodes: &[[String; 4]], name: &str| {
         let controller = nodes.iter().find(|[node, ..]| node == "mpc_controller").unwrap();
-        controller[3].contains(&format!("advance.source: \"{name}\""))
+        controller[4].contains(&format!("advance.source: \"{name}\""))
     };
     let usual = nodes(&[]);
     assert_eq!(usual.len(), 10);

@@ -123,7 +123,7 @@ pub fn main() -> ExitCode {
         Command::Wire(args) => wire::run(&args),
         Command::Kinematics(args) => kinematics::run(&args),
     };
-    match done {
+    let code = match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if output::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
@@ -137,5 +137,7 @@ pub fn main() -> ExitCode {
                 || error.is::<wire::up::Unfinished>();
             ExitCode::from(if failed { FAILED } else { USAGE })
         }
-    }
+    };
+    runtime::write_last_lines();
+    code
 }

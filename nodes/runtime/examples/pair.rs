@@ -5,6 +5,8 @@
 //!
 //! On simulated time (`-p use_sim_time:=true`): the pacer drives `/clock` at ten times real time, the sleeper ends well
 //! after 20 ticks of a second each, all a second apart on its clock.
+//!
+//! The chatterer writes more lines than any pipe holds, and ends well.
 
 use fdm_loop_msgs::{BeadWidth, Header, PrintInfo, SetModeRequest, SetModeResponse};
 use models::units::Seconds;
@@ -23,6 +25,7 @@ enum Role {
     Listener,
     Pacer,
     Sleeper,
+    Chatterer,
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -123,6 +126,9 @@ async fn sleep(node: Node) -> Result<(), PairError> {
     Ok(())
 }
 
+/// Lines of 100 bytes: a pipe holds 64 KiB.
+const LINES: u32 = 20_000;
+
 async fn pair(node: Node) -> Result<(), PairError> {
     let role = node.parameters::<Params>()?.role;
     node.activated().await;
@@ -131,6 +137,14 @@ async fn pair(node: Node) -> Result<(), PairError> {
         Role::Listener => listen(node).await,
         Role::Pacer => pace(node).await,
         Role::Sleeper => sleep(node).await,
+        Role::Chatterer => {
+            for line in 0..LINES {
+                tracing::warn!(
+                    "line {line} of {LINES}, which are more than any pipe holds that nobody reads"
+                );
+            }
+            Ok(())
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 
 use crate::args::ArgsError;
 use crate::error::RuntimeError;
+use crate::logging;
 use rustix::process::{Resource, Rlimit, Signal, setrlimit};
 use std::sync::Arc;
 use std::sync::LazyLock;
@@ -66,6 +67,7 @@ pub(crate) fn set() -> Result<(), RuntimeError> {
 
 /// Ends a process that hears nothing any more. Nothing is tidied up: what would do that may be what hangs.
 pub(crate) fn end_deaf() -> ! {
+    logging::write_last_lines();
     NOT_OURS.store(true, Ordering::SeqCst);
     std::process::abort()
 }

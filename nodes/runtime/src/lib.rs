@@ -96,6 +96,7 @@ pub use error::RuntimeError;
 pub use frames::{FrameParams, Frames};
 pub use heartbeat::Work;
 pub use inlet::{Inlet, Reason, Refused, check_age};
+pub use logging::write_last_lines;
 pub use node::Node;
 pub use params::store::LiveParameters;
 pub use params::{NodePath, ParamFileError, Parameters};

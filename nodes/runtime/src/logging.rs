@@ -1,4 +1,5 @@
-//! Log lines to standard error and to `/rosout`.
+//! Log lines to standard error and to `/rosout`. Whoever reads standard error may stop doing so: a thread of its own writes
+//! there, and lines that it cannot take are dropped and counted. No node waits for a terminal or a pipe.
 
 use crate::args::{Args, LogLevel};
 use crate::clock::monotonic;
@@ -6,11 +7,13 @@ use fdm_loop_msgs::Log;
 use models::units::Seconds;
 use std::fmt::Write;
 use std::io::IsTerminal;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::Duration;
 use tokio::sync::mpsc::{Receiver, Sender, channel};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Subscriber};
+use tracing_appender::non_blocking::{ErrorCounter, NonBlockingBuilder, WorkerGuard};
 use tracing_subscriber::filter::EnvFilter;
 use tracing_subscriber::layer::{Context, Layer, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
@@ -30,9 +33,19 @@ const MIDDLEWARE: &str = "rustdds=warn,ros2_client=warn,rustdds::network::udp_se
 const MIDDLEWARE_LINES_1_S: u64 = 20;
 /// Lines that wait for `/rosout`; more are dropped (they are on standard error all the same).
 const WAITING_LINES: usize = 256;
+/// Lines that wait for standard error; more are dropped.
+const WAITING_FOR_STDERR: usize = 4096;
+/// Longest time that a process that is about to end leaves for its last lines.
+const LAST_LINES: Duration = Duration::from_millis(200);
 
 /// Logger of the node of this process, as `rclcpp` names it: `printer.thermistor`.
 static LOGGER: OnceLock<String> = OnceLock::new();
+
+/// The thread that writes to standard error; gone once its last lines are written.
+static WRITER: Mutex<Option<WorkerGuard>> = Mutex::new(None);
+
+/// Lines that standard error did not take.
+static DROPPED: OnceLock<ErrorCounter> = OnceLock::new();
 
 /// The end that feeds `/rosout`, once a node is there to publish.
 static ROSOUT: OnceLock<Sender<Log>> = OnceLock::new();
@@ -72,20 +85,39 @@ pub(crate) fn logger(qualified: &str) -> String {
 /// Starts logging; a second call in the same process changes nothing.
 pub(crate) fn start(args: &Args, node: &str) {
     _ = LOGGER.set(logger(node));
-    let console = tracing_subscriber::fmt::layer()
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal());
-    _ = tracing_subscriber::registry()
+    let (writer, guard) =
+        NonBlockingBuilder::default().buffered_lines_limit(WAITING_FOR_STDERR).finish(std::io::stderr());
+    let dropped = writer.error_counter();
+    let console =
+        tracing_subscriber::fmt::layer().with_writer(writer).with_ansi(std::io::stderr().is_terminal());
+    let started = tracing_subscriber::registry()
         .with(filter(args, &logger(node)))
         .with(Throttle)
         .with(console)
         .with(Rosout)
         .try_init();
+    if started.is_ok() {
+        _ = DROPPED.set(dropped);
+        *WRITER.lock().unwrap_or_else(PoisonError::into_inner) = Some(guard);
+    }
 }
 
-/// Lines of the middleware that were left out so far.
+/// Waits until the lines so far are written, 0.2 s at most; nothing is written after it. For a process that is about to end.
+pub fn write_last_lines() {
+    let guard = WRITER.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let (done, waiting) = std::sync::mpsc::channel::<()>();
+    // A thread of its own: where nobody reads, letting go of the writer takes a second.
+    _ = std::thread::Builder::new().spawn(move || {
+        drop(guard);
+        drop(done);
+    });
+    _ = waiting.recv_timeout(LAST_LINES);
+}
+
+/// Lines that were left out so far: of the middleware beyond its budget, and what standard error did not take.
 pub(crate) fn lines_left_out() -> u64 {
-    BUDGET.left_out.load(Ordering::Relaxed)
+    let dropped = DROPPED.get().map_or(0, ErrorCounter::dropped_lines);
+    BUDGET.left_out.load(Ordering::Relaxed).saturating_add(u64::try_from(dropped).unwrap_or(u64::MAX))
 }
 
 /// Whether a line comes from the middleware, directly or by way of the `log` crate.

@@ -1,6 +1,7 @@
 //! Orderly end on SIGINT, SIGTERM, SIGHUP and, where asked for, with the parent process; an end at once after SIGSTOP and SIGCONT.
 
 use crate::error::RuntimeError;
+use crate::logging;
 use rustix::process::Signal;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};
@@ -9,7 +10,7 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 
 /// Time the shell and the middleware have to end before the process is ended: the promise is 2 s.
-const GRACE: Duration = Duration::from_millis(1800);
+const GRACE: Duration = Duration::from_millis(1700);
 
 /// What is sent with a SIGCONT to make a stopped process end in order arrives within this time.
 const TOGETHER: Duration = Duration::from_millis(50);
@@ -92,6 +93,7 @@ pub(crate) fn follow_signals(sender: ShutdownSender) -> Result<(), RuntimeError>
         std::thread::spawn(|| {
             std::thread::sleep(GRACE);
             tracing::error!("not ended {} s after the signal: ending the process", GRACE.as_secs_f64());
+            logging::write_last_lines();
             std::process::exit(1);
         });
     });
@@ -122,6 +124,7 @@ pub(crate) fn abort_when_continued(shutdown: Shutdown) -> Result<(), RuntimeErro
             tokio::time::sleep(TOGETHER).await;
             if !shutdown.is_demanded() {
                 tracing::error!("was stopped and continued: ending the process to be started again");
+                logging::write_last_lines();
                 std::process::abort();
             }
             CONTINUED.store(false, Ordering::Relaxed);

@@ -31,7 +31,7 @@ where
 {
     // A shell may wrap a refused parameter in an error of its own: the node remembers it.
     let refused = Arc::new(AtomicBool::new(false));
-    match start(name, main, &refused) {
+    let code = match start(name, main, &refused) {
         Ok(()) if bounds::left_the_crowd() => ExitCode::from(bounds::DRIVEN_OUT),
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -43,7 +43,9 @@ where
             tracing::error!("{name}: {}", chain(error.as_ref()));
             ExitCode::from(if usage { USAGE } else { FAILURE })
         }
-    }
+    };
+    logging::write_last_lines();
+    code
 }
 
 /// Starts the node and runs the shell to its end.

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)] // helpers of tests: a failure is the test's failure
 
 use rustix::process::{Pid, Signal, kill_process};
+use std::io::Read;
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -12,6 +13,11 @@ struct Process(Child);
 impl Process {
     /// Starts the example `pair` in a role, in a domain of the test's own.
     fn start(role: &str, domain: u32) -> Self {
+        Self::telling(role, domain, Stdio::null())
+    }
+
+    /// The same with its standard error to a place of one's own.
+    fn telling(role: &str, domain: u32, told: Stdio) -> Self {
         let tests = std::env::current_exe().unwrap();
         let pair: PathBuf = tests.parent().unwrap().parent().unwrap().join("examples/pair");
         let simulated = matches!(role, "pacer" | "sleeper");
@@ -20,7 +26,7 @@ impl Process {
             .args(["-p", &format!("use_sim_time:={simulated}")])
             .env("ROS_DOMAIN_ID", domain.to_string())
             .env_remove("RUST_LOG")
-            .stderr(Stdio::null())
+            .stderr(told)
             .spawn()
             .unwrap();
         Self(child)
@@ -83,6 +89,19 @@ fn a_process_that_went_deaf_ends_itself() {
     talker.signal(Signal::CONT);
     let status = talker.ended_within(Duration::from_secs(5)).expect("a deaf process ends itself");
     assert_eq!(status.code(), Some(runtime::DRIVEN_OUT.into()), "through no fault of its own");
+}
+
+/// A stopped terminal, a pipe that nobody reads: the lines are lost, the node is not held up. Who reads gets them.
+#[test]
+fn a_node_does_not_wait_for_who_reads_its_lines() {
+    let mut unread = Process::telling("chatterer", domain(4), Stdio::piped());
+    let status = unread.ended_within(Duration::from_secs(30)).expect("it ends though nobody reads");
+    assert_eq!(status.code(), Some(0));
+    let mut read = Process::telling("chatterer", domain(4), Stdio::piped());
+    let mut text = String::new();
+    read.0.stderr.take().unwrap().read_to_string(&mut text).unwrap();
+    assert_eq!(read.ended_within(Duration::from_secs(30)).unwrap().code(), Some(0));
+    assert!(text.contains("line 0 of 20000"), "{text}");
 }
 
 /// `/clock` drives the timers of another process, faster than real time.

@@ -1,6 +1,7 @@
 //! `fdm record`: starts the recorder in place of this process, on its own.
 
 use crate::config::ConfigDir;
+use crate::up::recipes::DEFAULT_NAMESPACE;
 use anyhow::{Context, bail};
 use clap::Args;
 use std::os::unix::process::CommandExt;
@@ -40,9 +41,12 @@ pub struct RecordArgs {
     /// Time from /clock.
     #[arg(long)]
     use_sim_time: bool,
-    /// Namespace of the printer.
-    #[arg(long, default_value = "/printer")]
+    /// Namespace of the printer; beside another one than /printer its own clock counts, as with `fdm up`.
+    #[arg(long, default_value = DEFAULT_NAMESPACE)]
     namespace: String,
+    /// Name of the node: not the one of the recorder that `fdm up` starts, whose services would answer too.
+    #[arg(long, default_value = "fdm_record")]
+    name: String,
     /// Folder with the parameter files.
     #[arg(long)]
     config: Option<PathBuf>,
@@ -94,8 +98,12 @@ fn arguments(args: &RecordArgs, config: &ConfigDir) -> Vec<String> {
     values.extend(given.into_iter().filter_map(|(name, value)| Some(format!("{name}:={}", value?))));
     let file = config.file("bag_recorder.param.yaml").display().to_string();
     let namespace = format!("__ns:={}", args.namespace);
+    let name = format!("__node:={}", args.name);
     let mut arguments: Vec<String> =
-        ["--ros-args", "-r", &namespace, "--params-file", &file].map(str::to_owned).to_vec();
+        ["--ros-args", "-r", &name, "-r", &namespace, "--params-file", &file].map(str::to_owned).to_vec();
+    if args.namespace != DEFAULT_NAMESPACE {
+        arguments.extend(["-r".to_owned(), format!("/clock:={}/clock", args.namespace)]);
+    }
     arguments.extend(values.into_iter().flat_map(|value| ["-p".to_owned(), value]));
     arguments
 }

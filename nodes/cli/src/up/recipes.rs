@@ -27,7 +27,7 @@ pub const NODES: [&str; 11] = [
 ];
 
 /// The namespace whose clock is the domain's: tools that follow simulated time look for `/clock`.
-const DEFAULT_NAMESPACE: &str = "/printer";
+pub(crate) const DEFAULT_NAMESPACE: &str = "/printer";
 
 /// Everything that one print is started with.
 #[derive(Debug, Clone)]
