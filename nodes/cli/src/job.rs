@@ -1,6 +1,7 @@
 //! A G-code file on disk as a job for the simulated printer.
 
 use crate::config::Setup;
+use crate::output;
 use anyhow::{Context, bail};
 use models::gcode::Header;
 use models::motion::{Job, MotionParams, Step};
@@ -20,6 +21,7 @@ pub struct GcodeFile {
     bytes: Arc<[u8]>,
     header: Header,
     wishes: Wishes,
+    oddities: u64,
 }
 
 impl GcodeFile {
@@ -56,7 +58,32 @@ impl GcodeFile {
         if !job.into_iter().any(|step| matches!(step, Step::Move(_))) {
             bail!("no move in the file");
         }
-        Ok(Self { name, bytes, header, wishes: Wishes { layers, set_points: None } })
+        Ok(Self { name, bytes, header, wishes: Wishes { layers, set_points: None }, oddities: 0 })
+    }
+
+    /// The same, and says on standard error what is odd in it: a print of what was meant otherwise misleads.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_telling(path: &Path, motion: &MotionParams, layers: Option<u32>) -> anyhow::Result<Self> {
+        let mut file = Self::read(path, motion, layers)?;
+        let mut job = Job::new(Cursor::new(Arc::clone(&file.bytes)), &file.header, motion);
+        (&mut job).for_each(drop);
+        file.oddities = job.oddities().total();
+        if let Some(first) = job.oddities().kept().first() {
+            let (name, count) = (path.display(), file.oddities);
+            let (line, reason) = (first.line, &first.reason);
+            output::note(&format!(
+                "{name}: {count} odd, first line {line}: {reason}; `fdm gcode` names them"
+            ));
+        }
+        Ok(file)
+    }
+
+    /// How much is odd, where that was counted.
+    #[must_use]
+    pub fn oddities(&self) -> u64 {
+        self.oddities
     }
 
     /// File name without folder.
@@ -87,5 +114,25 @@ impl GcodeFile {
     #[must_use]
     pub fn job(&self, setup: &Setup) -> JobSource {
         JobSource::from_gcode(&self.bytes, &self.header, &setup.motion, self.wishes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A refused pressure advance is counted; a file in which nothing is odd has none.
+    #[test]
+    fn odd_lines_of_a_print_are_counted() {
+        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config"));
+        let motion = crate::config::ConfigDir::find(Some(folder)).unwrap().motion().unwrap();
+        let path = std::env::temp_dir().join(format!("fdm_odd_{}.gcode", std::process::id()));
+        let oddities = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            GcodeFile::read_telling(&path, &motion, None).unwrap().oddities()
+        };
+        assert_eq!(oddities("M900 K-1\nG1 X10 E1\nSET_PRESSURE_ADVANCE ADVANCE=nan\nM900 K75\n"), 3);
+        assert_eq!(oddities("M900 K0.1\nG1 X10 E1\nSET_PRESSURE_ADVANCE ADVANCE=0.2\n"), 0);
+        std::fs::remove_file(&path).unwrap();
     }
 }

@@ -49,11 +49,14 @@ impl Foresight {
     #[must_use]
     pub fn figures(&self, report: &AdvanceReport) -> AdvanceFigures {
         let (sum_s, count) = self.sum_s;
+        let counts = self.predictor.as_ref().map(AdvancePredictor::counts);
         AdvanceFigures {
             mean_s: (count > 0.0).then(|| sum_s / count),
             hurried: report.hurried,
             without: report.without,
             learnt: report.learnt,
+            outside_hull: counts.map(|counts| counts.outside_hull),
+            unanswered: counts.map(|counts| counts.unanswered),
         }
     }
 }

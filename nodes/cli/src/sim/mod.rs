@@ -116,7 +116,7 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     Json::new(args.json.as_deref()).check()?;
     let levels = args.control.iter().map(|name| level(name)).collect::<anyhow::Result<Vec<_>>>()?;
     let config = ConfigDir::find(args.config.as_deref())?;
-    let file = GcodeFile::read(&args.gcode, &config.motion()?, args.layers)?;
+    let file = GcodeFile::read_telling(&args.gcode, &config.motion()?, args.layers)?;
     let scenario = config.scenario(&args.scenario)?;
     let material = args.material.clone().unwrap_or_else(|| file.material());
     if let (Some(bag), true) = (&args.bag, levels.len() > 1) {
@@ -249,6 +249,7 @@ impl Task {
             other => format!("{other:?}").to_lowercase(),
         });
         Run {
+            gcode_oddities: self.file.oddities(),
             gcode: self.file.name(),
             material: self.setup.material.name.clone(),
             scenario: self.names.scenario.clone(),

@@ -41,11 +41,17 @@ pub struct AdvanceFigures {
     pub without: u64,
     /// Learnt factor on the foretold advance at the end `[-]`.
     pub learnt: f64,
+    /// Conditions outside of the networks' data, for which the physical model answered; `null` where nothing is foretold.
+    pub outside_hull: Option<u64>,
+    /// Conditions that nothing was foretold for; `null` as above.
+    pub unanswered: Option<u64>,
 }
 
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Run {
+    /// Odd lines of the file: read, refused or left out as `fdm gcode` says.
+    pub gcode_oddities: u64,
     /// File name.
     pub gcode: String,
     /// Material.

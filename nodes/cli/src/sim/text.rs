@@ -1,6 +1,6 @@
 //! The figures of `fdm sim` for people.
 
-use super::report::{Group, Run};
+use super::report::{AdvanceFigures, Group, Run};
 use std::fmt::Write;
 
 /// One row a control level, mean and spread over the seeds.
@@ -64,6 +64,17 @@ fn advance(text: &mut String, group: &Group) {
         mean("corner_width_rms_rel").map_or_else(|| "-".to_owned(), |rms| format!("{:.2} %", 1e2 * rms)),
         mean("print_time_s").map_or_else(|| "-".to_owned(), |time_s| format!("{time_s:.1} s")),
     );
+    let most = |of: fn(&AdvanceFigures) -> Option<u64>| {
+        group.runs.iter().filter_map(|run| of(&run.advance_control)).max().unwrap_or(0)
+    };
+    let [outside, unanswered] = [most(|figures| figures.outside_hull), most(|figures| figures.unanswered)];
+    if outside + unanswered > 0 {
+        _ = writeln!(
+            text,
+            "{:<9} advance foretold OUTSIDE of the networks' data: {outside} conditions by the physical model, {unanswered} not at all",
+            group.control
+        );
+    }
 }
 
 /// Mean NIS by channel over the runs.

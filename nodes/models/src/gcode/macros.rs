@@ -24,6 +24,9 @@ impl Interpreter {
             b"TURN_OFF_HEATERS" => self.heaters_off(),
             b"PAUSE" => self.act(Action::Pause),
             b"SET_PRESSURE_ADVANCE" => {
+                if argument_text(text, b"ADVANCE").is_none() {
+                    self.note("pressure advance without a value: nothing changes");
+                }
                 if let Some(value_s) = self.argument(text, b"ADVANCE", (0.0, 10.0)) {
                     self.act(Action::Advance(Seconds(value_s)));
                 }

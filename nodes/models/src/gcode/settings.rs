@@ -121,9 +121,12 @@ impl Interpreter {
         if self.lacks_value(b"KS") {
             return;
         }
-        let Some(value) = self.words.get(b'K').or(self.words.get(b'S')) else { return };
+        let letter = if self.words.has(b'K') { b'K' } else { b'S' };
+        let Some(value) = self.words.get(letter) else {
+            return self.note("pressure advance without a value: nothing changes");
+        };
         // Marlin's K up to 10 s; larger ones are the unitless K of the first linear advance
-        if let Some(value_s) = self.within(b'K', value, (0.0, 10.0)) {
+        if let Some(value_s) = self.within(letter, value, (0.0, 10.0)) {
             self.act(Action::Advance(Seconds(value_s)));
         }
     }

@@ -2,8 +2,8 @@
 
 use super::survey::{Survey, survey};
 use super::{Header, Words, lex, oddity::Oddities};
-use crate::motion::MotionParams;
 use crate::motion::tests_support::shipped_params;
+use crate::motion::{Action, Job, MotionParams, Step};
 use proptest::prelude::*;
 
 mod files;
@@ -39,6 +39,35 @@ fn net_filament_in_absolute_mode_is_the_last_e_word() {
     let found = survey_of(text);
     assert!((found.filament_mm - 5.5).abs() < 1e-9, "{}", found.filament_mm);
     assert_eq!(found.warnings_total, 2);
+}
+
+/// A pressure advance that is negative, no number, missing or the unitless K of old firmware is told, and the one before
+/// it stays.
+#[test]
+fn an_odd_pressure_advance_is_refused_and_told() {
+    for (line, reason) in [
+        ("M900 K-0.1", "K = -0.1: must be in [0, 10]: refused"),
+        ("M900 K75", "K = 75: must be in [0, 10]: refused"),
+        ("M900 K", "K has no value: refused"),
+        ("M900", "pressure advance without a value: nothing changes"),
+        ("M572 D0 S-1", "S = -1: must be in [0, 10]: refused"),
+        ("SET_PRESSURE_ADVANCE ADVANCE=-0.1", "A = -0.1: must be in [0, 10]: refused"),
+        ("SET_PRESSURE_ADVANCE ADVANCE=11", "A = 11: must be in [0, 10]: refused"),
+        ("SET_PRESSURE_ADVANCE ADVANCE=nan", "A = nan: not a number: refused"),
+        ("SET_PRESSURE_ADVANCE EXTRUDER=extruder", "pressure advance without a value: nothing changes"),
+    ] {
+        let text = format!("M900 K0.5\nG1 X10 E1\n{line}\nG1 X20 E2\n");
+        let found = survey_of(text.as_bytes());
+        let told: Vec<_> = found.warnings.iter().map(|odd| (odd.line, odd.reason.as_str())).collect();
+        assert_eq!(told, [(3, reason)], "{line}");
+        let params: MotionParams = shipped_params();
+        let advances = Job::from_bytes(text.as_bytes(), &params)
+            .filter(|step| matches!(step, Step::Action(Action::Advance(_), _)))
+            .count();
+        assert_eq!(advances, 1, "{line}");
+    }
+    let text = b"M900 KNaN\nG1 X10 E1\n";
+    assert!(survey_of(text).warnings_total > 0);
 }
 
 /// 1 inch = 25.4 mm, for coordinates, filament and feed alike.
