@@ -7,12 +7,13 @@
 //! nothing is laid (`v = 0`). It never slows the tool.
 //!
 //! A host that executes trims of coming moves gets the foretold law over the feed with each of them instead: then no
-//! `K_A` changes while a road is laid.
+//! `K_A` changes while a road is laid. One behind which a change acts half a second and more late gets the material's
+//! constant: what was meant for a pause of the filament would come in the midst of a road.
 
 use crate::params::{AdvanceSource, RawAdvance};
 use learning::Learning;
 use models::command::AdvanceLaw;
-use models::status::PrinterStatus;
+use models::status::{HostProfile, PrinterStatus};
 use models::units::Seconds;
 
 pub(crate) mod learning;
@@ -68,6 +69,11 @@ impl Prediction {
             && self.advance.is_none_or(|k| size(k.advance_s) && size(k.half_width_s) && k.law.is_valid())
             && self.turn.is_none_or(|turn| (0.0..=1.0).contains(&turn.probability) && size(turn.lead.0))
     }
+}
+
+/// Whether a host executes trims with the moves that they belong to.
+fn attaches(host: HostProfile) -> bool {
+    matches!(host, HostProfile::Native | HostProfile::Serial)
 }
 
 /// What became of the predictions, for diagnostics.
@@ -147,7 +153,8 @@ impl Advance {
             AdvanceSource::None => Some(0.0),
             AdvanceSource::File => None,
             AdvanceSource::Material | AdvanceSource::Planned => Some(nominal_s),
-            AdvanceSource::Predicted => self.predicted(now_s, status),
+            AdvanceSource::Predicted if attaches(status.host) => self.predicted(now_s, status),
+            AdvanceSource::Predicted => Some(nominal_s),
         };
         self.report.sent_s
     }

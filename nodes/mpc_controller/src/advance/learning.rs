@@ -6,12 +6,12 @@
 //! through widths, whose slope is `rho`. For one `K_0`, `L = K_0 v` and `h = r_w (1 - u/v)`, u the feed behind the lag. A
 //! constant part of `e` (diameter, slip) is no lag: slopes are taken about the means. The prior is `rho = 1`.
 
-use super::Foretold;
+use super::{Foretold, attaches};
 use crate::params::RawLearning;
 use models::bead::ROUND_SIDES;
 use models::command::AdvanceLaw;
 use models::extruder::LinearLag;
-use models::status::{HostProfile, PrinterStatus};
+use models::status::PrinterStatus;
 use models::units::Seconds;
 use std::collections::VecDeque;
 
@@ -24,8 +24,7 @@ const STATUSES: usize = 80;
 
 /// Whether laws attached to moves are executed: a permit lets them act, and the host attaches them.
 fn is_ahead(status: &PrinterStatus) -> bool {
-    let attaches = matches!(status.host, HostProfile::Native | HostProfile::Serial);
-    attaches && status.trims.advance_s.is_some()
+    attaches(status.host) && status.trims.advance_s.is_some()
 }
 
 /// A moment at which a road was laid.

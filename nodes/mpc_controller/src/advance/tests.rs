@@ -146,12 +146,20 @@ fn a_change_is_over_before_a_foreseen_turn() {
     let last_s = (1..=3).filter_map(|step| sent(&mut advance, 0.05 * f64::from(step))).last().unwrap();
     assert!((last_s - 0.645).abs() < 1e-12, "{last_s}");
     assert_eq!(advance.report().hurried, 3);
-    // Past the turn the slow slew holds again: 1 ms.
-    advance.on_prediction(word(0.2, 0.7, COMING));
+}
+
+/// 0.02 s/s over 50 ms is 1 ms: past the turn, 0.2 s after a word that told it for then, and 2 s before one.
+#[test]
+fn past_a_turn_and_long_before_one_a_change_is_slow() {
     let far = Some(Turn { lead: Seconds(2.0), ..COMING.unwrap() });
-    advance.on_prediction(word(0.2, 0.7, far));
-    let next_s = sent(&mut advance, 0.2).unwrap();
-    assert!((next_s - 0.646).abs() < 1e-12, "{next_s}");
+    for (told_s, turn, expected_s) in [(0.0, COMING, 0.601), (0.25, far, 0.601), (0.25, COMING, 0.615)] {
+        let mut advance = holding(0.6);
+        assert_eq!(sent(&mut advance, 0.25), Some(0.6));
+        advance.on_prediction(word(told_s, 0.7, turn));
+        let next_s = sent(&mut advance, 0.3).unwrap();
+        assert!((next_s - expected_s).abs() < 1e-12, "{told_s} {turn:?}: {next_s}");
+        assert_eq!(advance.report().hurried, u64::from(expected_s > 0.61));
+    }
 }
 
 /// `K_A v` with `v = 0` holds nothing: no filament moves.
@@ -172,6 +180,22 @@ fn other_sources_ask_no_predictor() {
     assert_eq!(of(AdvanceSource::None), Some(0.0));
     assert_eq!(of(AdvanceSource::File), None);
     assert_eq!(of(AdvanceSource::Material), Some(NOMINAL_S));
+}
+
+/// Behind Moonraker and OctoPrint a change acts too late for the road that it was meant for: the constant, and no change.
+#[test]
+fn a_host_that_attaches_nothing_to_moves_gets_the_constant() {
+    for (host, expected_s) in [
+        (HostProfile::Native, 0.9),
+        (HostProfile::Serial, 0.9),
+        (HostProfile::Moonraker, NOMINAL_S),
+        (HostProfile::Octoprint, NOMINAL_S),
+    ] {
+        let mut advance = Advance::new(SETTINGS);
+        advance.on_prediction(word(0.0, 0.9, None));
+        let status = PrinterStatus { host, ..status(0.0, 2e-3) };
+        assert_eq!(advance.command(0.0, &status, NOMINAL_S), Some(expected_s), "{host:?}");
+    }
 }
 
 #[test]
