@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::extruder::StaticLaw;
 use crate::melt::GAS_CONSTANT_J_MOL_K;
-use crate::params::{ParamError, in_range, ordered, positive};
+use crate::params::{ParamError, in_range, ordered};
 use crate::units::{Celsius, Kelvin};
 
 /// Where the drive gear sits.
@@ -55,19 +55,19 @@ read_only!(Drive(RawDrive));
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawDrive {
-    /// Scale `c_a` of the power-law part `[s]`, above 0.
+    /// Scale `c_a` of the power-law part `[s]`, in `[1e-4, 5]`.
     pub scale_s: f64,
-    /// Linear part `K_lin` `[s]`, above 0.
+    /// Linear part `K_lin` `[s]`, in `[1e-4, 5]`.
     pub linear_s: f64,
-    /// Layer height `h_g` below which the gap to the layer holds the melt back `[m]`, above 0.
+    /// Layer height `h_g` below which the gap to the layer holds the melt back `[m]`, in `[1e-6, 1e-3]`.
     pub gap_m: f64,
     /// Exponent m of that `[-]`, in `[0, 6]`.
     pub gap_power: f64,
-    /// Outlet speed `v_ref` that the scale is meant at `[m/s]`, above 0.
+    /// Outlet speed `v_ref` that the scale is meant at `[m/s]`, in `[1e-5, 0.1]`.
     pub reference_m_s: f64,
-    /// Width of the line that the scale is meant at `[m]`, above 0.
+    /// Width of the line that the scale is meant at `[m]`, in `[1e-5, 0.01]`.
     pub reference_width_m: f64,
-    /// Area of the filament's cross section `A_f` `[m2]`, above 0.
+    /// Area of the filament's cross section `A_f` `[m2]`, in `[1e-7, 2e-5]`.
     pub filament_area_m2: f64,
     /// Least and largest `K_A` that such a drive can need `[s]`: the range of the network's output.
     pub advance_range_s: [f64; 2],
@@ -77,12 +77,12 @@ impl TryFrom<RawDrive> for Drive {
     type Error = ParamError;
 
     fn try_from(raw: RawDrive) -> Result<Self, ParamError> {
-        positive("scale_s", raw.scale_s, "s")?;
-        positive("linear_s", raw.linear_s, "s")?;
-        positive("gap_m", raw.gap_m, "m")?;
+        in_range("scale_s", raw.scale_s, "s", (1e-4, 5.0))?;
+        in_range("linear_s", raw.linear_s, "s", (1e-4, 5.0))?;
+        in_range("gap_m", raw.gap_m, "m", (1e-6, 1e-3))?;
         in_range("gap_power", raw.gap_power, "-", (0.0, 6.0))?;
-        positive("reference_m_s", raw.reference_m_s, "m/s")?;
-        positive("reference_width_m", raw.reference_width_m, "m")?;
+        in_range("reference_m_s", raw.reference_m_s, "m/s", (1e-5, 0.1))?;
+        in_range("reference_width_m", raw.reference_width_m, "m", (1e-5, 1e-2))?;
         in_range("filament_area_m2", raw.filament_area_m2, "m2", (1e-7, 2e-5))?;
         let [low_s, high_s] = raw.advance_range_s;
         in_range("advance_range_s", low_s, "s", (0.0, 10.0))?;
@@ -109,7 +109,7 @@ pub struct RawPolymer {
     pub activation_j_mol: f64,
     /// Temperature that the factor is meant at `T_ref`.
     pub reference: Celsius,
-    /// Factor a against PLA `[-]`, above 0.
+    /// Factor a against PLA `[-]`, in `[0.01, 100]`.
     pub factor: f64,
     /// Least and largest temperature that it is printed at `[degC]`.
     pub range_c: [f64; 2],
@@ -122,7 +122,7 @@ impl TryFrom<RawPolymer> for Polymer {
         in_range("flow_index", raw.flow_index, "-", (0.1, 1.0))?;
         in_range("activation_j_mol", raw.activation_j_mol, "J/mol", (0.0, 3e5))?;
         in_range("reference", raw.reference.0, "degC", (100.0, 400.0))?;
-        positive("factor", raw.factor, "-")?;
+        in_range("factor", raw.factor, "-", (0.01, 100.0))?;
         let [low_c, high_c] = raw.range_c;
         in_range("range_c", low_c, "degC", (100.0, 400.0))?;
         in_range("range_c", high_c, "degC", (100.0, 400.0))?;
