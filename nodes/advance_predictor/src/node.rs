@@ -99,7 +99,7 @@ impl Setup {
             parameters.without(&["advance_physics"]).parse::<Params>().map(drop)
         });
         let physics: Physics = parameters.block("advance_physics")?;
-        let ensemble = network(params.models.of(params.drive), Ensemble::parse)?;
+        let ensemble = network(params.models.of(params.drive), |text| Ensemble::parse(text, params.drive))?;
         let network = network(&params.models.turn, TurnNetwork::parse)?;
         Ok(Self { compensation: Predictor::new(physics, params.bounds, ensemble), params, network })
     }

@@ -3,7 +3,7 @@
 use crate::compensation::Bounds;
 use crate::turn::TurnParams;
 use models::advance::{Condition, DriveKind};
-use models::params::{ParamError, in_range, positive};
+use models::params::{ParamError, in_range};
 use models::units::Seconds;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -61,7 +61,7 @@ impl TryFrom<RawSpeeds> for SpeedParams {
     type Error = ParamError;
 
     fn try_from(raw: RawSpeeds) -> Result<Self, ParamError> {
-        positive("speeds.memory_s", raw.memory_s, "s")?;
+        in_range("speeds.memory_s", raw.memory_s, "s", (0.1, 3600.0))?;
         in_range("speeds.range", raw.range[0], "-", (0.1, 1.0))?;
         in_range("speeds.range", raw.range[1], "-", (1.0, 5.0))?;
         Ok(Self { memory_s: raw.memory_s, range: raw.range })
@@ -118,9 +118,9 @@ impl TryFrom<RawSteps> for Steps {
     type Error = ParamError;
 
     fn try_from(raw: RawSteps) -> Result<Self, ParamError> {
-        positive("steps.temperature_k", raw.temperature_k, "K")?;
-        positive("steps.height_m", raw.height_m, "m")?;
-        positive("steps.width_m", raw.width_m, "m")?;
+        in_range("steps.temperature_k", raw.temperature_k, "K", (1e-3, 20.0))?;
+        in_range("steps.height_m", raw.height_m, "m", (1e-8, 1e-4))?;
+        in_range("steps.width_m", raw.width_m, "m", (1e-8, 1e-3))?;
         Ok(Self(raw))
     }
 }

@@ -1,12 +1,17 @@
-//! K from a printed pattern: test lines with different K, their widths measured, the vertex of a parabola.
+//! K from printed patterns: test lines with different K, their widths measured, the least of a curve through them.
+//!
+//! A first pattern finds where to look; patterns about that, each of lines of their own, tell K and how sure it is.
+
+mod valley;
 
 use crate::network::chance::Stream;
+use crate::network::training::mean;
 use models::advance::VirtualLine;
 use models::params::{ParamError, in_range};
 use models::units::Seconds;
-use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
 use std::convert::Infallible;
+use valley::{Valley, cubic_least, student, valley};
 
 /// A pattern. Built only from a valid [`RawPattern`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -25,8 +30,10 @@ pub struct RawPattern {
     pub spacing_m: f64,
     /// Standard deviation of a measured width `[m]`.
     pub width_sigma_m: f64,
-    /// Patterns at most, each about the last one's best.
+    /// Patterns at most until one brackets the best, each about the last one's best.
     pub patterns_max: u32,
+    /// Patterns about that: their scatter is part of the interval.
+    pub repeats: u32,
     /// Step of the simulated printer `[s]`.
     pub step_s: f64,
 }
@@ -40,6 +47,7 @@ impl TryFrom<RawPattern> for Pattern {
         in_range("spacing_m", raw.spacing_m, "m", (1e-5, 0.01))?;
         in_range("width_sigma_m", raw.width_sigma_m, "m", (0.0, 1e-3))?;
         in_range("patterns_max", f64::from(raw.patterns_max), "-", (1.0, 100.0))?;
+        in_range("repeats", f64::from(raw.repeats), "-", (2.0, 100.0))?;
         in_range("step_s", raw.step_s, "s", (1e-5, 1e-2))?;
         Ok(Self(raw))
     }
@@ -66,21 +74,31 @@ pub struct Calibrated {
     pub advance_s: f64,
     /// Half width of its 95 % interval `[s]`.
     pub half_width_s: f64,
-    /// K and mean square of the width error of each line of the last pattern, noise included.
+    /// K and mean square of the width error of each line of the patterns about it, noise included.
     pub lines: Vec<[f64; 2]>,
 }
 
 /// Why a pattern says nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NoBest {
-    /// The best line lies outside of every pattern that was printed.
-    #[error("the best line lies outside of every pattern that was printed")]
-    Outside,
+    /// The best line lies at the edge of every pattern that was printed, or outside.
+    #[error(
+        "the best line lies at the edge or outside of every pattern that was printed, the last of them from {low_s:.4} to {high_s:.4} s"
+    )]
+    Outside {
+        /// Least K of the last pattern `[s]`.
+        low_s: f64,
+        /// Largest one `[s]`.
+        high_s: f64,
+    },
     /// The lines do not differ beyond the noise of their widths.
     #[error("the lines of the pattern do not differ beyond the noise of their widths")]
     Flat,
 }
+
+/// Share of a pattern's half width within which its best has to lie: near the edge there is no other side to compare with.
+const INNER: f64 = 0.5;
 
 /// Prints patterns about `start_s`, measures the widths of lines `width_m` wide, and finds the best K.
 ///
@@ -111,19 +129,20 @@ pub fn calibrate_by<E>(
     pattern: &Pattern,
     (start_s, width_m): (f64, f64),
 ) -> Result<Result<Calibrated, NoBest>, E> {
-    let RawPattern { lines: count, reach, width_sigma_m, patterns_max, .. } = pattern.0;
-    let mut centre_s = start_s;
+    let RawPattern { reach, width_sigma_m, patterns_max, repeats, .. } = pattern.0;
+    let noise = width_sigma_m / width_m;
+    let (mut centre_s, mut before_s) = (start_s, start_s);
     for _ in 0..patterns_max {
         let reach_s = reach * centre_s;
-        let mut lines = Vec::new();
-        for index in 0..count {
-            let place = 2.0 * f64::from(index) / f64::from(count - 1) - 1.0;
-            let advance_s = centre_s * (1.0 + reach * place);
-            lines.push([advance_s, line(advance_s)?]);
-        }
-        match valley(&lines, centre_s, width_sigma_m / width_m) {
-            Ok(Valley::Here { offset_s, half_width_s }) if offset_s.abs() <= reach_s => {
-                return Ok(Ok(Calibrated { advance_s: centre_s + offset_s, half_width_s, lines }));
+        before_s = centre_s;
+        match valley(&print(line, pattern, centre_s)?, centre_s, noise) {
+            Ok(Valley::Here { offset_s, .. }) if offset_s.abs() <= INNER * reach_s => {
+                centre_s += offset_s;
+                let mut patterns = vec![];
+                for _ in 0..repeats {
+                    patterns.push(print(line, pattern, centre_s)?);
+                }
+                return Ok(weigh(&patterns, (centre_s, reach * centre_s), noise));
             }
             Ok(Valley::Here { offset_s, .. }) => centre_s += offset_s.clamp(-reach_s, reach_s),
             Ok(Valley::Below) => centre_s -= reach_s,
@@ -131,7 +150,67 @@ pub fn calibrate_by<E>(
             Err(nothing) => return Ok(Err(nothing)),
         }
     }
-    Ok(Err(NoBest::Outside))
+    Ok(Err(outside(before_s, reach * before_s)))
+}
+
+fn outside(centre_s: f64, reach_s: f64) -> NoBest {
+    NoBest::Outside { low_s: centre_s - reach_s, high_s: centre_s + reach_s }
+}
+
+/// Prints a pattern: K and mean square of each line.
+fn print<E>(
+    line: &mut dyn FnMut(f64) -> Result<f64, E>,
+    pattern: &Pattern,
+    centre_s: f64,
+) -> Result<Vec<[f64; 2]>, E> {
+    let RawPattern { lines, reach, .. } = pattern.0;
+    let one = |index: u32| {
+        let place = 2.0 * f64::from(index) / f64::from(lines - 1) - 1.0;
+        let advance_s = centre_s * (1.0 + reach * place);
+        Ok([advance_s, line(advance_s)?])
+    };
+    (0..lines).map(one).collect()
+}
+
+/// K of all patterns together, and the half width of its 95 % interval.
+fn weigh(
+    patterns: &[Vec<[f64; 2]>],
+    (centre_s, reach_s): (f64, f64),
+    noise: f64,
+) -> Result<Calibrated, NoBest> {
+    let lines: Vec<[f64; 2]> = patterns.concat();
+    let Valley::Here { offset_s: parabola_s, .. } = valley(&lines, centre_s, noise)? else {
+        return Err(outside(centre_s, reach_s));
+    };
+    let [offset_s, error_s] = cubic_least(&lines, centre_s, noise).ok_or(NoBest::Flat)?;
+    if offset_s.abs() > INNER * reach_s {
+        return Err(outside(centre_s, reach_s));
+    }
+    let half_width_s = half_width_s(patterns, (offset_s, error_s), parabola_s, (centre_s, noise));
+    Ok(Calibrated { advance_s: centre_s + offset_s, half_width_s, lines })
+}
+
+/// Half width of the 95 % interval: the scatter of the lines about the curve or that of the patterns about each other,
+/// whichever is larger, and what another curve through the same lines would say.
+fn half_width_s(
+    patterns: &[Vec<[f64; 2]>],
+    (offset_s, error_s): (f64, f64),
+    parabola_s: f64,
+    (centre_s, noise): (f64, f64),
+) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "small counts")]
+    let (lines, count) = (patterns.concat().len() as f64, patterns.len() as f64);
+    let vertices: Vec<f64> = patterns
+        .iter()
+        .filter_map(|lines| match valley(lines, centre_s, noise) {
+            Ok(Valley::Here { offset_s, .. }) => Some(offset_s),
+            _ => None,
+        })
+        .collect();
+    let mean_s = mean(vertices.iter().copied());
+    let squares = vertices.iter().map(|vertex_s| (vertex_s - mean_s).powi(2)).sum::<f64>();
+    let between_s = student(count - 1.0) * (squares / (count - 1.0) / count).sqrt();
+    (student(lines - 4.0) * error_s).max(between_s).hypot(offset_s - parabola_s)
 }
 
 /// Mean square of the relative errors of a virtual line, measured every `spacing_m`.
@@ -153,125 +232,5 @@ fn mean_square(
     squares / count
 }
 
-/// Where the mean squares are least.
-enum Valley {
-    /// At the vertex of a parabola, relative to the centre, with half of its 95 % interval `[s]`.
-    Here { offset_s: f64, half_width_s: f64 },
-    /// Towards smaller K.
-    Below,
-    /// Towards larger K.
-    Above,
-}
-
-/// Vertex of the least-squares parabola through the mean squares.
-///
-/// A mean square `m` of errors with noise of variance `s^2` scatters with a variance in proportion to
-/// `4 (m - s^2) s^2 + 2 s^4`: its inverse is the line's weight.
-fn valley(lines: &[[f64; 2]], centre_s: f64, noise: f64) -> Result<Valley, NoBest> {
-    // In units of the centre the normal equations are well scaled.
-    let row = |advance_s: f64| {
-        let x = advance_s / centre_s - 1.0;
-        Vector3::new(1.0, x, x * x)
-    };
-    let floor = (noise * noise).max(f64::MIN_POSITIVE.sqrt());
-    let weight =
-        |square: f64| floor * floor / (4.0 * (square - floor).max(0.0) * floor + 2.0 * floor * floor);
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-    for [advance_s, square] in lines {
-        normal += row(*advance_s) * row(*advance_s).transpose() * weight(*square);
-        right += row(*advance_s) * *square * weight(*square);
-    }
-    let inverse = normal.try_inverse().ok_or(NoBest::Flat)?;
-    let fitted = inverse * right;
-    let residual = |[k, square]: &[f64; 2]| weight(*square) * (square - row(*k).dot(&fitted)).powi(2);
-    #[expect(clippy::cast_precision_loss, reason = "a small count")]
-    let freedom = lines.len() as f64 - 3.0;
-    let variance = lines.iter().map(residual).sum::<f64>() / freedom;
-    let certain = student(freedom);
-    let [slope, bend] = [fitted[1], fitted[2]];
-    // A slope or a bend has to stand out of its own uncertainty.
-    let stands_out =
-        |place: usize| fitted[place].abs() > certain * (variance * inverse[(place, place)]).sqrt();
-    if bend > 0.0 && stands_out(2) {
-        let gradient = Vector3::new(0.0, -0.5 / bend, 0.5 * slope / (bend * bend));
-        let spread = (variance * gradient.dot(&(inverse * gradient))).sqrt();
-        let (offset_s, half_width_s) = (-0.5 * slope / bend * centre_s, certain * spread * centre_s);
-        return Ok(Valley::Here { offset_s, half_width_s });
-    }
-    match slope {
-        _ if !stands_out(1) => Err(NoBest::Flat),
-        rising if rising > 0.0 => Ok(Valley::Below),
-        _ => Ok(Valley::Above),
-    }
-}
-
-/// Two-sided 95 % quantile of Student's t: two terms about the normal's (Abramowitz and Stegun 26.7.5).
-fn student(freedom: f64) -> f64 {
-    let z: f64 = 1.96;
-    let first = (z.powi(3) + z) / (4.0 * freedom);
-    let second = (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * freedom * freedom);
-    z + first + second
-}
-
 #[cfg(test)]
-mod tests {
-    use super::super::tests::physics;
-    use super::*;
-    use models::advance::{Condition, DriveKind};
-    use models::units::Celsius;
-
-    fn pattern(width_sigma_m: f64) -> Pattern {
-        let raw = RawPattern {
-            lines: 11,
-            reach: 0.15,
-            spacing_m: 5e-4,
-            width_sigma_m,
-            patterns_max: 8,
-            step_s: 1e-3,
-        };
-        Pattern::try_from(raw).unwrap()
-    }
-
-    fn printer() -> VirtualLine {
-        let at = Condition { temperature: Celsius(215.0), height_m: 2e-4, width_m: 4e-4 };
-        physics().line(DriveKind::Bowden, "PLA", &at, Seconds(1e-3)).unwrap()
-    }
-
-    /// t(0.975): 2.306 with 8 degrees of freedom, 2.776 with 4.
-    #[test]
-    fn the_quantile_is_students() {
-        assert!((student(8.0) - 2.306).abs() < 0.01 && (student(4.0) - 2.776).abs() < 0.05);
-    }
-
-    /// 95 % of the intervals hold the truth: 40 seeds miss at most 6 (2 expected, P(> 6) < 1 %).
-    #[test]
-    fn the_interval_holds_the_best_line() {
-        let (printer, pattern) = (printer(), pattern(1.2e-5));
-        let best_s = printer.best().unwrap().advance_s;
-        let missed = (0..40)
-            .filter(|seed| {
-                let found = calibrate(&printer, &pattern, (0.63, 4e-4), &mut Stream::new(*seed)).unwrap();
-                assert!(found.half_width_s < 0.02, "{found:?}");
-                (found.advance_s - best_s).abs() > found.half_width_s
-            })
-            .count();
-        assert!(missed <= 6, "{missed} of 40");
-    }
-
-    /// Started at half and at twice the best, the pattern moves until it brackets it.
-    #[test]
-    fn a_bad_start_is_walked_away_from() {
-        let printer = printer();
-        let best_s = printer.best().unwrap().advance_s;
-        for start_s in [0.5 * best_s, 2.0 * best_s] {
-            let found = calibrate(&printer, &pattern(1.2e-5), (start_s, 4e-4), &mut Stream::new(1)).unwrap();
-            assert!((found.advance_s - best_s).abs() < 0.02, "{found:?}");
-        }
-    }
-
-    #[test]
-    fn widths_that_are_all_noise_say_nothing() {
-        let refused = calibrate(&printer(), &pattern(1e-3), (0.63, 4e-4), &mut Stream::new(1));
-        assert!(matches!(refused, Err(NoBest::Flat | NoBest::Outside)), "{refused:?}");
-    }
-}
+mod tests;

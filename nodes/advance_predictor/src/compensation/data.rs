@@ -4,7 +4,7 @@ use super::ensemble::Hull;
 use crate::network::chance::Stream;
 use models::advance::published::Published;
 use models::advance::{Condition, DriveKind, Physics, Polymer};
-use models::params::{ParamError, in_range, positive};
+use models::params::{ParamError, in_range, ordered};
 use models::units::{Celsius, Seconds};
 use serde::Deserialize;
 
@@ -52,22 +52,28 @@ impl TryFrom<RawData> for DataParams {
 
     fn try_from(raw: RawData) -> Result<Self, ParamError> {
         in_range("data.temperature_step_k", raw.temperature_step_k, "K", (0.1, 50.0))?;
-        for height_m in &raw.heights_m {
-            in_range("data.heights_m", *height_m, "m", (1e-5, 5e-3))?;
-        }
-        for width_m in &raw.widths_m {
-            in_range("data.widths_m", *width_m, "m", (1e-5, 1e-2))?;
-        }
+        rising("data.heights_m", &raw.heights_m, (1e-5, 5e-3))?;
+        rising("data.widths_m", &raw.widths_m, (1e-5, 1e-2))?;
         in_range("data.step_s", raw.step_s, "s", (1e-5, 1e-2))?;
         for scoring in [raw.bowden, raw.direct] {
             in_range("data.sigma_s", scoring.sigma_s, "s", (0.0, 1.0))?;
-            positive("data.reading_s", scoring.reading_s, "s")?;
+            in_range("data.reading_s", scoring.reading_s, "s", (1e-5, 1.0))?;
         }
         in_range("data.held_out_share", raw.held_out_share, "-", (0.01, 0.9))?;
         in_range("data.calibration", f64::from(raw.calibration), "-", (20.0, 1e5))?;
         in_range("data.anywhere", f64::from(raw.anywhere), "-", (1.0, 1e5))?;
         Ok(Self(raw))
     }
+}
+
+/// Two or more values in a range, each above the one before: they are the ends and the steps of a grid.
+fn rising(name: &'static str, values_m: &[f64], range_m: (f64, f64)) -> Result<(), ParamError> {
+    #[expect(clippy::cast_precision_loss, reason = "a small count")]
+    in_range(name, values_m.len() as f64, "values", (2.0, 1000.0))?;
+    for value_m in values_m {
+        in_range(name, *value_m, "m", range_m)?;
+    }
+    values_m.windows(2).try_for_each(|pair| ordered((name, pair[0]), (name, pair[1])))
 }
 
 /// What a line is used for.

@@ -37,6 +37,8 @@ impl Hull {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ensemble {
     pub(super) drive: DriveKind,
+    /// What it was trained with, for people.
+    pub(super) trained: String,
     /// Names and hulls, in the order of the inputs.
     pub(super) polymers: Vec<(String, Hull)>,
     /// Range of the output `[s]`.
@@ -64,6 +66,12 @@ impl Ensemble {
     #[must_use]
     pub fn drive(&self) -> DriveKind {
         self.drive
+    }
+
+    /// What it was trained with, as its file says.
+    #[must_use]
+    pub fn trained(&self) -> &str {
+        &self.trained
     }
 
     /// The hull of a polymer's data; `None` for one that it was not trained with.

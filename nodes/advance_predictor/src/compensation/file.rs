@@ -1,15 +1,18 @@
-//! The file of an ensemble: JSON, with everything that inference needs and a probe that tells a damaged one.
+//! The file of an ensemble: JSON, with everything that inference needs, a checksum that tells a damaged one, and a probe
+//! that tells one which this program would compute differently.
 
 use super::ensemble::{Ensemble, Hull, SHAPE};
-use crate::network::{Network, NetworkError, RawLayer, Scaling, agree, finite, length, refuse};
+use crate::network::{
+    Network, NetworkError, RawLayer, Scaling, Sealed, agree, check_seal, finite, length, refuse, seal,
+};
 use models::advance::{Condition, DriveKind};
 use models::units::Celsius;
 use serde::{Deserialize, Serialize};
 
 /// First field of every file.
 const FORMAT: &str = "fdm_loop advance network";
-/// Changes with the meaning of a field.
-const VERSION: u32 = 1;
+/// Changes with the fields and their meaning.
+const VERSION: u32 = 2;
 
 /// The file as it is written.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,6 +36,15 @@ pub(super) struct RawEnsemble {
     pub(super) members: Vec<Vec<RawLayer>>,
     /// `K_A` of each polymer in the middle of its hull `[s]`.
     pub(super) probe: Vec<f64>,
+    /// Of all other fields.
+    #[serde(default)]
+    pub(super) sha256: String,
+}
+
+impl Sealed for RawEnsemble {
+    fn sha256(&mut self) -> &mut String {
+        &mut self.sha256
+    }
 }
 
 /// A polymer and its data's ranges.
@@ -44,6 +56,19 @@ pub(super) struct RawPolymerHull {
 }
 
 impl Hull {
+    fn check(&self, polymer: &str) -> Result<(), NetworkError> {
+        for (name, [low, high]) in
+            [("temperature_c", self.temperature_c), ("height_m", self.height_m), ("width_m", self.width_m)]
+        {
+            // A NaN is in no order.
+            if !(low > 0.0 && low <= high && high.is_finite()) {
+                let field = format!("polymers: hull of {polymer}: {name}");
+                return refuse(field, format!("[{low}, {high}]"), "above 0, in order");
+            }
+        }
+        Ok(())
+    }
+
     /// Its middle.
     #[must_use]
     pub fn middle(&self) -> Condition {
@@ -57,14 +82,18 @@ impl Hull {
 }
 
 impl Ensemble {
-    /// Reads a file.
+    /// Reads a file of networks for `drive`.
     ///
     /// # Errors
-    /// [`NetworkError`] with the field: other format, sizes that do not fit, values that are not finite, and a probe
-    /// that does not come out as written.
-    pub fn parse(text: &str) -> Result<Self, NetworkError> {
+    /// [`NetworkError`] with the field: other format, another drive, sizes that do not fit, values that are not finite,
+    /// and a checksum or a probe that does not come out as written.
+    pub fn parse(text: &str, drive: DriveKind) -> Result<Self, NetworkError> {
         let raw: RawEnsemble = serde_json::from_str(text)?;
         let ensemble = raw.check()?;
+        check_seal(&raw)?;
+        if raw.drive != drive {
+            return refuse("drive", raw.drive.name(), drive.name());
+        }
         let probe = ensemble.probe();
         length("probe", raw.probe.len(), probe.len())?;
         for (place, (written, found)) in raw.probe.iter().zip(probe).enumerate() {
@@ -95,13 +124,14 @@ impl RawEnsemble {
             clip: scaling.clip,
             members: vec![],
             probe: vec![],
+            sha256: String::new(),
         }
     }
 
-    /// Writes the probe that belongs to the weights.
+    /// Writes the probe that belongs to the weights, and the checksum.
     pub(super) fn sealed(mut self) -> Result<String, NetworkError> {
         self.probe = self.check()?.probe();
-        Ok(serde_json::to_string_pretty(&self)? + "\n")
+        seal(self)
     }
 
     pub(super) fn check(&self) -> Result<Ensemble, NetworkError> {
@@ -122,6 +152,9 @@ impl RawEnsemble {
         if self.range_s[0] < 0.0 || self.range_s[0] >= self.range_s[1] {
             return refuse("range_s", format!("{:?}", self.range_s), "0 or more, in order");
         }
+        for polymer in &self.polymers {
+            polymer.hull.check(&polymer.name)?;
+        }
         if self.floor_s < 0.0 || self.factor <= 0.0 || self.clip <= 0.0 {
             return refuse("floor_s, factor, clip", "negative or 0", "0 or more, above 0, above 0");
         }
@@ -133,6 +166,7 @@ impl RawEnsemble {
         };
         Ok(Ensemble {
             drive: self.drive,
+            trained: self.trained.clone(),
             polymers: self.polymers.iter().map(|polymer| (polymer.name.clone(), polymer.hull)).collect(),
             range_s: self.range_s,
             floor_s: self.floor_s,

@@ -15,7 +15,7 @@ pub use ensemble::{Ensemble, Hull};
 use models::advance::{Condition, DriveKind, Physics};
 use models::command::AdvanceLaw;
 use models::extruder::StaticLaw;
-use models::params::{ParamError, in_range};
+use models::params::{ParamError, in_range, ordered};
 use models::units::Seconds;
 use serde::{Deserialize, Serialize};
 
@@ -51,17 +51,37 @@ impl TryFrom<RawBounds> for Bounds {
         for value in raw.width_m {
             in_range("bounds.width_m", value, "m", (1e-5, 1e-2))?;
         }
+        let [low_c, high_c] = raw.temperature_c;
+        ordered(("bounds.temperature_c[0]", low_c), ("bounds.temperature_c[1]", high_c))?;
+        let [low_m, high_m] = raw.height_m;
+        ordered(("bounds.height_m[0]", low_m), ("bounds.height_m[1]", high_m))?;
+        let [low_m, high_m] = raw.width_m;
+        ordered(("bounds.width_m[0]", low_m), ("bounds.width_m[1]", high_m))?;
         in_range("bounds.physics_doubt", raw.physics_doubt, "-", (0.0, 1.0))?;
         Ok(Self(raw))
     }
 }
 
+impl std::ops::Deref for Bounds {
+    type Target = RawBounds;
+    fn deref(&self) -> &RawBounds {
+        &self.0
+    }
+}
+
 impl Bounds {
-    fn hold(&self, at: &Condition) -> bool {
-        let within = |[low, high]: [f64; 2], value: f64| (low..=high).contains(&value);
-        within(self.0.temperature_c, at.temperature.0)
-            && within(self.0.height_m, at.height_m)
-            && within(self.0.width_m, at.width_m)
+    fn check(&self, at: &Condition) -> Result<(), Unanswered> {
+        for (field, value, [low, high], unit) in [
+            ("temperature", at.temperature.0, self.temperature_c, "degC"),
+            ("layer height", at.height_m, self.height_m, "m"),
+            ("line width", at.width_m, self.width_m, "m"),
+        ] {
+            // A NaN is in no range.
+            if !(low..=high).contains(&value) {
+                return Err(Unanswered::Bounds { field, value, low, high, unit });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -87,15 +107,26 @@ pub struct Prediction {
 }
 
 /// Why there is no answer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Unanswered {
     /// Neither network nor physics know the polymer.
     #[error("the polymer is unknown")]
     Polymer,
     /// A value that is not finite, or one that no printer prints at.
-    #[error("temperature, layer height or line width is out of bounds")]
-    Bounds,
+    #[error("{field} is {value} {unit}, must be in [{low}, {high}] {unit}")]
+    Bounds {
+        /// What is out of bounds.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// Least value that is answered.
+        low: f64,
+        /// Largest one.
+        high: f64,
+        /// Unit of all three.
+        unit: &'static str,
+    },
 }
 
 /// Foretells `K_A` for one drive.
@@ -130,10 +161,7 @@ impl Predictor {
     /// # Errors
     /// [`Unanswered`] with the reason.
     pub fn predict(&self, polymer: &str, at: &Condition) -> Result<Prediction, Unanswered> {
-        // A NaN is in no range.
-        if !self.bounds.hold(at) {
-            return Err(Unanswered::Bounds);
-        }
+        self.bounds.check(at)?;
         if let Some(foretold) = self.ensemble.predict(polymer, at) {
             return Ok(foretold);
         }

@@ -47,7 +47,7 @@ pub(crate) fn params() -> crate::params::Params {
 }
 
 pub(crate) fn shipped(drive: DriveKind) -> Predictor {
-    let ensemble = Ensemble::parse(&text(&format!("models/advance_{}.json", drive.name()))).unwrap();
+    let ensemble = Ensemble::parse(&text(&format!("models/advance_{}.json", drive.name())), drive).unwrap();
     Predictor::new(physics(), params().bounds, ensemble)
 }
 
@@ -139,8 +139,11 @@ fn outside_of_the_hull_the_physics_answer_and_say_so() {
     for odd in
         [at(f64::NAN, 0.2, 0.4), at(215.0, f64::INFINITY, 0.4), at(215.0, 0.2, -0.4), at(20.0, 0.2, 0.4)]
     {
-        assert_eq!(predictor.predict("PLA", &odd), Err(Unanswered::Bounds));
+        let refused = predictor.predict("PLA", &odd);
+        assert!(matches!(refused, Err(Unanswered::Bounds { .. })), "{odd:?}: {refused:?}");
     }
+    let error = predictor.predict("PLA", &at(215.0, 0.2, 200.0)).unwrap_err().to_string();
+    assert_eq!(error, "line width is 0.2 m, must be in [0.00015, 0.002] m");
 }
 
 /// A person whose printer needs 0.05 s more shifts the answer there, by a few lines.
@@ -166,19 +169,51 @@ fn measured_lines_move_the_networks() {
             measured,
             measured_weight: weight,
         };
-        let ensemble = Ensemble::parse(&train(&material, &settings.fit, 1).unwrap()).unwrap();
+        let text = train(&material, &settings.fit, 1).unwrap();
+        let ensemble = Ensemble::parse(&text, DriveKind::Bowden).unwrap();
         ensemble.predict("PLA", &at(215.0, 0.2, 0.4)).unwrap().advance.0
     };
     let shift_s = foretold(&measured) - foretold(&[]);
     assert!((0.02..0.08).contains(&shift_s), "{shift_s}");
 }
 
+/// Any number of any unit, whether a probe's inputs wake it or not; another layout of the same is none.
 #[test]
 fn a_damaged_file_is_refused() {
-    let whole = text("models/advance_bowden.json");
-    let mut value: serde_json::Value = serde_json::from_str(&whole).unwrap();
-    let bias = &mut value["members"][0][2]["bias"][0];
-    *bias = serde_json::json!(bias.as_f64().unwrap() + 1e-3);
-    let error = Ensemble::parse(&value.to_string()).unwrap_err().to_string();
-    assert!(error.starts_with("network file: probe[0] is"), "{error}");
+    let whole: serde_json::Value = serde_json::from_str(&text("models/advance_bowden.json")).unwrap();
+    let refused = |value: &serde_json::Value| {
+        Ensemble::parse(&value.to_string(), DriveKind::Bowden).unwrap_err().to_string()
+    };
+    for layer in 0..3 {
+        let units = whole["members"][6][layer]["bias"].as_array().unwrap().len();
+        for unit in 0..units {
+            let mut value = whole.clone();
+            let weight = &mut value["members"][6][layer]["weights"][unit][0];
+            *weight = serde_json::json!(weight.as_f64().unwrap() + 1e-6);
+            let error = refused(&value);
+            assert!(error.starts_with("network file: sha256 is '"), "{layer} {unit}: {error}");
+        }
+    }
+    let mut value = whole.clone();
+    value["polymers"][0]["hull"]["height_m"] = serde_json::json!([4e-4, 1e-4]);
+    assert!(
+        refused(&value).contains("hull of ABS: height_m is [0.0004, 0.0001], must be"),
+        "{}",
+        refused(&value)
+    );
+    assert!(Ensemble::parse(&whole.to_string(), DriveKind::Bowden).is_ok());
+}
+
+/// A Bowden's `K_A` is ten times a direct drive's.
+#[test]
+fn networks_of_the_other_drive_are_refused() {
+    let error = Ensemble::parse(&text("models/advance_bowden.json"), DriveKind::Direct).unwrap_err();
+    assert_eq!(error.to_string(), "network file: drive is bowden, must be direct");
+}
+
+#[test]
+fn reversed_bounds_are_refused() {
+    let raw = RawBounds { height_m: [1e-3, 5e-5], ..*params().bounds };
+    let error = Bounds::try_from(raw).unwrap_err().to_string();
+    assert_eq!(error, "bounds.height_m[0] = 0.001: must be below bounds.height_m[1] = 0.00005");
 }

@@ -1,8 +1,12 @@
-//! What network files have in common: their layers, and checks that name the field.
+//! What network files have in common: their layers, checks that name the field, and a checksum of all that they say.
 
+use super::training::Example;
 use super::{Layer, Network};
 use nalgebra::{DMatrix, DVector};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
 
 /// More layers than this are not "small".
 const LAYERS_MAX: usize = 3;
@@ -37,6 +41,57 @@ pub enum NetworkError {
 pub struct RawLayer {
     pub(crate) weights: Vec<Vec<f64>>,
     pub(crate) bias: Vec<f64>,
+}
+
+/// A file that carries a checksum of its own contents: a probe alone misses what its inputs leave at rest.
+pub(crate) trait Sealed: Clone + Serialize + DeserializeOwned {
+    /// The checksum's field, 64 hexadecimal digits.
+    fn sha256(&mut self) -> &mut String;
+}
+
+/// Writes a file with its checksum.
+pub(crate) fn seal<T: Sealed>(mut raw: T) -> Result<String, NetworkError> {
+    raw.sha256().clear();
+    let text = serde_json::to_string_pretty(&raw)? + "\n";
+    // Of the numbers as they are read again: those of a long text may differ in their last bit.
+    let checksum = digest(serde_json::from_str::<T>(&text)?)?;
+    Ok(text.replacen("\"sha256\": \"\"", &format!("\"sha256\": \"{checksum}\""), 1))
+}
+
+/// Refuses a file whose contents are not those that were sealed; its layout does not matter.
+pub(crate) fn check_seal<T: Sealed>(raw: &T) -> Result<(), NetworkError> {
+    let mut raw = raw.clone();
+    let written = std::mem::take(raw.sha256());
+    let found = digest(raw)?;
+    if written == found {
+        Ok(())
+    } else {
+        refuse("sha256", format!("'{written}'"), format!("{found} by the contents"))
+    }
+}
+
+fn digest<T: Sealed>(mut raw: T) -> Result<String, NetworkError> {
+    raw.sha256().clear();
+    Ok(hexadecimal(&Sha256::digest(serde_json::to_vec(&raw)?)))
+}
+
+/// Eight digits that tell two sets of examples apart, by values to the sixth decimal: the last bits are the machine's.
+pub(crate) fn set_digest(examples: &[Example]) -> String {
+    let mut sum = Sha256::new();
+    for example in examples {
+        for value in example.values.iter().chain([&example.target]) {
+            sum.update(format!("{value:.6},"));
+        }
+    }
+    hexadecimal(&sum.finalize()[..4])
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut text, byte| {
+        // Writing to a string cannot fail.
+        _ = write!(text, "{byte:02x}");
+        text
+    })
 }
 
 pub(crate) fn refuse<T>(

@@ -9,7 +9,7 @@ mod tests;
 pub mod training;
 
 pub use file::{NetworkError, RawLayer};
-pub(crate) use file::{agree, finite, length, refuse};
+pub(crate) use file::{Sealed, agree, check_seal, finite, length, refuse, seal, set_digest};
 
 use nalgebra::{DMatrix, DVector};
 

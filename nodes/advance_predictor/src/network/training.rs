@@ -6,7 +6,7 @@
 
 use super::chance::Stream;
 use super::{Layer, RawLayer, Scaling};
-use models::params::{ParamError, in_range, positive};
+use models::params::{ParamError, in_range};
 use nalgebra::{DMatrix, DVector};
 use serde::Deserialize;
 
@@ -66,9 +66,9 @@ impl TryFrom<RawFit> for FitParams {
         in_range("members", f64::from(raw.members), "-", (1.0, 64.0))?;
         in_range("epochs", f64::from(raw.epochs), "-", (1.0, 1e5))?;
         in_range("batch", f64::from(raw.batch), "examples", (1.0, 1e5))?;
-        positive("rate", raw.rate, "-")?;
+        in_range("rate", raw.rate, "-", (1e-6, 1.0))?;
         in_range("decay", raw.decay, "-", (0.0, 1.0))?;
-        positive("clip", raw.clip, "-")?;
+        in_range("clip", raw.clip, "-", (0.5, 100.0))?;
         Ok(Self(raw))
     }
 }

@@ -174,6 +174,17 @@ pub fn assess(network: &TurnNetwork, path: &Path, params: &TurnParams) -> Figure
     }
 }
 
+/// Moments of a path, and those that are starved: the buffer ends before the horizon and shows no turn.
+#[must_use]
+pub fn starved(path: &Path, params: &TurnParams) -> (usize, usize) {
+    let (mut moments, mut starved) = (0, 0);
+    Track::new(&path.pieces, params).run(path.buffered as usize, params, |watcher, moment| {
+        moments += 1;
+        starved += usize::from(watcher.by_buffer(moment.gone_m).is_none());
+    });
+    (moments, starved)
+}
+
 /// Whether the buffer that shows a turn at last is shorter than the horizon.
 fn is_short(pieces: &[Piece], turn: usize, buffered: usize, params: &TurnParams) -> bool {
     let first = turn.saturating_sub(buffered.saturating_sub(1));

@@ -1,13 +1,16 @@
-//! The file of the turn network: JSON, with a probe that tells a damaged one.
+//! The file of the turn network: JSON, with a checksum that tells a damaged one and a probe that tells one which this
+//! program would compute differently.
 
 use super::watcher::INPUTS;
-use crate::network::{Network, NetworkError, RawLayer, Scaling, agree, finite, length, refuse};
+use crate::network::{
+    Network, NetworkError, RawLayer, Scaling, Sealed, agree, check_seal, finite, length, refuse, seal,
+};
 use serde::{Deserialize, Serialize};
 
 /// First field of every file.
 const FORMAT: &str = "fdm_loop turn network";
-/// Changes with the meaning of a field or of an input.
-const VERSION: u32 = 1;
+/// Changes with the fields and with the meaning of an input.
+const VERSION: u32 = 2;
 
 /// A network, whole and checked; made by [`TurnNetwork::parse`] alone.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +18,7 @@ pub struct TurnNetwork {
     network: Network,
     scaling: Scaling,
     threshold: f64,
+    trained: String,
 }
 
 /// The file as it is written.
@@ -33,6 +37,15 @@ pub(super) struct RawTurnNetwork {
     pub(super) layers: Vec<RawLayer>,
     /// Logit at `x_i = centre_i + scale_i sin(i + 1)`.
     pub(super) probe: f64,
+    /// Of all other fields.
+    #[serde(default)]
+    pub(super) sha256: String,
+}
+
+impl Sealed for RawTurnNetwork {
+    fn sha256(&mut self) -> &mut String {
+        &mut self.sha256
+    }
 }
 
 impl TurnNetwork {
@@ -43,6 +56,7 @@ impl TurnNetwork {
     pub fn parse(text: &str) -> Result<Self, NetworkError> {
         let raw: RawTurnNetwork = serde_json::from_str(text)?;
         let network = raw.check()?;
+        check_seal(&raw)?;
         agree("probe", raw.probe, network.probe())?;
         Ok(network)
     }
@@ -60,6 +74,12 @@ impl TurnNetwork {
     #[must_use]
     pub fn threshold(&self) -> f64 {
         self.threshold
+    }
+
+    /// What it was trained with, as its file says.
+    #[must_use]
+    pub fn trained(&self) -> &str {
+        &self.trained
     }
 
     fn probe(&self) -> f64 {
@@ -84,13 +104,14 @@ impl RawTurnNetwork {
             clip: scaling.clip,
             layers,
             probe: 0.0,
+            sha256: String::new(),
         }
     }
 
-    /// Writes the probe that belongs to the weights.
+    /// Writes the probe that belongs to the weights, and the checksum.
     pub(super) fn sealed(mut self) -> Result<String, NetworkError> {
         self.probe = self.check()?.probe();
-        Ok(serde_json::to_string_pretty(&self)? + "\n")
+        seal(self)
     }
 
     pub(super) fn check(&self) -> Result<TurnNetwork, NetworkError> {
@@ -115,6 +136,7 @@ impl RawTurnNetwork {
             network: Network::read("layers", INPUTS, &self.layers)?,
             scaling: Scaling { centre: self.centre.clone(), scale: self.scale.clone(), clip: self.clip },
             threshold: self.threshold,
+            trained: self.trained.clone(),
         })
     }
 }

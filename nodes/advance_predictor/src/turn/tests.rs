@@ -1,6 +1,6 @@
 //! Laws of the foresight.
 
-use super::assess::assess;
+use super::assess::{assess, starved};
 use super::curves::generate;
 use super::samples::Track;
 use super::training::{Path, Training, train};
@@ -72,19 +72,70 @@ fn labels_are_by_hindsight() {
 
 /// What is remembered is bounded: a path of any length keeps the newest points alone, and goes on being foreseen.
 #[test]
-fn the_memory_is_bounded_and_forgets_the_oldest() {
+fn the_memory_is_bounded() {
     let raw = RawTurnParams { memory_points: 100, ..*params().turn };
     let small = TurnParams::try_from(raw).unwrap();
-    let mut watcher = Watcher::new(small);
-    for piece in generate(2, &mut Stream::new(1)) {
+    let (mut watcher, network) = (Watcher::new(small), network());
+    for (place, piece) in generate(2, &mut Stream::new(1)).into_iter().enumerate() {
         if watcher.known() > 4 {
             watcher.begin_next();
         }
         watcher.push(piece);
-        let seen = watcher.foresee(&network(), 0.0).unwrap();
+        let seen = watcher.foresee(&network, 0.0).unwrap();
         assert!((0.0..=1.0).contains(&seen.probability) && seen.lead.0 >= 0.0, "{seen:?}");
-        assert!(watcher.remembered() <= 100);
+        assert_eq!(watcher.remembered(), (place + 1).min(100));
     }
+    assert_eq!(watcher.remembered(), 100);
+}
+
+/// A square of 40 pieces of 1 mm, 80 pieces elsewhere, then its first side again: 121 pieces later 1000 points know it,
+/// and of 100 those are gone.
+#[test]
+fn the_memory_forgets_the_oldest() {
+    let along = |corners: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        let side = |pair: &[[f64; 2]]| {
+            let (from, to) = (pair[0], pair[1]);
+            (0..10)
+                .map(move |step| {
+                    [0, 1].map(|axis| from[axis] + 0.1 * f64::from(step) * (to[axis] - from[axis]))
+                })
+                .collect::<Vec<_>>()
+        };
+        corners.windows(2).flat_map(side).collect()
+    };
+    let square = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0], [0.0, 0.0]];
+    let elsewhere = square.map(|corner| [corner[0] + 50.0, corner[1]]);
+    let mut points = along(&square);
+    points.extend(along(&elsewhere));
+    points.extend(along(&elsewhere));
+    points.extend(along(&square[..2]));
+    let matched = |memory_points: u32| {
+        let raw = RawTurnParams { memory_points, ..*params().turn };
+        let mut watcher = Watcher::new(TurnParams::try_from(raw).unwrap());
+        for piece in pieces(&points) {
+            if watcher.known() > 0 {
+                watcher.begin_next();
+            }
+            watcher.push(piece);
+        }
+        watcher.inputs(0.0).1.matched
+    };
+    assert!(matched(1000) > 0.0);
+    assert!(matched(100).abs() < f64::EPSILON);
+}
+
+/// Two pieces of 10.5 mm in a line, looked at each millimetre: a horizon of 4 mm ends behind a piece from 7 mm on, at 4 of
+/// its 11 moments; with the other one known only behind that. The judge counts the same.
+#[test]
+fn a_starved_moment_is_one_at_which_the_buffer_ends_too_early() {
+    let path = |buffered| Path { buffered, pieces: pieces(&[[0.0, 0.0], [10.5, 0.0], [21.0, 0.0]]) };
+    let params = params().turn;
+    assert_eq!(starved(&path(0), &params), (22, 8));
+    assert_eq!(starved(&path(1), &params), (22, 4));
+    let made = Path { buffered: 4, pieces: generate(2, &mut Stream::new(1)) };
+    let judged = assess(&network(), &made, &params);
+    assert_eq!(starved(&made, &params), (judged.moments, judged.starved));
+    assert!(judged.starved > 0 && judged.starved < judged.moments);
 }
 
 /// On made-up curves of another seed the predictor beats the buffer and both extrapolations.
@@ -110,11 +161,18 @@ fn the_predictor_beats_its_baselines_on_paths_it_has_not_seen() {
     }
 }
 
+/// Any number of any unit, whether the probe's inputs wake it or not.
 #[test]
 fn a_damaged_file_is_refused() {
-    let mut value: serde_json::Value = serde_json::from_str(&text("models/turn.json")).unwrap();
-    let bias = &mut value["layers"][1]["bias"][0];
-    *bias = serde_json::json!(bias.as_f64().unwrap() + 1e-3);
-    let error = TurnNetwork::parse(&value.to_string()).unwrap_err().to_string();
-    assert!(error.starts_with("network file: probe is"), "{error}");
+    let whole: serde_json::Value = serde_json::from_str(&text("models/turn.json")).unwrap();
+    for layer in 0..2 {
+        for unit in 0..whole["layers"][layer]["bias"].as_array().unwrap().len() {
+            let mut value = whole.clone();
+            let weight = &mut value["layers"][layer]["weights"][unit][0];
+            *weight = serde_json::json!(weight.as_f64().unwrap() + 1e-6);
+            let error = TurnNetwork::parse(&value.to_string()).unwrap_err().to_string();
+            assert!(error.starts_with("network file: sha256 is '"), "{layer} {unit}: {error}");
+        }
+    }
+    assert!(TurnNetwork::parse(&whole.to_string()).is_ok());
 }

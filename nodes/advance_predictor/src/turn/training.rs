@@ -79,8 +79,35 @@ pub fn train(
     params: &TurnParams,
     (training, seed): (&Training, u64),
 ) -> Result<String, NetworkError> {
-    let RawTraining { moments_max, recall, fit, .. } = &training.0;
-    let (mut examples, mut chance) = (vec![], Stream::new(seed));
+    let mut chance = Stream::new(seed);
+    let examples = examples(paths, params, training, &mut chance);
+    let RawTraining { recall, fit, .. } = &training.0;
+    if examples.is_empty() {
+        return Err(NetworkError::Examples);
+    }
+    let scaling = fit.scaling(&examples);
+    let layers = fit.fit(&scaling, &examples, &mut chance);
+    let trained = text(&examples, paths.len(), seed);
+    let mut raw = RawTurnNetwork::new(&trained, &scaling, layers);
+    raw.threshold = threshold(&raw.check()?, &examples, *recall);
+    raw.sealed()
+}
+
+/// What [`train`] would write of the set that it trains with, without training: whether a file is still the one that the
+/// command makes.
+#[must_use]
+pub fn described(paths: &[&Path], params: &TurnParams, (training, seed): (&Training, u64)) -> String {
+    text(&examples(paths, params, training, &mut Stream::new(seed)), paths.len(), seed)
+}
+
+fn text(examples: &[Example], paths: usize, seed: u64) -> String {
+    let digest = crate::network::set_digest(examples);
+    format!("fdm advance train: {} moments of {paths} paths, set {digest}, seed {seed}", examples.len())
+}
+
+/// The moments at which the buffer ends too early, path by path.
+fn examples(paths: &[&Path], params: &TurnParams, training: &Training, chance: &mut Stream) -> Vec<Example> {
+    let mut examples = vec![];
     for path in paths {
         let mut moments = vec![];
         Track::new(&path.pieces, params).run(path.buffered as usize, params, |watcher, moment| {
@@ -91,20 +118,11 @@ pub fn train(
             }
         });
         chance.shuffle(&mut moments);
-        moments.truncate(*moments_max as usize);
+        moments.truncate(training.0.moments_max as usize);
         weigh(&mut moments);
         examples.append(&mut moments);
     }
-    if examples.is_empty() {
-        return Err(NetworkError::Examples);
-    }
-    let scaling = fit.scaling(&examples);
-    let layers = fit.fit(&scaling, &examples, &mut chance);
-    let trained =
-        format!("fdm advance train: {} moments of {} paths, seed {seed}", examples.len(), paths.len());
-    let mut raw = RawTurnNetwork::new(&trained, &scaling, layers);
-    raw.threshold = threshold(&raw.check()?, &examples, *recall);
-    raw.sealed()
+    examples
 }
 
 /// A long path counts as the root of its length: no file is to drown the others.

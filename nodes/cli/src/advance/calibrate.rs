@@ -1,10 +1,12 @@
 //! `fdm advance calibrate`: a pattern of test lines on a simulated printer, its widths measured, K found from them.
 
+use super::networks::{IntervalOf, Networks, answered};
 use super::plant_line::PlantLine;
 use super::{Place, Printed, Setup};
 use crate::config::{Choice, ConfigDir};
 use crate::output::{self, Json};
 use crate::process;
+use advance_predictor::compensation::Source;
 use advance_predictor::compensation::calibration::{Calibrated, Pattern, calibrate, calibrate_by};
 use advance_predictor::network::chance::Stream;
 use clap::{Args, ValueEnum};
@@ -29,6 +31,7 @@ enum Printer {
 
 /// Prints and measures a pattern.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct CalibrateArgs {
     #[command(flatten)]
     printed: Printed,
@@ -38,7 +41,7 @@ pub struct CalibrateArgs {
     #[arg(long, value_enum, default_value_t = Printer::Line)]
     printer: Printer,
     /// Seed of the measurement's noise.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     seed: u64,
 }
 
@@ -58,13 +61,23 @@ pub struct Figures {
     /// Best K of this printer, which only a simulation knows: of the pressure alone with `line` and `simulated`, by its own
     /// true widths with `plant`.
     pub true_s: f64,
+    /// Half width of its 95 % interval with `plant`, whose spools differ; 0 with the others.
+    pub true_half_width_s: f64,
     /// Best K of its pressure alone at the set-point. The printer as a whole needs more: its nozzle is colder than its
     /// block, and its drive smooths.
     pub pressure_s: f64,
     /// K foretold.
     pub foretold_s: f64,
-    /// Half width of its 95 % interval.
+    /// Half width of its interval.
     pub foretold_half_width_s: f64,
+    /// What the interval of the foretold K is of.
+    pub foretold_interval_of: IntervalOf,
+    /// Whether the condition lies inside the hull of the networks' data.
+    pub in_hull: bool,
+    /// Who foretold: the physical model outside of the hull.
+    pub source: Source,
+    /// The networks that were asked.
+    pub networks: Networks,
     /// Foretold less measured.
     pub difference_s: f64,
     /// Whether the difference lies within both intervals together.
@@ -72,6 +85,9 @@ pub struct Figures {
     /// K of each line of the pattern and the mean square of its width error, noise included.
     pub lines: Vec<[f64; 2]>,
 }
+
+/// Spools of one calibration: `2^20`.
+const SPOOL_BITS: u32 = 20;
 
 /// Runs the command.
 ///
@@ -93,7 +109,9 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
     let pattern: Pattern = process::block(config, "advance/pattern.yaml", "advance_pattern")?;
     let drive = args.printed.drive.into();
     let (polymer, at) = (args.printed.polymer(), args.place.condition());
-    let foretold = setup.predictor(config, drive)?.predict(&polymer, &at)?;
+    setup.check(&polymer, &args.place)?;
+    let (predictor, networks) = args.printed.predictor(&setup, config)?;
+    let foretold = predictor.predict(&polymer, &at)?;
     let unknown = || anyhow::anyhow!("polymer '{polymer}' is unknown");
     let printer = match args.printer {
         Printer::Line => setup.physics.line(drive, &polymer, &at, pattern.step()).ok_or_else(unknown)?,
@@ -102,7 +120,7 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
     };
     let no_best = || anyhow::anyhow!("no compensation is best");
     let pressure_s = printer.best().ok_or_else(no_best)?.advance_s;
-    let mut true_s = pressure_s;
+    let (mut true_s, mut true_half_width_s) = (pressure_s, 0.0);
     let mut chance = Stream::new(args.seed);
     let start = (foretold.advance.0, at.width_m);
     let Calibrated { advance_s, half_width_s, lines } = match args.printer {
@@ -111,12 +129,10 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
             let loaded = config.load(&choice)?;
             let line = (setup.physics.test_line, at);
             let plant = PlantLine::new(loaded.simulated, loaded.motion, line, pattern.width_sigma_m());
-            true_s = plant.best_s(pressure_s)?;
-            let mut seed = args.seed;
-            let mut lines = |advance_s: f64| {
-                seed += 1;
-                plant.mean_square(advance_s, seed)
-            };
+            [true_s, true_half_width_s] = plant.best_s(pressure_s)?;
+            // No two calibrations share a spool.
+            let mut spools = (args.seed << SPOOL_BITS)..;
+            let mut lines = |advance_s: f64| plant.mean_square(advance_s, spools.next().unwrap_or_default());
             calibrate_by(&mut lines, &pattern, start)??
         }
         _ => calibrate(&printer, &pattern, start, &mut chance)?,
@@ -129,9 +145,14 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
         advance_s,
         half_width_s,
         true_s,
+        true_half_width_s,
         pressure_s,
         foretold_s: foretold.advance.0,
         foretold_half_width_s: foretold.half_width.0,
+        foretold_interval_of: foretold.source.into(),
+        in_hull: foretold.source == Source::Network,
+        source: foretold.source,
+        networks,
         difference_s,
         agree: difference_s.abs() <= half_width_s.hypot(foretold.half_width.0),
         lines,
@@ -169,12 +190,18 @@ fn text(figures: &Figures) -> String {
         .collect();
     lines.push(format!("K measured   {:.4} s +- {:.4} s (95 %)", figures.advance_s, figures.half_width_s));
     lines.push(format!(
-        "K foretold   {:.4} s +- {:.4} s: {}",
+        "K foretold   {:.4} s +- {:.4} s ({}) by {}: {}",
         figures.foretold_s,
         figures.foretold_half_width_s,
+        figures.foretold_interval_of.text(),
+        answered(figures.source),
         if figures.agree { "they agree" } else { "they DIFFER: take the measured one, train with it" }
     ));
-    lines.push(format!("K in truth   {:.4} s, which a simulation alone knows", figures.true_s));
+    lines.push(format!("networks     {}", figures.networks.text()));
+    lines.push(format!(
+        "K in truth   {:.4} s +- {:.4} s, which a simulation alone knows",
+        figures.true_s, figures.true_half_width_s
+    ));
     if figures.printer == Printer::Plant {
         lines.push(format!(
             "             {:.4} s of the pressure alone at the set-point: a colder nozzle and a drive that smooths need more",

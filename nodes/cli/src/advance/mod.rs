@@ -4,6 +4,7 @@ pub mod calibrate;
 pub mod data;
 pub mod export;
 mod measured;
+mod networks;
 mod plant_line;
 pub mod predict;
 pub mod train;
@@ -12,11 +13,11 @@ pub(crate) mod turns;
 use crate::config::ConfigDir;
 use crate::process;
 use advance_predictor::Params;
+use advance_predictor::compensation::Predictor;
 use advance_predictor::compensation::data::{DataParams, DataSet};
-use advance_predictor::compensation::{Ensemble, Predictor};
 use advance_predictor::network::training::FitParams;
 use advance_predictor::turn::training::Training;
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::{Args, Subcommand, ValueEnum};
 use models::advance::published::Published;
 use models::advance::{Condition, DriveKind, Physics};
@@ -90,6 +91,9 @@ pub struct Printed {
     /// Folder with the parameter files.
     #[arg(long)]
     pub config: Option<PathBuf>,
+    /// Folder with other networks than config/models, as `fdm advance train --out` fills it.
+    #[arg(long, value_name = "DIR")]
+    pub models: Option<PathBuf>,
     /// Write the figures to a file, or to standard output with `-`.
     #[arg(long)]
     pub json: Option<PathBuf>,
@@ -153,7 +157,7 @@ impl Settings {
     pub fn load(config: &ConfigDir) -> anyhow::Result<Self> {
         let path = config.file("models/advance_training.yaml");
         let settings: Self = runtime::params::from_yaml(&path)?;
-        models::params::positive("measured_weight", settings.measured_weight, "-")
+        models::params::in_range("measured_weight", settings.measured_weight, "-", (1e-3, 1e4))
             .with_context(|| path.display().to_string())?;
         Ok(settings)
     }
@@ -188,12 +192,35 @@ impl Setup {
     /// The predictor with the networks of the configuration folder.
     ///
     /// # Errors
-    /// A file that cannot be read or is damaged.
+    /// A file that cannot be read, is damaged or of the other drive.
     pub fn predictor(&self, config: &ConfigDir, drive: DriveKind) -> anyhow::Result<Predictor> {
-        let path = network_path(config, drive);
-        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        let ensemble = Ensemble::parse(&text).with_context(|| path.display().to_string())?;
-        Ok(Predictor::new(self.physics.clone(), self.params.bounds, ensemble))
+        Ok(networks::read(self, &config.file("models"), drive)?.0)
+    }
+
+    /// Refuses what nothing is foretold for, in the words and units of the command line.
+    ///
+    /// # Errors
+    /// Option, value and allowed range.
+    pub fn check(&self, polymer: &str, place: &Place) -> anyhow::Result<()> {
+        let polymers = &self.physics.polymers;
+        if !polymers.contains_key(polymer) {
+            let names: Vec<&str> = polymers.keys().map(String::as_str).collect();
+            bail!("--polymer {polymer}: must be one of {}", names.join(", "));
+        }
+        let bounds = &self.params.bounds;
+        let mm = |range_m: [f64; 2]| range_m.map(measured::mm);
+        for (option, value, range, unit) in [
+            ("--temperature", place.temperature, bounds.temperature_c, "degC"),
+            ("--height", place.height, mm(bounds.height_m), "mm"),
+            ("--width", place.width, mm(bounds.width_m), "mm"),
+        ] {
+            let [low, high] = range;
+            // A NaN is in no range.
+            if !(low..=high).contains(&value) {
+                bail!("{option} {value} {unit}: must be in [{low}, {high}] {unit}");
+            }
+        }
+        Ok(())
     }
 
     /// Prints and scores the lines of a drive.
@@ -203,8 +230,5 @@ impl Setup {
     }
 }
 
-/// File of a drive's networks.
-#[must_use]
-pub fn network_path(config: &ConfigDir, drive: DriveKind) -> PathBuf {
-    config.file(&format!("models/advance_{}.json", drive.name()))
-}
+#[cfg(test)]
+mod tests;

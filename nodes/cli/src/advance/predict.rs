@@ -1,11 +1,13 @@
 //! `fdm advance predict`: K of one condition.
 
+use super::networks::{IntervalOf, Networks, answered};
 use super::{Place, Printed, Setup};
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
 use advance_predictor::compensation::Source;
 use clap::Args;
 use models::advance::DriveKind;
+use models::command::AdvanceLaw;
 use serde::Serialize;
 
 /// Foretells K.
@@ -33,14 +35,33 @@ pub struct Figures {
     pub width_mm: f64,
     /// K, for Marlin and Klipper alike.
     pub advance_s: f64,
-    /// Half width of its 95 % interval.
+    /// Half width of its interval.
     pub half_width_s: f64,
+    /// What the interval is of.
+    pub interval_of: IntervalOf,
+    /// What the graph attaches to moves: filament held over the feed u, `linear_s u + shear_m u^index`.
+    pub law: Option<Law>,
     /// Whether the condition lies inside the hull of the networks' data.
     pub in_hull: bool,
     /// Who answered.
     pub source: Source,
+    /// The networks that were asked.
+    pub networks: Networks,
     /// What the physical model says.
     pub physics_s: Option<f64>,
+}
+
+/// The lag over the feed, of which one K is the secant.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Law {
+    /// Linear part `[s]`.
+    pub linear_s: f64,
+    /// Scale of the melt's part `[m (s/m)^n]`.
+    pub shear_m: f64,
+    /// Flow index `[-]`.
+    pub index: f64,
+    /// Its slope at the speeds of the test line, slow and fast `[s]`; the one K lies between.
+    pub test_line_s: [f64; 2],
 }
 
 /// Runs the command.
@@ -62,7 +83,16 @@ fn figures(args: &PredictArgs, config: &ConfigDir) -> anyhow::Result<Figures> {
     let setup = Setup::load(config)?;
     let drive = args.printed.drive.into();
     let (polymer, at) = (args.printed.polymer(), args.place.condition());
-    let foretold = setup.predictor(config, drive)?.predict(&polymer, &at)?;
+    setup.check(&polymer, &args.place)?;
+    let (predictor, networks) = args.printed.predictor(&setup, config)?;
+    let foretold = predictor.predict(&polymer, &at)?;
+    let law = predictor.law(&polymer, &at, foretold.advance).map(|law| {
+        let AdvanceLaw { linear_s, shear, index } = law;
+        let line = &setup.physics.test_line;
+        let outlet_m_s = |head_m_s| setup.physics.drive(drive).outlet_m_s(&at, head_m_s);
+        let test_line_s = [line.low_m_s, line.high_m_s].map(|head_m_s| law.lag_s(outlet_m_s(head_m_s)));
+        Law { linear_s, shear_m: shear, index, test_line_s }
+    });
     Ok(Figures {
         drive,
         temperature_c: args.place.temperature,
@@ -70,25 +100,80 @@ fn figures(args: &PredictArgs, config: &ConfigDir) -> anyhow::Result<Figures> {
         width_mm: args.place.width,
         advance_s: foretold.advance.0,
         half_width_s: foretold.half_width.0,
+        interval_of: foretold.source.into(),
+        law,
         in_hull: foretold.source == Source::Network,
         source: foretold.source,
+        networks,
         physics_s: setup.physics.secant_s(drive, &polymer, &at),
         polymer,
     })
 }
 
+/// The law first: where moves carry trims the graph executes it, and one K holds at one speed alone.
 fn text(figures: &Figures) -> String {
-    let source = match figures.source {
-        Source::Network => "the networks, inside of their data",
-        Source::Physics => "the physical model: this lies OUTSIDE of the networks' data",
-    };
     let physics = figures.physics_s.map_or_else(|| "-".to_owned(), |advance_s| format!("{advance_s:.4} s"));
+    let law = figures.law.map_or_else(
+        || "-".to_owned(),
+        |law| {
+            let [slow_s, fast_s] = law.test_line_s;
+            format!("{slow_s:.4} s at the test line's slow speed, {fast_s:.4} s at its fast one")
+        },
+    );
     format!(
-        "K            {:.4} s +- {:.4} s (95 %)\n\
-         from         {source}\n\
+        "lag by feed  {law}: the graph attaches it to moves\n\
+         one K        {k:.4} s +- {:.4} s ({}), for firmware\n\
+         from         {}\n\
+         networks     {}\n\
          physics      {physics}\n\
-         Marlin       M900 K{:.4}\n\
-         Klipper      SET_PRESSURE_ADVANCE ADVANCE={:.4}",
-        figures.advance_s, figures.half_width_s, figures.advance_s, figures.advance_s
+         Marlin       M900 K{k:.4}\n\
+         Klipper      SET_PRESSURE_ADVANCE ADVANCE={k:.4}",
+        figures.half_width_s,
+        figures.interval_of.text(),
+        answered(figures.source),
+        figures.networks.text(),
+        k = figures.advance_s,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::DriveName;
+    use super::super::tests::setup;
+    use super::*;
+
+    fn figures_of(temperature: f64) -> Figures {
+        let (config, _) = setup();
+        let printed = Printed {
+            drive: DriveName::Bowden,
+            polymer: "pla".to_owned(),
+            config: None,
+            models: None,
+            json: None,
+        };
+        figures(&PredictArgs { printed, place: Place { temperature, height: 0.2, width: 0.4 } }, &config)
+            .unwrap()
+    }
+
+    /// Nobody is to read the interval of synthetic lines as one of printers.
+    #[test]
+    fn the_interval_says_what_it_is_of() {
+        let inside = figures_of(215.0);
+        let json = serde_json::to_value(&inside).unwrap();
+        assert_eq!(json["interval_of"], "virtual_test_line");
+        assert!(text(&inside).contains("95 % of virtual test lines; no printer was involved"));
+        let outside = figures_of(240.0);
+        assert_eq!(serde_json::to_value(&outside).unwrap()["interval_of"], "assumed_doubt");
+        assert!(text(&outside).contains("(an assumption)") && text(&outside).contains("OUTSIDE"));
+        assert!(text(&outside).contains(&outside.networks.file), "{}", text(&outside));
+    }
+
+    /// The one K is the law's secant between the speeds of the test line: the slopes at its ends lie about it.
+    #[test]
+    fn the_law_belongs_to_the_k() {
+        let figures = figures_of(215.0);
+        let [slow_s, fast_s] = figures.law.unwrap().test_line_s;
+        assert!(slow_s > figures.advance_s && figures.advance_s > fast_s, "{figures:?}");
+        assert!(text(&figures).starts_with(&format!("lag by feed  {slow_s:.4} s")), "{}", text(&figures));
+    }
 }

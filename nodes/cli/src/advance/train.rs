@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 pub struct TrainArgs {
     /// Your own lines: comma-separated, columns drive, polymer, `temperature_c`, `height_mm`, `width_mm`, `advance_s`.
+    /// Ranges stand in config/models/README.md.
     #[arg(long)]
     measured: Option<PathBuf>,
     /// Folder with G-code that the network of turns is trained with; without it that one stays as it is.
@@ -45,6 +46,8 @@ pub struct Trained {
     pub compensation: Vec<Figures>,
     /// Measured lines that were trained with.
     pub measured: usize,
+    /// Those of them outside of the networks' data, where the physical model answers whatever was measured.
+    pub measured_outside_hull: usize,
     /// Figures of the network of turns, file by file, each from a network that has not seen it.
     pub turns: Vec<FileFigures>,
 }
@@ -57,36 +60,62 @@ pub fn run(args: &TrainArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
     let json = Json::new(args.json.as_deref());
     json.check()?;
-    let out = args.out.clone().unwrap_or_else(|| config.file("models"));
-    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
-    let measured = args.measured.as_deref().map(read).transpose()?.unwrap_or_default();
     let (settings, setup) = (Settings::load(&config)?, Setup::load(&config)?);
-    let one = |drive| compensation(&settings, &setup, (drive, &measured), &out);
-    let trained = Trained {
-        compensation: DriveKind::ALL.into_iter().map(one).collect::<Result<_, _>>()?,
-        measured: measured.len(),
-        turns: match &args.gcode {
-            Some(folder) => turns::train_and_judge((&config, &settings, &setup), folder, &out, args.judge)?,
-            None => vec![],
-        },
-    };
+    let measured = args.measured.as_deref().map(|path| read(path, &setup)).transpose()?.unwrap_or_default();
+    let out = args.out.clone().unwrap_or_else(|| config.file("models"));
+    let (trained, files) = trained(args, (&config, &settings, &setup), &measured)?;
+    // All networks or none: what was asked for in one command belongs together.
+    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let files: Vec<_> = files.into_iter().map(|(name, text)| (out.join(name), text)).collect();
+    output::write_all_whole(&files)?;
     if !json.is_stdout() {
         output::line(&text(&trained))?;
     }
     json.write(&trained)
 }
 
-fn read(path: &Path) -> anyhow::Result<Vec<Measured>> {
+/// Name and text of a network's file.
+pub(super) type NetworkFile = (String, String);
+
+fn trained(
+    args: &TrainArgs,
+    (config, settings, setup): (&ConfigDir, &Settings, &Setup),
+    measured: &[Measured],
+) -> anyhow::Result<(Trained, Vec<NetworkFile>)> {
+    let (mut figures, mut files) = (vec![], vec![]);
+    for drive in DriveKind::ALL {
+        let (of_drive, file) = compensation(settings, setup, (drive, measured))?;
+        figures.push(of_drive);
+        files.push(file);
+    }
+    let outside = |line: &&Measured| {
+        let polymer = setup.physics.polymers.get(&line.polymer);
+        polymer.is_some_and(|polymer| !settings.data.hull(polymer).holds(&line.at))
+    };
+    let mut trained = Trained {
+        compensation: figures,
+        measured: measured.len(),
+        measured_outside_hull: measured.iter().filter(outside).count(),
+        turns: vec![],
+    };
+    if let Some(folder) = &args.gcode {
+        let (judged, file) = turns::train_and_judge((config, settings, setup), folder, args.judge)?;
+        trained.turns = judged;
+        files.push(file);
+    }
+    Ok((trained, files))
+}
+
+fn read(path: &Path, setup: &Setup) -> anyhow::Result<Vec<Measured>> {
     let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    measured::parse(&text).with_context(|| path.display().to_string())
+    measured::parse(&text, setup).with_context(|| path.display().to_string())
 }
 
 fn compensation(
     settings: &Settings,
     setup: &Setup,
     (drive, measured): (DriveKind, &[Measured]),
-    out: &Path,
-) -> anyhow::Result<Figures> {
+) -> anyhow::Result<(Figures, NetworkFile)> {
     output::note(&format!("printing and scoring virtual lines, {}", drive.name()));
     let set = setup.lines(settings, drive);
     output::note("fitting the networks");
@@ -98,14 +127,19 @@ fn compensation(
         measured_weight: settings.measured_weight,
     };
     let text = train(&material, &settings.fit, settings.seed)?;
-    let path = out.join(format!("advance_{}.json", drive.name()));
-    std::fs::write(&path, &text).with_context(|| path.display().to_string())?;
-    let ensemble = Ensemble::parse(&text).with_context(|| path.display().to_string())?;
-    Ok(assess(&ensemble, &setup.physics, (&settings.data, &set), &setup.published))
+    let ensemble = Ensemble::parse(&text, drive)?;
+    let figures = assess(&ensemble, &setup.physics, (&settings.data, &set), &setup.published);
+    Ok((figures, (format!("advance_{}.json", drive.name()), text)))
 }
 
 fn text(trained: &Trained) -> String {
     let mut lines = vec!["synthetic lines and seven printed points; no printer was involved".to_owned()];
+    if trained.measured > 0 {
+        let Trained { measured, measured_outside_hull: outside, .. } = trained;
+        lines.push(format!(
+            "measured     {measured} lines, {outside} of them outside of the networks' data, where the physical model answers"
+        ));
+    }
     for figures in &trained.compensation {
         lines.push(format!("{}: trained with {} lines", figures.drive.name(), figures.trained));
         lines.push(format!("  held out     {}", errors(&figures.held_out)));

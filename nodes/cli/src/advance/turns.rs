@@ -1,5 +1,6 @@
 //! Training of the network of turns: with every file, judged file by file without it.
 
+use super::train::NetworkFile;
 use super::{Settings, Setup};
 use crate::config::ConfigDir;
 use crate::output;
@@ -62,16 +63,15 @@ struct File {
     paths: Vec<Path>,
 }
 
-/// Trains with all files of a folder and made-up paths, writes the network; judges where asked.
+/// Trains with all files of a folder and made-up paths; judges where asked. Figures and the network's file.
 ///
 /// # Errors
-/// Files that cannot be read or written, a folder without G-code.
+/// Files that cannot be read, a folder without G-code.
 pub(super) fn train_and_judge(
     (config, settings, setup): (&ConfigDir, &Settings, &Setup),
     folder: &std::path::Path,
-    out: &std::path::Path,
     judge: bool,
-) -> anyhow::Result<Vec<FileFigures>> {
+) -> anyhow::Result<(Vec<FileFigures>, NetworkFile)> {
     let files = read(folder, &config.motion()?, settings.turn.buffers())?;
     let made = settings.turn.made(settings.seed);
     let fit = |left_out: Option<usize>| -> anyhow::Result<(String, TurnNetwork)> {
@@ -82,8 +82,7 @@ pub(super) fn train_and_judge(
         Ok((text, network))
     };
     output::note("fitting the network of turns");
-    let path = out.join("turn.json");
-    std::fs::write(&path, fit(None)?.0).with_context(|| path.display().to_string())?;
+    let text = fit(None)?.0;
     let mut figures = vec![];
     for (place, file) in files.iter().enumerate().filter(|_| judge) {
         output::note(&format!("fitting without {}", file.name));
@@ -91,7 +90,7 @@ pub(super) fn train_and_judge(
         let one = |path: &Path| assess(&network, path, &setup.params.turn);
         figures.push(FileFigures { file: file.name.clone(), buffers: file.paths.iter().map(one).collect() });
     }
-    Ok(figures)
+    Ok((figures, ("turn.json".to_owned(), text)))
 }
 
 /// The paths of all files, in the order of their names.
@@ -121,4 +120,25 @@ pub(crate) fn planned(bytes: &[u8], motion: &MotionParams, buffered: u32) -> Pat
         Step::Action(..) => None,
     });
     Path { buffered, pieces: pieces.collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::setup;
+    use super::*;
+    use advance_predictor::turn::training::described;
+
+    /// `fdm advance train --gcode tests/data/gcode` trains with the set that the committed file was made with.
+    #[test]
+    fn the_committed_network_of_turns_is_the_commands() {
+        let (config, setup) = setup();
+        let settings = Settings::load(&config).unwrap();
+        let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/gcode"));
+        let files = read(folder, &config.motion().unwrap(), settings.turn.buffers()).unwrap();
+        let made = settings.turn.made(settings.seed);
+        let paths: Vec<&Path> = files.iter().flat_map(|file| &file.paths).chain(&made).collect();
+        let committed = std::fs::read_to_string(config.file("models/turn.json")).unwrap();
+        let trained = described(&paths, &setup.params.turn, (&settings.turn, settings.seed));
+        assert_eq!(TurnNetwork::parse(&committed).unwrap().trained(), trained);
+    }
 }

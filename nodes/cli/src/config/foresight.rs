@@ -36,15 +36,15 @@ impl ConfigDir {
         use advance_predictor::{compensation, turn};
         let params: advance_predictor::Params = parameters.without(&["advance_physics"]).parse()?;
         let physics = parameters.block("advance_physics")?;
-        let text = |file: &Path| {
-            std::fs::read_to_string(file).with_context(|| format!("models: {}", file.display()))
-        };
-        let ensemble = compensation::Ensemble::parse(&text(params.models.of(params.drive))?)?;
-        Ok(Foresight {
-            compensation: compensation::Predictor::new(physics, params.bounds, ensemble),
-            network: turn::TurnNetwork::parse(&text(&params.models.turn)?)?,
-            params,
-        })
+        let told = |file: &Path| format!("models: {}", file.display());
+        let text = |file: &Path| std::fs::read_to_string(file).with_context(|| told(file));
+        let file = params.models.of(params.drive);
+        let ensemble =
+            compensation::Ensemble::parse(&text(file)?, params.drive).with_context(|| told(file))?;
+        let file = &params.models.turn;
+        let network = turn::TurnNetwork::parse(&text(file)?).with_context(|| told(file))?;
+        let compensation = compensation::Predictor::new(physics, params.bounds, ensemble);
+        Ok(Foresight { params, compensation, network })
     }
 
     /// Polymer and networks of the advance predictor, wherever it is started.
