@@ -69,6 +69,9 @@ pub enum ArgsError {
     /// An argument outside of `--ros-args` that this node does not take.
     #[error("unknown argument '{0}': this node takes only '--ros-args ...'")]
     NotTaken(String),
+    /// An argument that is no UTF-8.
+    #[error("argument '{0}' is no text in UTF-8")]
+    NotText(String),
     /// An option without its value.
     #[error("argument '{0}' needs a value")]
     MissingValue(String),
@@ -94,13 +97,19 @@ pub enum ArgsError {
     },
 }
 
+/// Longest name of a parameter `[byte]`.
+const NAME_MAX: usize = 255;
+
 impl Args {
     /// Arguments of this process.
     ///
     /// # Errors
     /// [`ArgsError`] for what is not understood.
     pub fn from_env() -> Result<Self, ArgsError> {
-        Self::parse(std::env::args().skip(1))
+        let words = std::env::args_os().skip(1).map(|word| {
+            word.into_string().map_err(|word| ArgsError::NotText(word.to_string_lossy().into_owned()))
+        });
+        Self::parse(words.collect::<Result<Vec<_>, _>>()?)
     }
 
     /// Parses arguments without the program's name. What stands before `--ros-args` or behind `--` goes to `rest`.
@@ -136,7 +145,19 @@ impl Args {
                 let (from, to) = pair(word, &value()?)?;
                 self.remap(from, to);
             }
-            "-p" | "--param" => self.parameters.push(pair(word, &value()?)?),
+            "-p" | "--param" => {
+                let (name, value) = pair(word, &value()?)?;
+                if name.len() > NAME_MAX {
+                    let (option, value) =
+                        (word.to_owned(), format!("{}...", name.chars().take(40).collect::<String>()));
+                    return Err(ArgsError::Malformed {
+                        option,
+                        value,
+                        expected: "a name of 255 bytes at most",
+                    });
+                }
+                self.parameters.push((name, value));
+            }
             "--params-file" => self.params_files.push(PathBuf::from(value()?)),
             "--log-level" => self.log_levels.push(log_level(word, &value()?)?),
             // Outputs that are always on here; launch files may still name them.

@@ -16,6 +16,10 @@ use std::path::Path;
 const CDR: &str = "cdr";
 /// Log time that falls by more than this means that time itself jumped back `[ns]`.
 const JUMP_NS: u64 = 1_000_000_000;
+/// Longest silence within a record `[ns]`: beyond it a time is wrong, and timers would be due for years.
+const GAP_NS: u64 = 24 * 3600 * 1_000_000_000;
+/// Nanoseconds of an hour.
+const HOUR_NS: f64 = 3.6e12;
 
 /// Topics that are read of a bag; frames are many times as long as all others together.
 const HEARD: [&str; 15] = [
@@ -57,6 +61,8 @@ pub(crate) struct Record {
     info: Option<PrintInfo>,
     frames: bool,
     newest_ns: u64,
+    /// A message whose time cannot be.
+    odd: Option<String>,
     /// Messages of any topic.
     pub(crate) messages: u64,
 }
@@ -69,6 +75,9 @@ impl Record {
             if scan(&file, &mut record)? == Ended::NoBag {
                 bail!("{}: no MCAP file", file.display());
             }
+        }
+        if let Some(odd) = &record.odd {
+            bail!("{}: {odd}", path.display());
         }
         if record.parts.is_empty() {
             let of = namespace.map_or_else(String::new, |namespace| format!(" of namespace {namespace}"));
@@ -158,6 +167,19 @@ impl Visitor for Record {
         if self.parts.is_empty() || self.newest_ns.saturating_sub(raw.log_ns) > JUMP_NS {
             self.parts.push(Vec::new());
         }
+        let gap_ns = raw.log_ns.saturating_sub(self.newest_ns);
+        if self.newest_ns > 0 && gap_ns > GAP_NS {
+            #[allow(clippy::cast_precision_loss, reason = "a length of time for people")]
+            let (gap_h, most_h) = (gap_ns as f64 / HOUR_NS, GAP_NS as f64 / HOUR_NS);
+            let text = || {
+                format!(
+                    "log time of message {} ({topic}): {gap_h:.0} h after the one before; at most {most_h} h",
+                    self.messages
+                )
+            };
+            self.odd.get_or_insert_with(text);
+            return;
+        }
         self.newest_ns = raw.log_ns;
         let kept = Kept { log_ns: raw.log_ns, topic, payload: raw.payload.to_vec() };
         if let Some(part) = self.parts.last_mut() {
@@ -169,5 +191,27 @@ impl Visitor for Record {
         if name == NOTE {
             self.note.extend(values.clone());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One wrong stamp of a log, and timers would be due for a century.
+    #[test]
+    fn a_time_that_cannot_be_is_named() {
+        let topic = format!("/printer/{}", topics::HOTEND_TEMPERATURE.name());
+        let hear = |record: &mut Record, log_ns| {
+            let (type_name, offered_qos) = ("sensor_msgs/msg/Temperature", "");
+            let encoding = CDR;
+            record.message(&Raw { topic: &topic, type_name, encoding, offered_qos, log_ns, payload: &[] });
+        };
+        let mut record = Record::default();
+        for log_ns in [5, GAP_NS + 5, 1 << 62, GAP_NS + 6] {
+            hear(&mut record, log_ns);
+        }
+        assert!(record.odd.as_ref().is_some_and(|odd| odd.contains("message 3 (")), "{:?}", record.odd);
+        assert_eq!(record.parts.iter().map(Vec::len).collect::<Vec<_>>(), [3]);
     }
 }

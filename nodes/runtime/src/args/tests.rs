@@ -33,4 +33,6 @@ fn what_is_not_understood_is_named() {
     let text = parse("--ros-args -p rate=3").unwrap_err().to_string();
     assert_eq!(text, "argument '-p rate=3': expected name:=value");
     assert!(matches!(parse("--ros-args --log-level loud"), Err(ArgsError::Malformed { .. })));
+    let deep = |parts: usize| parse(&format!("--ros-args -p {}:=1", vec!["a"; parts].join(".")));
+    assert!(deep(128).is_ok() && matches!(deep(129), Err(ArgsError::Malformed { .. })));
 }

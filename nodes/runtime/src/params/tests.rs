@@ -154,3 +154,25 @@ fn namespaced_blocks_are_found() {
     let text = "/printer:\n  mpc:\n    ros__parameters:\n      rate_hz: 7\n/**/mpc:\n  ros__parameters:\n    limits: {flow_min: 0.5, flow_max: 1.5}\n/left:\n  mpc:\n    ros__parameters:\n      rate_hz: 1\n";
     assert!((parse(&[text], &[]).unwrap().rate_hz - 7.0).abs() < f64::EPSILON);
 }
+
+/// Names with and without slashes, stars for one part and for any number; another printer's values are not ours.
+#[test]
+fn blocks_are_of_the_node_that_they_name() {
+    let own =
+        ["/printer/mpc", "/*/mpc", "/**/*", "/printer/*", "/printer/**", "/**/printer/mpc", "mpc", "/**"];
+    let others = ["/left/mpc", "/*/*/mpc", "/*", "/printer", "/printer/mpc/x", "mp"];
+    let good = |name: &str| GOOD.replace("/**", name);
+    for name in own {
+        assert!(parse(&[&good(name)], &[]).is_ok(), "{name}");
+    }
+    for name in others {
+        assert!(parse(&[&good(name)], &[]).is_err(), "{name}");
+    }
+    let nested = |namespace: &str| {
+        let text = format!("{namespace}:\n  mpc:\n    ros__parameters: {{rate_hz: 9}}\n");
+        parse(&[GOOD, &text], &[]).unwrap().rate_hz
+    };
+    for (namespace, rate_hz) in [("left", 4.0), ("printer", 9.0), ("/left", 4.0), ("/printer", 9.0)] {
+        assert!((nested(namespace) - rate_hz).abs() < f64::EPSILON, "{namespace}");
+    }
+}

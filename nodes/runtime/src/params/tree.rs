@@ -214,9 +214,11 @@ fn merge_nodes(
             // `ros__parameters:` with nothing below
             ("ros__parameters", Tree::Leaf(Value::Null)) if !path.is_empty() => {}
             (_, Tree::Block(_)) if key != "ros__parameters" => {
-                let path = format!("{}/{}", path.trim_end_matches('/'), key.trim_start_matches('/'));
-                let path =
-                    if key.starts_with('/') || path.matches('/').count() > 1 { path } else { key.clone() };
+                // A name alone is that of a node, what stands above another name that of its namespace.
+                let path = match path {
+                    "" => key.clone(),
+                    above => format!("/{}/{}", above.trim_matches('/'), key.trim_start_matches('/')),
+                };
                 merge_nodes(merged, child, &path, target)?;
             }
             _ => {
@@ -230,14 +232,20 @@ fn merge_nodes(
     Ok(())
 }
 
-/// Whether a block's node name fits: `/**`, `name`, `/ns/name`, `/**/name`.
+/// Whether a block's node name fits: `name`, `/ns/name`, with `*` for one part and `**` for any number of them.
 fn is_meant(pattern: &str, node: &NodePath) -> bool {
-    match pattern {
-        "/**" => true,
-        _ => match pattern.strip_prefix("/**/") {
-            Some(base) => base == node.base,
-            None => pattern == node.base || pattern == node.qualified,
-        },
+    let parts = |name: &str| name.trim_matches('/').split('/').map(str::to_owned).collect::<Vec<_>>();
+    pattern == node.base || fits(&parts(pattern), &parts(&node.qualified))
+}
+
+fn fits(pattern: &[String], name: &[String]) -> bool {
+    match (pattern, name) {
+        ([], []) => true,
+        ([any, rest @ ..], _) if any == "**" => {
+            fits(rest, name) || name.split_first().is_some_and(|(_, name)| fits(pattern, name))
+        }
+        ([one, rest @ ..], [part, parts @ ..]) => (one == "*" || one == part) && fits(rest, parts),
+        _ => false,
     }
 }
 
