@@ -131,11 +131,12 @@ pub fn calibrate_by<E>(
 ) -> Result<Result<Calibrated, NoBest>, E> {
     let RawPattern { reach, width_sigma_m, patterns_max, repeats, .. } = pattern.0;
     let noise = width_sigma_m / width_m;
-    let (mut centre_s, mut before_s) = (start_s, start_s);
+    let mut centre_s = start_s;
+    let (mut lines, mut nothing) = (vec![], NoBest::Flat);
     for _ in 0..patterns_max {
         let reach_s = reach * centre_s;
-        before_s = centre_s;
-        match valley(&print(line, pattern, centre_s)?, centre_s, noise) {
+        lines.extend(print(line, pattern, centre_s)?);
+        let change_s = match valley(&lines, centre_s, noise) {
             Ok(Valley::Here { offset_s, .. }) if offset_s.abs() <= INNER * reach_s => {
                 centre_s += offset_s;
                 let mut patterns = vec![];
@@ -144,13 +145,20 @@ pub fn calibrate_by<E>(
                 }
                 return Ok(weigh(&patterns, (centre_s, reach * centre_s), noise));
             }
-            Ok(Valley::Here { offset_s, .. }) => centre_s += offset_s.clamp(-reach_s, reach_s),
-            Ok(Valley::Below) => centre_s -= reach_s,
-            Ok(Valley::Above) => centre_s += reach_s,
-            Err(nothing) => return Ok(Err(nothing)),
-        }
+            Ok(Valley::Here { offset_s, .. }) => offset_s.clamp(-reach_s, reach_s),
+            Ok(Valley::Below) => -reach_s,
+            Ok(Valley::Above) => reach_s,
+            Err(flat) => {
+                // Spools differ: more lines of the same may stand out of that.
+                nothing = flat;
+                continue;
+            }
+        };
+        nothing = outside(centre_s, reach_s);
+        centre_s += change_s;
+        lines.clear();
     }
-    Ok(Err(outside(before_s, reach * before_s)))
+    Ok(Err(nothing))
 }
 
 fn outside(centre_s: f64, reach_s: f64) -> NoBest {

@@ -91,6 +91,26 @@ fn patterns_that_differ_widen_the_interval() {
     assert!(widths(0.03) > 3.0 * widths(0.0), "{} {}", widths(0.03), widths(0.0));
 }
 
+/// Lines that scatter by more than one pattern tells: more patterns of the same do, and the interval holds the best.
+#[test]
+fn lines_that_scatter_are_printed_again() {
+    let (printer, pattern) = (printer(), pattern(1.2e-5));
+    let best_s = printer.best().unwrap().advance_s;
+    let answered = (0..20)
+        .filter(|seed| {
+            let (mut chance, mut spools) = (Stream::new(*seed), Stream::new(seed + 100));
+            let mut line = |advance_s: f64| -> Result<f64, Infallible> {
+                let needed_s = best_s * (1.0 + 0.06 * spools.normal());
+                let as_if_s = best_s + advance_s - needed_s;
+                Ok(mean_square(&printer, 5e-4, (as_if_s, 0.03), &mut chance))
+            };
+            let found = calibrate_by(&mut line, &pattern, (best_s, 4e-4)).unwrap();
+            found.is_ok_and(|found| (found.advance_s - best_s).abs() <= found.half_width_s)
+        })
+        .count();
+    assert!(answered >= 17, "{answered} of 20");
+}
+
 #[test]
 fn widths_that_are_all_noise_say_nothing() {
     let refused = calibrate(&printer(), &pattern(1e-3), (0.63, 4e-4), &mut Stream::new(1));
