@@ -1,6 +1,8 @@
 //! The command `fdm` as a program that others script against: field names, figures, exit codes.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
+#[path = "commands/inputs.rs"]
+mod inputs;
 #[path = "commands/mistakes.rs"]
 mod mistakes;
 
@@ -265,6 +267,12 @@ fn a_file_is_surveyed_with_its_oddities() {
             assert!(warning["line"].as_u64().is_some() && warning["reason"].is_string(), "{name}: {warning}");
         }
     }
+}
+
+#[test]
+fn the_help_of_up_says_which_camera_is_looked_through() {
+    let help = String::from_utf8(run(&["up", "--help"]).stdout).unwrap();
+    assert!(help.contains("The camera is simulated") && help.contains("config/camera.param.yaml"), "{help}");
 }
 
 /// In virtual time a solve ends by its iterations: with no time at all for one, the figures are the same.

@@ -111,8 +111,8 @@ impl Setup {
 }
 
 fn network<T>(path: &Path, parse: impl Fn(&str) -> Result<T, NetworkError>) -> Result<T, NodeError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| NodeError::File { path: path.to_path_buf(), source })?;
+    let text =
+        runtime::input::text(path).map_err(|source| NodeError::File { path: path.to_path_buf(), source })?;
     parse(&text).map_err(|source| NodeError::Network { path: path.to_path_buf(), source })
 }
 

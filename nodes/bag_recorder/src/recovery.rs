@@ -8,8 +8,8 @@ use crate::tally::Tally;
 use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions, SummaryReadEvent, SummaryReader};
 use mcap::{McapError, Summary};
+use runtime::input;
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -47,7 +47,7 @@ pub fn read_finished(folder: &Folder, number: u32) -> Result<Finished, RecorderE
 
 /// The summary at the end of a file.
 fn read_summary(path: &Path) -> Result<Summary, McapError> {
-    let mut file = File::open(path)?;
+    let mut file = input::open(path)?;
     let mut reader = SummaryReader::new();
     while let Some(event) = reader.next_event() {
         match event? {
@@ -111,7 +111,7 @@ pub fn salvage(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option
     let name = folder.layout().finished(number);
     let (finished, torn) = (folder.path(&name), folder.path(&format!("{name}.torn")));
     let mut head = [0; mcap::MAGIC.len()];
-    let begun = File::open(&finished).and_then(|mut file| file.read_exact(&mut head));
+    let begun = input::open(&finished).and_then(|mut file| file.read_exact(&mut head));
     begun.map_err(RecorderError::file("read", &finished))?;
     if head != mcap::MAGIC {
         return Err(RecorderError::mcap("read", &finished)(McapError::BadMagic));
@@ -194,7 +194,7 @@ struct Seen {
 /// Copies record by record up to the first that is not whole.
 fn copy_records(source: &Path, copy: &mut BagFile, stop: &AtomicBool) -> Result<Copied, RecorderError> {
     let failed = || RecorderError::file("read", source);
-    let file = File::open(source).map_err(failed())?;
+    let file = input::open(source).map_err(failed())?;
     let size = usize::try_from(file.metadata().map_err(failed())?.len()).unwrap_or(usize::MAX);
     let mut file = BufReader::new(file);
     let options = LinearReaderOptions::default().with_skip_end_magic(true).with_record_length_limit(size);

@@ -168,7 +168,7 @@ impl ConfigDir {
     /// Names the scenarios that there are, or file, line and field.
     pub fn scenario(&self, name: &str) -> anyhow::Result<printer_sim::Scenario> {
         let path = self.scenario_path(name);
-        if !path.is_file() {
+        if !path.exists() {
             bail!("scenario '{name}' is unknown; there are {}", self.names_in("scenarios").join(", "));
         }
         Ok(runtime::params::from_yaml(&path)?)

@@ -7,7 +7,6 @@ use clap::Args;
 use models::gcode::Header;
 use models::gcode::survey::{self, Survey};
 use models::motion::MotionParams;
-use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
@@ -46,7 +45,7 @@ pub fn run(args: &GcodeArgs) -> anyhow::Result<()> {
 /// # Errors
 /// Those of opening and reading; oddities of the contents are in the [`Survey`].
 pub fn survey(path: &Path, params: &MotionParams) -> io::Result<Survey> {
-    let mut file = File::open(path)?;
+    let mut file = runtime::input::open(path)?;
     let header = Header::read_ends(&mut file, params.read.header_bytes)?;
     Ok(survey::survey(BufReader::with_capacity(BUFFER_BYTES, file), &header, params))
 }

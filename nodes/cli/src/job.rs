@@ -13,6 +13,8 @@ use std::sync::Arc;
 
 /// Bytes at the end of a file in which slicers state the material.
 const MATERIAL_BYTES: usize = 65_536;
+/// Longest file that is printed, as it is held in memory `[byte]`; `fdm gcode` reads longer ones.
+pub const BYTES_MAX: u64 = 512 << 20;
 
 /// A file in memory.
 #[derive(Debug, Clone)]
@@ -28,9 +30,9 @@ impl GcodeFile {
     /// Reads a file; `layers` limits the print to the first ones.
     ///
     /// # Errors
-    /// A file that cannot be read or is empty.
+    /// A file that cannot be read, is longer than [`BYTES_MAX`] or is empty.
     pub fn read(path: &Path, motion: &MotionParams, layers: Option<u32>) -> anyhow::Result<Self> {
-        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+        let bytes = runtime::input::bytes(path, BYTES_MAX).with_context(|| path.display().to_string())?;
         if bytes.is_empty() {
             bail!("{}: the file is empty", path.display());
         }

@@ -140,7 +140,7 @@ impl Setup {
 }
 
 fn read(path: &Path) -> Result<String, NodeError> {
-    std::fs::read_to_string(path).map_err(|source| NodeError::File { path: path.to_path_buf(), source })
+    runtime::input::text(path).map_err(|source| NodeError::File { path: path.to_path_buf(), source })
 }
 
 /// Everything that the node says.

@@ -126,8 +126,15 @@ pub fn simulator_params(
     })
 }
 
+/// Longest G-code file that is printed, as it is held in memory `[byte]`.
+const GCODE_BYTES_MAX: u64 = 512 << 20;
+
 fn read(field: &'static str, path: &Path) -> Result<Vec<u8>, LoadError> {
-    std::fs::read(path).map_err(|source| LoadError::File { field, path: path.to_path_buf(), source })
+    runtime::input::bytes(path, GCODE_BYTES_MAX).map_err(|source| LoadError::File {
+        field,
+        path: path.to_path_buf(),
+        source,
+    })
 }
 
 fn info(run: &RunParams, parameters: &Parameters, gcode: &[u8]) -> Result<PrintInfo, LoadError> {

@@ -43,6 +43,7 @@
 //! | [`Server`], [`Client`] | services; calls with a limit |
 //! | [`Clock`], [`ClockDriver`], [`Timer`] | monotonic, or `/clock` under `use_sim_time` |
 //! | [`params`] | parameter files, merged, checked, hashed |
+//! | [`input`] | files that people name: plain ones alone, up to a length |
 //! | [`Diagnostics`], [`Work`] | `/diagnostics`, heartbeat |
 //!
 //! Each process watches its own middleware through a message to itself and ends when it is deaf (`self_loop`), and bounds
@@ -62,6 +63,7 @@ mod error;
 mod frames;
 mod heartbeat;
 mod inlet;
+pub mod input;
 mod installed;
 mod lifecycle;
 mod logging;

@@ -93,7 +93,7 @@ impl Parameters {
     ) -> Result<Self, ParamFileError> {
         let (mut merged, mut comments) = (Tree::default(), Comments::default());
         for file in files {
-            let text = std::fs::read_to_string(file).map_err(|error| ParamFileError::Unreadable {
+            let text = crate::input::text(file).map_err(|error| ParamFileError::Unreadable {
                 file: file.clone(),
                 reason: error.to_string(),
             })?;
@@ -259,7 +259,7 @@ pub fn load<T: DeserializeOwned>(
 /// # Errors
 /// One line with file, line and reason.
 pub fn from_yaml<T: DeserializeOwned>(file: &Path) -> Result<T, ParamFileError> {
-    let text = std::fs::read_to_string(file).map_err(|error| ParamFileError::Unreadable {
+    let text = crate::input::text(file).map_err(|error| ParamFileError::Unreadable {
         file: file.to_path_buf(),
         reason: error.to_string(),
     })?;

@@ -95,7 +95,7 @@ impl Printed {
 pub(super) fn read(setup: &Setup, folder: &Path, drive: DriveKind) -> anyhow::Result<(Predictor, Networks)> {
     let path = folder.join(format!("advance_{}.json", drive.name()));
     let told = || path.display().to_string();
-    let text = std::fs::read_to_string(&path).with_context(told)?;
+    let text = runtime::input::text(&path).with_context(told)?;
     let ensemble = Ensemble::parse(&text, drive).with_context(told)?;
     let networks = Networks { file: told(), trained: ensemble.trained().to_owned() };
     Ok((Predictor::new(setup.physics.clone(), setup.params.bounds, ensemble), networks))

@@ -107,7 +107,7 @@ fn trained(
 }
 
 fn read(path: &Path, setup: &Setup) -> anyhow::Result<Vec<Measured>> {
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let text = runtime::input::text(path).with_context(|| path.display().to_string())?;
     measured::parse(&text, setup).with_context(|| path.display().to_string())
 }
 

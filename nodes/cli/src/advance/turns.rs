@@ -3,6 +3,7 @@
 use super::train::NetworkFile;
 use super::{Settings, Setup};
 use crate::config::ConfigDir;
+use crate::job::BYTES_MAX;
 use crate::output;
 use advance_predictor::turn::assess::{Figures, Methods, assess};
 use advance_predictor::turn::training::{Path, train};
@@ -103,7 +104,7 @@ fn read(folder: &std::path::Path, motion: &MotionParams, buffers: &[u32]) -> any
         bail!("{}: no *.gcode", folder.display());
     }
     let file = |path: &std::path::PathBuf| -> anyhow::Result<File> {
-        let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
+        let bytes = runtime::input::bytes(path, BYTES_MAX).with_context(|| path.display().to_string())?;
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let paths = buffers.iter().map(|buffered| planned(&bytes, motion, *buffered)).collect();
         Ok(File { name, paths })

@@ -4,6 +4,7 @@ use super::peers::quantile;
 use super::{AdvanceArgs, Benchmark};
 use crate::advance::{Setup, turns};
 use crate::config::ConfigDir;
+use crate::job::BYTES_MAX;
 use advance_predictor::compensation::Predictor;
 use advance_predictor::turn::assess::starved;
 use advance_predictor::turn::{Piece, TurnNetwork, TurnParams, Watcher};
@@ -28,9 +29,10 @@ pub(super) fn run(args: &AdvanceArgs) -> anyhow::Result<Vec<Benchmark>> {
     let setup = Setup::load(&config)?;
     let predictor = setup.predictor(&config, DriveKind::Bowden)?;
     let path = config.file("models/turn.json");
-    let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let text = runtime::input::text(&path).with_context(|| path.display().to_string())?;
     let network = TurnNetwork::parse(&text).with_context(|| path.display().to_string())?;
-    let bytes = std::fs::read(&args.gcode).with_context(|| args.gcode.display().to_string())?;
+    let bytes =
+        runtime::input::bytes(&args.gcode, BYTES_MAX).with_context(|| args.gcode.display().to_string())?;
     let mut all = Vec::new();
     for (name, low_c) in [("networks", 200.0), ("physical model, outside of their data", 240.0)] {
         let times_us = answers_us(&predictor, low_c);

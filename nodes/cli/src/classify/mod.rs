@@ -111,7 +111,7 @@ pub fn run(args: &ClassifyArgs) -> anyhow::Result<()> {
 /// The file and the field that is refused.
 pub fn network(config: &ConfigDir, view: View) -> anyhow::Result<Network> {
     let path = config.file(&format!("models/{}.json", view.name()));
-    let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let text = runtime::input::text(&path).with_context(|| path.display().to_string())?;
     Network::parse(&text).with_context(|| path.display().to_string())
 }
 
@@ -145,14 +145,11 @@ const PICTURE_BYTES_MAX: u64 = 64 << 20;
 
 /// A picture file, not larger than anything sensible.
 fn read_picture(path: &Path) -> anyhow::Result<Vec<u8>> {
-    let length = std::fs::metadata(path).with_context(|| path.display().to_string())?.len();
-    if length == 0 {
+    let bytes = runtime::input::bytes(path, PICTURE_BYTES_MAX).with_context(|| path.display().to_string())?;
+    if bytes.is_empty() {
         bail!("{}: an empty file is no picture", path.display());
     }
-    if length > PICTURE_BYTES_MAX {
-        bail!("{}: {length} bytes, a picture has at most {PICTURE_BYTES_MAX}", path.display());
-    }
-    std::fs::read(path).with_context(|| path.display().to_string())
+    Ok(bytes)
 }
 
 fn judge(network: &Network, path: &Path) -> anyhow::Result<Judged> {

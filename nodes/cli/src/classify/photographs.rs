@@ -99,7 +99,7 @@ pub(super) fn seen(folder: &Path) -> anyhow::Result<Vec<u64>> {
     }
     let context = || path.display().to_string();
     let listed: Vec<String> =
-        serde_json::from_slice(&std::fs::read(&path).with_context(context)?).with_context(context)?;
+        serde_json::from_str(&runtime::input::text(&path).with_context(context)?).with_context(context)?;
     listed.iter().map(|text| u64::from_str_radix(text, 16).with_context(context)).collect()
 }
 
@@ -120,11 +120,12 @@ pub(super) fn write_seen(folder: &Path, digests: BTreeSet<u64>) -> anyhow::Resul
 /// A manifest or a picture that is missing or cannot be read, two labels for one picture, a manifest without rows.
 pub(super) fn read(manifest: &Path, hidden: Hidden, seen: &[u64]) -> anyhow::Result<Set> {
     let context = || manifest.display().to_string();
-    if !manifest.is_file() {
+    if !manifest.exists() {
         bail!("{} is absent: the labelled photographs are not part of this repository", context());
     }
     let folder = manifest.parent().unwrap_or(Path::new("."));
-    let mut table = csv::Reader::from_path(manifest).with_context(context)?;
+    let text = runtime::input::text(manifest).with_context(context)?;
+    let mut table = csv::Reader::from_reader(text.as_bytes());
     let mut set = Set::default();
     let mut labels: BTreeMap<String, String> = BTreeMap::new();
     let mut pictures: BTreeMap<u64, (String, String)> = BTreeMap::new();

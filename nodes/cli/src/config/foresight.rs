@@ -37,7 +37,7 @@ impl ConfigDir {
         let params: advance_predictor::Params = parameters.without(&["advance_physics"]).parse()?;
         let physics = parameters.block("advance_physics")?;
         let told = |file: &Path| format!("models: {}", file.display());
-        let text = |file: &Path| std::fs::read_to_string(file).with_context(|| told(file));
+        let text = |file: &Path| runtime::input::text(file).with_context(|| told(file));
         let file = params.models.of(params.drive);
         let ensemble =
             compensation::Ensemble::parse(&text(file)?, params.drive).with_context(|| told(file))?;

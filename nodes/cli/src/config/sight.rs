@@ -33,9 +33,8 @@ impl ConfigDir {
     pub fn sight_of(&self, parameters: &Parameters) -> anyhow::Result<Sight> {
         let params: defect_classifier::Params =
             parameters.without(&["printer", "material", "quality"]).parse()?;
-        let text = |file: &Path| {
-            std::fs::read_to_string(file).with_context(|| format!("models: {}", file.display()))
-        };
+        let text =
+            |file: &Path| runtime::input::text(file).with_context(|| format!("models: {}", file.display()));
         let models = defect_classifier::Models {
             network: defect_classifier::network::Network::parse(&text(&params.models.network)?)?,
             edge: defect_classifier::width::EdgeModel::parse(&text(&params.models.edge)?)?,

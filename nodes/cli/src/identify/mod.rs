@@ -111,7 +111,7 @@ pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
         .with_context(|| bag.display().to_string())?;
     if let Some(out) = &args.out {
         let nominal = config.file("printers/ender3.yaml");
-        let nominal = std::fs::read_to_string(&nominal).with_context(|| nominal.display().to_string())?;
+        let nominal = runtime::input::text(&nominal).with_context(|| nominal.display().to_string())?;
         let name = bag.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let text = file::text(&nominal, &learned, &crate::report::decode::short(&name, 80))?;
         std::fs::write(out, text).with_context(|| out.display().to_string())?;

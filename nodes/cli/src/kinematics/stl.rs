@@ -14,14 +14,12 @@ use std::path::Path;
 /// A file that cannot be read, is larger than is read, or is no STL file; a mesh that is not closed.
 pub fn read(path: &Path, unit_m: f64) -> anyhow::Result<Mesh> {
     let name = || path.display().to_string();
-    let about = std::fs::metadata(path).with_context(name)?;
-    if !about.is_file() {
-        bail!("{}: not a file but a folder, device or pipe: an STL file is read from a file", name());
+    let file = runtime::input::open(path).with_context(name)?;
+    let length = file.metadata().with_context(name)?.len();
+    if length > MOST {
+        bail!("{}: {length} bytes: must be at most {MOST}, of an STL file that is read", name());
     }
-    if about.len() > MOST {
-        bail!("{}: {} bytes: must be at most {MOST}, of an STL file that is read", name(), about.len());
-    }
-    let mut file = BufReader::new(File::open(path).with_context(name)?);
+    let mut file = BufReader::new(file);
     let mesh = match stl_io::read_stl(&mut file) {
         Ok(mesh) => mesh,
         Err(error) => {
@@ -88,7 +86,7 @@ mod tests {
     /// Zeros without end, and a file of zeros longer than is read, which takes no room on the disk.
     #[test]
     fn a_device_and_an_endless_file_are_refused_unread() {
-        let zero = read(Path::new("/dev/zero"), 1e-3).unwrap_err().to_string();
+        let zero = format!("{:#}", read(Path::new("/dev/zero"), 1e-3).unwrap_err());
         assert!(zero.contains("/dev/zero: not a file"), "{zero}");
         let path = std::env::temp_dir().join(format!("fdm_{}_long.stl", std::process::id()));
         File::create(&path).unwrap().set_len(MOST + 1).unwrap();

@@ -1,6 +1,7 @@
 //! The files of a bag.
 
 use anyhow::{Context, bail};
+use runtime::input;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -47,7 +48,8 @@ impl Bag {
     pub(crate) fn find(path: &Path) -> anyhow::Result<Self> {
         let found = std::fs::metadata(path).with_context(|| path.display().to_string())?;
         let named = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
-        if found.is_file() {
+        if !found.is_dir() {
+            input::open(path).with_context(|| path.display().to_string())?;
             let name = named(path).unwrap_or_default();
             return Ok(Self { name, files: vec![path.to_path_buf()], counts: None });
         }
@@ -68,9 +70,9 @@ impl Bag {
         Ok(Self {
             name: named(&whole).unwrap_or_default(),
             files: files.into_iter().map(|(_, file)| file).collect(),
-            counts: std::fs::read(path.join("counts.json"))
+            counts: input::text(&path.join("counts.json"))
                 .ok()
-                .and_then(|text| serde_json::from_slice(&text).ok()),
+                .and_then(|text| serde_json::from_str(&text).ok()),
         })
     }
 

@@ -6,7 +6,6 @@ use mcap::records::op;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
@@ -83,7 +82,7 @@ struct Seen {
 /// Hands every whole record to `visitor`.
 pub(crate) fn scan(path: &Path, visitor: &mut impl Visitor) -> anyhow::Result<Ended> {
     let failed = || path.display().to_string();
-    let file = File::open(path).with_context(failed)?;
+    let file = runtime::input::open(path).with_context(failed)?;
     // A length in the file is believed up to what is left of it; a file that grows meanwhile is read on in blocks.
     let mut left = usize::try_from(file.metadata().with_context(failed)?.len()).unwrap_or(usize::MAX);
     let mut file = BufReader::with_capacity(BUFFER, file);
