@@ -7,6 +7,7 @@ mod header;
 mod live_tests;
 #[cfg(test)]
 pub(crate) mod tests;
+pub(crate) mod whole;
 
 pub use header::{JpegSize, jpeg_size};
 
@@ -18,10 +19,7 @@ use opencv::core::{
 use opencv::{imgcodecs, imgproc};
 use serde::Deserialize;
 use std::hash::{DefaultHasher, Hasher};
-use zune_jpeg::JpegDecoder;
-use zune_jpeg::zune_core::bytestream::ZCursor;
-use zune_jpeg::zune_core::colorspace::ColorSpace;
-use zune_jpeg::zune_core::options::DecoderOptions;
+use whole::{before_end, is_whole};
 
 /// What may change while the node is active: when the light is good enough to judge a frame. Evidence, confirmation and
 /// measurement are chosen together: they decide over a pause, and may change while the node is inactive.
@@ -135,19 +133,6 @@ impl From<opencv::Error> for Unusable {
     fn from(_: opencv::Error) -> Self {
         Self::Failed
     }
-}
-
-/// What lies before the end marker; none where there is no such marker. Some cameras fill up with zeros behind it.
-fn before_end(jpeg: &[u8]) -> Option<&[u8]> {
-    let filled = jpeg.iter().rev().take_while(|byte| **byte == 0).count();
-    jpeg[..jpeg.len() - filled].strip_suffix(&[0xff, 0xd9])
-}
-
-/// Whether the rows of blocks are there to the last. OpenCV draws what is missing in grey and calls it well; this
-/// decoder is strict where the data ends, but believes an end marker: it gets what lies before it.
-fn is_whole(before_end: &[u8]) -> bool {
-    let options = DecoderOptions::default().set_strict_mode(true).jpeg_set_out_colorspace(ColorSpace::Luma);
-    JpegDecoder::new_with_options(ZCursor::new(before_end), options).decode().is_ok()
 }
 
 /// Checks frames one after the other.

@@ -14,6 +14,7 @@ mod strands;
 mod tests;
 mod texture;
 
+use crate::frame::whole::is_whole_file;
 use opencv::core::{Mat, MatTraitConst};
 use opencv::imgcodecs;
 use picture::Picture;
@@ -85,6 +86,11 @@ pub enum FeatureError {
     /// Bytes that are no picture.
     #[error("{0} bytes that OpenCV cannot decode as a picture")]
     Encoded(usize),
+    /// A JPEG that was cut off or damaged.
+    #[error(
+        "{0} bytes of a JPEG that ends before its picture does, is damaged, or is coded in a way that is not read"
+    )]
+    Cut(usize),
     /// OpenCV refused.
     #[error("OpenCV: {0}")]
     OpenCv(#[from] opencv::Error),
@@ -126,7 +132,7 @@ pub fn extract(grey: &Mat, hidden: Hidden, measured: &Measured) -> Result<Vec<f6
 /// checked for size before they are decoded.
 ///
 /// # Errors
-/// As [`extract`], and bytes that are no picture.
+/// As [`extract`], and bytes that are no picture, or a part of one.
 pub fn extract_encoded(bytes: &[u8], hidden: Hidden, measured: &Measured) -> Result<Vec<f64>, FeatureError> {
     extract(&decode(bytes)?, hidden, measured)
 }
@@ -134,8 +140,11 @@ pub fn extract_encoded(bytes: &[u8], hidden: Hidden, measured: &Measured) -> Res
 /// An encoded picture (JPEG, PNG), reduced to grey.
 ///
 /// # Errors
-/// Bytes that are no picture.
+/// Bytes that are no picture, or a part of one.
 pub fn decode(bytes: &[u8]) -> Result<Mat, FeatureError> {
+    if bytes.starts_with(&[0xff, 0xd8]) && !is_whole_file(bytes) {
+        return Err(FeatureError::Cut(bytes.len()));
+    }
     let grey = imgcodecs::imdecode(&Mat::from_slice(bytes)?, imgcodecs::IMREAD_GRAYSCALE)?;
     if grey.empty() {
         return Err(FeatureError::Encoded(bytes.len()));

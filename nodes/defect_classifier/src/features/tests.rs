@@ -1,5 +1,5 @@
 use super::*;
-use opencv::core::{CV_8UC1, CV_8UC3, Scalar};
+use opencv::core::{CV_8UC1, CV_8UC3, Scalar, Vector, VectorToVec};
 
 const NOTHING: Measured =
     Measured { width_error_rel: None, offset_m: None, unexplained: None, seam_sigmas: None };
@@ -106,6 +106,31 @@ fn a_picture_that_is_none_is_refused() {
     }
     assert!(matches!(extract_encoded(b"no picture", Hidden(0.0), &NOTHING), Err(FeatureError::Encoded(10))));
     assert!(extract_encoded(&[], Hidden(0.0), &NOTHING).is_err());
+}
+
+/// OpenCV fills up what is missing: half a file would be judged as half a print.
+#[test]
+fn a_part_of_a_picture_is_refused_and_what_a_phone_appends_is_not() {
+    let grey = roads(0.0, 0.3);
+    for progressive in [0, 1] {
+        let flags = Vector::from_slice(&[imgcodecs::IMWRITE_JPEG_PROGRESSIVE, progressive]);
+        let mut whole = Vector::new();
+        imgcodecs::imencode(".jpg", &grey, &mut whole, &flags).unwrap();
+        let whole = whole.to_vec();
+        assert!(decode(&whole).is_ok() && decode(&[&whole[..], b"a film \xff\xd9 of it"].concat()).is_ok());
+        for length in [3, 200, whole.len() / 2, whole.len() - 2] {
+            assert!(matches!(decode(&whole[..length]), Err(FeatureError::Cut(_))), "{progressive}: {length}");
+        }
+        // A small picture in the comments has an end marker of its own.
+        let comment = [&whole[..2], &[0xff, 0xe1, 0, 6, 1, 0xff, 0xd9, 2], &whole[2..]].concat();
+        assert!(decode(&comment).is_ok());
+        assert!(matches!(decode(&comment[..comment.len() / 2]), Err(FeatureError::Cut(_))), "{progressive}");
+    }
+    let mut png = Vector::new();
+    imgcodecs::imencode_def(".png", &grey, &mut png).unwrap();
+    let png = png.to_vec();
+    assert!(decode(&png).is_ok());
+    assert!(decode(&png[..png.len() / 2]).is_err());
 }
 
 #[test]

@@ -14,6 +14,16 @@ pub struct JpegSize {
 /// Walks the marker segments, each of which says its own length, up to the first frame header (SOF).
 #[must_use]
 pub fn jpeg_size(bytes: &[u8]) -> Option<JpegSize> {
+    frame_header(bytes).map(|(_, size)| size)
+}
+
+/// Whether the rows come in several scans, each of which makes the picture finer.
+pub(super) fn is_progressive(bytes: &[u8]) -> bool {
+    frame_header(bytes).is_some_and(|(marker, _)| marker == 0xc2)
+}
+
+/// Marker and size of the frame header.
+fn frame_header(bytes: &[u8]) -> Option<(u8, JpegSize)> {
     if !bytes.starts_with(&[0xff, 0xd8, 0xff]) {
         return None;
     }
@@ -32,7 +42,7 @@ pub fn jpeg_size(bytes: &[u8]) -> Option<JpegSize> {
             // Start of frame; 0xc4, 0xc8 and 0xcc are tables.
             0xc0..=0xcf if !matches!(marker, 0xc4 | 0xc8 | 0xcc) => {
                 let (height_px, width_px) = (word(bytes, at + 5)?, word(bytes, at + 7)?);
-                return (height_px > 0 && width_px > 0).then_some(JpegSize { width_px, height_px });
+                return (height_px > 0 && width_px > 0).then_some((marker, JpegSize { width_px, height_px }));
             }
             // The picture's data, or its end, without a frame header.
             0xda | 0xd9 => return None,
