@@ -84,6 +84,27 @@ fn a_replay_says_again_what_was_recorded_and_what_a_change_would_change() {
     }
 }
 
+/// The printer says that the job has ended before nobody hears it any more: the page knows, and so do the brains of a replay.
+#[test]
+fn a_print_in_virtual_time_is_recorded_to_its_end() {
+    for (scenario, phase, verdict) in
+        [("nominal", "done", "Printed to its end"), ("heater_dead", "failed", "Stopped by the supervisor")]
+    {
+        let bag = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("ended_{phase}"));
+        _ = std::fs::remove_dir_all(&bag);
+        let bag = bag.display().to_string();
+        let gcode = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode";
+        let print = json(&["sim", gcode, "--layers", "1", "--scenario", scenario, "--bag", &bag]);
+        assert_eq!(print["ended"], phase, "{print}");
+        let out = format!("{bag}.html");
+        assert!(fdm(&["report", &bag, "--out", &out]).status.success());
+        let page = std::fs::read_to_string(&out).unwrap();
+        let at_the_end = format!("<dt>Phase at the end</dt><dd>{phase}");
+        assert!(page.contains(&at_the_end) && page.contains(verdict), "{scenario}");
+        assert_eq!(json(&["replay", &bag, "--check"])["identical"], true, "{scenario}");
+    }
+}
+
 /// A bag cut off in its middle: `fdm bag info` says so, `fdm recover` closes it with every whole record, and again finds
 /// nothing to do.
 #[test]

@@ -16,7 +16,7 @@ use models::status::JobPhase;
 use models::units::Seconds;
 use mpc_controller::Controller;
 use printer_sim::sensors::Pace;
-use printer_sim::{JobSource, Scenario, Simulator};
+use printer_sim::{JobSource, Output, Scenario, Simulator};
 use safety_supervisor::params::Stales;
 use safety_supervisor::{Operator, SafetyState, Supervisor};
 use state_estimator::Estimator;
@@ -65,6 +65,8 @@ pub struct Printing {
     /// Slicer time of the first onset `[s]`.
     pub onset_path_s: Option<f64>,
     paused_since: Option<Seconds>,
+    /// Phase of the job as the printer said it last.
+    told_phase: Option<JobPhase>,
 }
 
 /// A pause that lasts this long waits for a person, who does not exist here `[s]`.
@@ -105,15 +107,21 @@ impl Printing {
             settled: [None; 2],
             onset_path_s: None,
             paused_since: None,
+            told_phase: None,
         })
     }
 
-    /// Advances by one step; false once the job has ended.
+    /// Advances by one step; false once the job has ended and the printer has said so.
     pub fn step(&mut self) -> bool {
         self.simulator.step(Seconds(STEP_S));
         let now = self.now();
         while let Some(output) = self.simulator.poll() {
             self.pass_on(now, output);
+        }
+        let ended = self.has_ended();
+        if ended && self.told_phase != Some(self.simulator.phase()) {
+            // Nobody would hear the next report.
+            self.pass_on(now, Output::Status(Box::new(self.simulator.status())));
         }
         self.deliver_late(now);
         if self.estimate_pace.due(now) {
@@ -131,7 +139,11 @@ impl Printing {
             bagging.truth(now, &self.simulator);
         }
         self.observe();
-        !matches!(self.simulator.phase(), JobPhase::Done | JobPhase::Failed)
+        !ended
+    }
+
+    fn has_ended(&self) -> bool {
+        matches!(self.simulator.phase(), JobPhase::Done | JobPhase::Failed)
     }
 
     /// The same loop with a bag of all that is said. What the brains get went over the wire, so that they can get the same

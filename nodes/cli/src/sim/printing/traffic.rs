@@ -34,6 +34,7 @@ impl Printing {
             }
             Output::Status(status) => {
                 self.note_extremes(&status.trims);
+                self.told_phase = Some(status.phase);
                 self.send(now, Message::new(status.stamp, Content::Printer(status)));
             }
             Output::Imu(batch) => self.send(now, Message::new(batch.first, Content::Imu(batch))),
