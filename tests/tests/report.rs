@@ -14,10 +14,14 @@ mod against;
 mod browser;
 #[path = "report/ending.rs"]
 mod ending;
+#[path = "report/found.rs"]
+mod found;
 #[path = "report/hostile.rs"]
 mod hostile;
 #[path = "report/messages.rs"]
 mod messages;
+#[path = "report/phone.rs"]
+mod phone;
 #[path = "report/picture.rs"]
 mod picture;
 #[path = "report/print.rs"]

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::thread::JoinHandle;
 
 /// Hosts that Chromium asks on its own, whatever the page.
@@ -18,11 +18,28 @@ const OWN_HOSTS: [&str; 6] = [
 
 /// Takes a picture of a page of this file system; returns what the browser asked the network for.
 pub(crate) fn screenshot(page: &Path, size: (u32, u32), dark: bool, picture: &Path) -> Vec<String> {
+    _ = std::fs::remove_file(picture);
+    let mut wishes = vec![format!("--screenshot={}", picture.display())];
+    if dark {
+        wishes.extend(["--force-dark-mode", "--blink-settings=preferredColorScheme=0"].map(str::to_owned));
+    }
+    let (ended, asked) = shown(page, size, &wishes);
+    assert!(picture.is_file(), "no screenshot: {}", String::from_utf8_lossy(&ended.stderr));
+    asked
+}
+
+/// A page as it stands once its scripts have run.
+pub(crate) fn document(page: &Path, size: (u32, u32)) -> String {
+    let (ended, _) = shown(page, size, &["--dump-dom".to_owned()]);
+    String::from_utf8(ended.stdout).unwrap()
+}
+
+/// Shows a page; what came of it, and what the browser asked the network for.
+fn shown(page: &Path, size: (u32, u32), wishes: &[String]) -> (Output, Vec<String>) {
     let proxy = Proxy::start();
-    let profile = picture.with_extension("profile");
+    let profile = page.with_extension("profile");
     _ = std::fs::remove_dir_all(&profile);
     std::fs::create_dir_all(&profile).unwrap();
-    _ = std::fs::remove_file(picture);
     let mut command = Command::new("chromium");
     command
         .args([
@@ -45,18 +62,14 @@ pub(crate) fn screenshot(page: &Path, size: (u32, u32), dark: bool, picture: &Pa
         .arg("--proxy-bypass-list=<-loopback>")
         .arg(format!("--user-data-dir={}", profile.display()))
         .arg(format!("--window-size={},{}", size.0, size.1))
-        .arg(format!("--screenshot={}", picture.display()));
-    if dark {
-        command.args(["--force-dark-mode", "--blink-settings=preferredColorScheme=0"]);
-    }
+        .args(wishes);
     let ended = command
         .arg(format!("file://{}", page.display()))
         .stdin(Stdio::null())
         .output()
         .expect("chromium is missing: apt-get install --no-install-recommends chromium (test.sh does)");
-    assert!(picture.is_file(), "no screenshot: {}", String::from_utf8_lossy(&ended.stderr));
     _ = std::fs::remove_dir_all(&profile);
-    proxy.stop()
+    (ended, proxy.stop())
 }
 
 /// A proxy that answers nobody and remembers what it was asked.

@@ -63,7 +63,7 @@ fn check_out(out: &Path, bag: &Path) -> anyhow::Result<()> {
 /// The page of a bag as text.
 ///
 /// # Errors
-/// What is no bag, cannot be read at all, or holds nothing of the namespace.
+/// What is no bag, cannot be read at all, or holds nothing of the namespace or of any printer.
 pub fn page(path: &Path, namespace: Option<&str>) -> anyhow::Result<String> {
     page_against(path, namespace, None)
 }
@@ -120,6 +120,12 @@ impl Gathered {
         }
         if record.tally.messages == 0 {
             torn.push("no message could be read".to_owned());
+        }
+        match record.foreign() {
+            // What is missing may have been a printer's.
+            Some(said) if !torn.is_empty() => torn.push(said),
+            Some(said) => bail!("{}: {said}", path.display()),
+            None => {}
         }
         record.pictures.finish();
         Ok(Self { bag, record, torn })

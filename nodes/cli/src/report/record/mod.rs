@@ -10,7 +10,7 @@ pub(crate) mod tally;
 pub(crate) mod truth;
 pub(crate) mod wall;
 
-use super::decode::decode;
+use super::decode::{decode, short};
 use super::scan::{Raw, Visitor};
 use super::timeline::Timeline;
 use diagnostics::Diagnostics;
@@ -19,10 +19,10 @@ use fdm_loop_msgs::{Header, RosType};
 use layers::Layers;
 use pictures::Pictures;
 use print::Print;
-use runtime::topics;
+use runtime::topics::{self, TopicInfo};
 use signals::Signals;
 use std::collections::BTreeMap;
-use tally::Tally;
+use tally::{NAME_MAX, Tally};
 use truth::Truth;
 use wall::Wall;
 
@@ -46,8 +46,11 @@ pub(crate) struct Record {
 impl Visitor for Record {
     fn message(&mut self, raw: &Raw<'_>) {
         self.tally.count(raw.topic, raw.type_name);
-        if let Some(name) = self.declared(raw.topic) {
-            self.take(name, raw);
+        if let Some(known) = self.declared(raw.topic) {
+            // What every graph has is no sign of a printer.
+            self.tally.of_a_printer = self.tally.of_a_printer
+                || !known.name.starts_with('/') && raw.type_name == known.definition.full_name();
+            self.take(known.name, raw);
         }
     }
 
@@ -59,12 +62,12 @@ impl Visitor for Record {
 }
 
 impl Record {
-    /// The name under which a topic is declared; `None` for one that is none of this printer's.
-    fn declared(&mut self, topic: &str) -> Option<&'static str> {
+    /// The declaration of a topic; `None` for one that is none of this printer's.
+    fn declared(&mut self, topic: &str) -> Option<TopicInfo> {
         for known in topics::ALL {
             if known.name.starts_with('/') {
                 if topic == known.name {
-                    return Some(known.name);
+                    return Some(*known);
                 }
                 continue;
             }
@@ -76,16 +79,34 @@ impl Record {
             };
             self.tally.namespace(namespace);
             match &self.namespace {
-                Some(ours) if ours == namespace => return Some(known.name),
+                Some(ours) if ours == namespace => return Some(*known),
                 Some(_) => {}
                 None => {
                     self.namespace = Some(namespace.to_owned());
-                    return Some(known.name);
+                    return Some(*known);
                 }
             }
         }
         self.tally.foreign(topic);
         None
+    }
+
+    /// What is said of a bag without a message that a printer's graph has; `None` for any other.
+    pub(crate) fn foreign(&self) -> Option<String> {
+        /// Topics that are named.
+        const NAMED: usize = 6;
+        let tally = &self.tally;
+        if tally.of_a_printer || tally.messages == 0 {
+            return None;
+        }
+        let named = tally.topics.iter().take(NAMED);
+        let mut there: Vec<String> = named
+            .map(|(topic, counts)| format!("{} ({})", short(topic, NAME_MAX), counts.type_name))
+            .collect();
+        if tally.topics.len() > NAMED {
+            there.push(format!("{} more, see `fdm bag info`", tally.topics.len() - NAMED));
+        }
+        Some(format!("no topic of a printer's graph is in this bag; there are {}", there.join(", ")))
     }
 
     /// Refuses a namespace that was asked for and has no topic.

@@ -8,7 +8,7 @@ const TOPICS_MAX: usize = 400;
 /// Namespaces that are named.
 const NAMESPACES_MAX: usize = 20;
 /// Longest name that is kept.
-const NAME_MAX: usize = 120;
+pub(super) const NAME_MAX: usize = 120;
 
 /// Counts of one topic.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -30,6 +30,8 @@ pub(crate) struct Tally {
     /// Messages of topics beyond the ones told apart.
     pub(crate) beyond: u64,
     pub(crate) messages: u64,
+    /// A message of a topic and type that a printer's graph has, and not every graph.
+    pub(crate) of_a_printer: bool,
     /// Files whose data fit their checksum.
     pub(crate) sums_fit: u64,
     /// Namespaces with a topic that a printer has.

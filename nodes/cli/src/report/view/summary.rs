@@ -48,6 +48,13 @@ fn doubts(view: &View) -> Vec<(String, String)> {
         let more = "They are of another version, or damaged: the report is of the others. The recorder's section names them.";
         doubts.push((what, more.to_owned()));
     }
+    if let Some(counts) = view.bag.counts.as_ref().filter(|counts| counts.messages > all) {
+        let what = format!("{all} of {} recorded messages were found.", counts.messages);
+        doubts.push((
+            what,
+            "Files of the bag are missing, or end early: the report is of the others.".to_owned(),
+        ));
+    }
     if prints.len() > 1 || !view.record.time.jumps.is_empty() {
         let what = format!("{} went into this bag.", counted(prints.len().max(2) as u64, "print"));
         let more = "They stand one after the other on one time axis, and layers of one number share a line; \
@@ -166,11 +173,12 @@ fn figures(view: &View) -> Vec<(&'static str, String, String)> {
         .map_or(String::new(), |from| format!("roads from {} to {}", clock(from), clock(print.last_road_s)));
     let [infos, warnings, errors] = view.record.events.counts;
     let severity = view.record.events.severity().map_or("no event", Severity::name);
-    let counts = view.bag.counts.as_ref();
-    let recorder = counts.map_or_else(
-        || format!("{} read", view.record.tally.messages),
-        |counts| format!("{} recorded", counts.messages),
-    );
+    let (counts, read) = (view.bag.counts.as_ref(), view.record.tally.messages);
+    let recorder = match counts {
+        Some(counts) if counts.messages == read => format!("{read} recorded"),
+        Some(counts) => format!("{read} read, {} recorded", counts.messages),
+        None => format!("{read} read"),
+    };
     let lost = counts.map_or(String::new(), |counts| {
         format!("{} dropped by the recorder, {} did not arrive", counts.run.dropped, counts.run.missed)
     });
