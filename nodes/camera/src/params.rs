@@ -1,6 +1,6 @@
 //! Every number of the node, as in `config/camera.param.yaml`.
 
-use models::params::{ParamError, in_range, ordered};
+use models::params::{ParamError, frame_name, in_range, ordered};
 use serde::Deserialize;
 
 use crate::url::{Url, UrlError};
@@ -236,7 +236,7 @@ impl TryFrom<RawCameraParams> for CameraParams {
     fn try_from(raw: RawCameraParams) -> Result<Self, ParamError> {
         let rate_hz = in_range("rate_hz", raw.rate_hz, "Hz", (0.01, 120.0))?;
         Ok(Self {
-            frame: raw.frame,
+            frame: frame_name("frame", raw.frame)?,
             width_px: whole("width_px", raw.width_px, "px", (64.0, 4096.0))?,
             height_px: whole("height_px", raw.height_px, "px", (64.0, 4096.0))?,
             scale_m: in_range("scale_m", raw.scale_m, "m", (5e-6, 1e-2))?,

@@ -1,6 +1,6 @@
 //! Every number of the node, as in `config/imu.param.yaml`.
 
-use models::params::{ParamError, in_range, ordered};
+use models::params::{ParamError, frame_name, in_range, ordered};
 use serde::Deserialize;
 
 use crate::axis::{Axis, Mounting};
@@ -159,7 +159,7 @@ impl TryFrom<RawUnitParams> for UnitParams {
 
     fn try_from(raw: RawUnitParams) -> Result<Self, ParamError> {
         Ok(Self {
-            frame: raw.frame.into(),
+            frame: frame_name("frame", raw.frame)?.into(),
             up: raw.up.0,
             rate_hz: in_range("rate_hz", raw.rate_hz, "Hz", (20.0, 8000.0))?,
             rate_tolerance: in_range("rate_tolerance", raw.rate_tolerance, "-", (0.001, 0.5))?,

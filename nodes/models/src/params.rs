@@ -34,6 +34,14 @@ pub enum ParamError {
         /// Its value.
         upper_value: f64,
     },
+    /// A text that is no name of a frame.
+    #[error("{name} = '{value}': must be a frame's name, without blanks and without '/' in front")]
+    NoFrame {
+        /// Field as written in the file, relative to its block.
+        name: &'static str,
+        /// What it says.
+        value: String,
+    },
 }
 
 /// Passes a finite value above zero.
@@ -82,6 +90,21 @@ pub fn ordered(lower: (&'static str, f64), upper: (&'static str, f64)) -> Result
     }
 }
 
+/// Whether readers of transforms take a text for the name of a frame.
+#[must_use]
+pub fn is_frame_name(text: &str) -> bool {
+    let blank = |letter: char| letter.is_whitespace() || letter.is_control();
+    !(text.is_empty() || text.starts_with('/') || text.contains(blank))
+}
+
+/// Passes the name of a frame.
+///
+/// # Errors
+/// [`ParamError::NoFrame`] for any other text.
+pub fn frame_name(name: &'static str, value: String) -> Result<String, ParamError> {
+    if is_frame_name(&value) { Ok(value) } else { Err(ParamError::NoFrame { name, value }) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -90,6 +113,15 @@ mod tests {
     fn an_error_names_field_value_unit_and_range() {
         let error = in_range("flow_max", 3.0, "-", (1.0, 2.0)).unwrap_err();
         assert_eq!(error.to_string(), "flow_max = 3 -: must be in [1, 2]");
+    }
+
+    #[test]
+    fn a_frame_has_a_name_without_blanks() {
+        for blank in ["", " ", "two words", "tab\t", "/bed", "line\n"] {
+            let said = frame_name("frame", blank.to_owned()).unwrap_err().to_string();
+            assert!(said.starts_with(&format!("frame = '{blank}': must be a frame's name")), "{said}");
+        }
+        assert_eq!(frame_name("frame", "left/imu".to_owned()).as_deref(), Ok("left/imu"));
     }
 
     #[test]

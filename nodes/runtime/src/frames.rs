@@ -13,6 +13,9 @@ use models::params::{ParamError, in_range};
 use models::units::Seconds;
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use tree::FrameError;
+
+mod tree;
 
 /// What the tool moves over, and the tool.
 const BED: &str = "bed";
@@ -20,10 +23,19 @@ const TOOL: &str = "toolhead";
 /// Least time between two places of the tool `[s]`: 10 Hz.
 const TOOL_PERIOD_S: f64 = 0.1;
 
-/// Fixed places of a printer's parts: the block `frames`.
+/// Fixed places of a printer's parts, a tree with the tool over the bed: the block `frames`. Built only from a valid
+/// [`RawFrames`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(try_from = "RawFrames")]
+pub struct FrameParams {
+    prefix: String,
+    parts: BTreeMap<String, Part>,
+}
+
+/// The block as it is written.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FrameParams {
+pub struct RawFrames {
     /// In front of each name: one a printer where several share a domain.
     pub prefix: String,
     /// Parts by name.
@@ -62,6 +74,15 @@ impl TryFrom<RawPart> for Part {
             in_range("rpy_rad", angle_rad, "rad", (-6.3, 6.3))?;
         }
         Ok(Self { parent: raw.parent, xyz_m: raw.xyz_m, rpy_rad: raw.rpy_rad })
+    }
+}
+
+impl TryFrom<RawFrames> for FrameParams {
+    type Error = FrameError;
+
+    fn try_from(raw: RawFrames) -> Result<Self, FrameError> {
+        tree::check(&raw)?;
+        Ok(Self { prefix: raw.prefix, parts: raw.parts })
     }
 }
 
