@@ -167,22 +167,27 @@ impl Outlet {
         match arrival {
             Arrival::Frame { exposed, jpeg } => self.pass(exposed, jpeg),
             Arrival::Event(DriverEvent::Refused(reason)) => self.refused.count(reason),
-            Arrival::Event(DriverEvent::Found { text }) => self.tell(text),
+            Arrival::Event(DriverEvent::Found { text }) => {
+                if self.is_new(&text) {
+                    tracing::info!("{text}");
+                }
+            }
             Arrival::Event(DriverEvent::Ended) => self.presence.explain("its last frame was shown"),
             Arrival::Event(DriverEvent::Lost { reason, .. }) => {
                 self.presence.explain(&reason);
-                self.tell(reason);
+                if self.is_new(&reason) {
+                    tracing::warn!("{reason}");
+                }
             }
             Arrival::Event(DriverEvent::Frame(_)) | Arrival::Refused => {}
         }
     }
 
-    /// A line for the log, unless it is the last one again.
-    fn tell(&mut self, text: String) {
-        if self.told != text {
-            tracing::info!("{text}");
-            self.told = text;
-        }
+    /// Whether a line for the log is another than the last one.
+    fn is_new(&mut self, text: &str) -> bool {
+        let new = self.told != text;
+        text.clone_into(&mut self.told);
+        new
     }
 
     fn pass(&mut self, exposed: Seconds, jpeg: Vec<u8>) {
@@ -204,12 +209,9 @@ impl Outlet {
             self.presence.explain(complaint);
         }
         self.presence.look();
+        let (level, text) = standing(self.presence.loss(), complaint.as_deref().or(self.presence.reason()));
         let diagnostics = &self.diagnostics;
-        match (self.presence.loss(), complaint) {
-            (Some(loss), _) => diagnostics.report(Level::Error, &loss),
-            (None, Some(complaint)) => diagnostics.report(Level::Warn, &complaint),
-            (None, None) => diagnostics.report(Level::Ok, "ok"),
-        }
+        diagnostics.report(level, &text);
         let refusals = self.frames.refusals();
         for (name, value) in [
             ("dropped_frames", self.frames.dropped()),
@@ -226,5 +228,28 @@ impl Outlet {
         if let Some(interval) = self.frames.interval() {
             diagnostics.set("interval_s", format_args!("{:.3}", interval.0));
         }
+    }
+}
+
+/// How the source stands: lost, or with something that is wrong with it meanwhile.
+fn standing(loss: Option<String>, trouble: Option<&str>) -> (Level, String) {
+    match (loss, trouble) {
+        (Some(loss), _) => (Level::Error, loss),
+        (None, Some(trouble)) => (Level::Warn, trouble.to_owned()),
+        (None, None) => (Level::Ok, "ok".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder that is not there is told before the source counts as lost.
+    #[test]
+    fn what_the_driver_says_is_a_warning_until_the_source_is_lost() {
+        let (lost, gone) = ("folder is lost: /gone: not there", "/gone: not there");
+        assert_eq!(standing(None, Some(gone)), (Level::Warn, gone.to_owned()));
+        assert_eq!(standing(Some(lost.to_owned()), Some(gone)), (Level::Error, lost.to_owned()));
+        assert_eq!(standing(None, None), (Level::Ok, "ok".to_owned()));
     }
 }

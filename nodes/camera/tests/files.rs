@@ -117,8 +117,15 @@ fn a_folder_without_pictures_is_told() {
     let place = Place::new("empty");
     let lost = folder(&place, false).next_event();
     assert!(matches!(&lost, DriverEvent::Lost { reason, .. } if reason.contains("no .jpg")), "{lost:?}");
-    let gone = Place(PathBuf::from("/nowhere/at/all"));
-    assert!(matches!(folder(&gone, false).next_event(), DriverEvent::Lost { .. }));
+    let path = place.0.join("not/there").display().to_string();
+    let mut gone = Folder::new(FolderParams { path: path.clone(), repeat: false }, &camera());
+    let lost = gone.next_event();
+    let told = format!("{path}: No such file or directory");
+    assert!(matches!(&lost, DriverEvent::Lost { reason, .. } if reason.starts_with(&told)), "{lost:?}");
+    // It is looked for again, and found when it is there.
+    fs::create_dir_all(&path).unwrap();
+    fs::write(Path::new(&path).join("1.jpg"), encoded(".jpg", 7)).unwrap();
+    assert!(matches!(gone.next_event(), DriverEvent::Found { text } if text.contains(&path)));
 }
 
 fn clip(path: &Path, frames: u8) {

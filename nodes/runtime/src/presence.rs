@@ -60,6 +60,12 @@ impl Presence {
         Some(format!("{} is lost: {reason}", self.source))
     }
 
+    /// What the driver said last, unless something sound has come since.
+    #[must_use]
+    pub fn reason(&self) -> Option<&str> {
+        self.reason.as_deref()
+    }
+
     /// Times the source was lost.
     #[must_use]
     pub fn losses(&self) -> u64 {
