@@ -5,10 +5,10 @@ use super::machine::Machine;
 use rustix::fs::{Access, access};
 
 /// Beginnings of names in `/dev` behind which a printer or a sensor may be.
-const SERIAL: [&str; 4] = ["ttyUSB", "ttyACM", "ttyAMA", "rfcomm"];
+pub(super) const SERIAL: [&str; 4] = ["ttyUSB", "ttyACM", "ttyAMA", "rfcomm"];
 
 /// Devices whose name begins so, and whether they can be read and written.
-fn devices(machine: &Machine, beginnings: &[&str]) -> Vec<(String, bool)> {
+pub(super) fn devices(machine: &Machine, beginnings: &[&str]) -> Vec<(String, bool)> {
     let names = machine.names("dev").into_iter();
     let wanted = names.filter(|name| {
         beginnings.iter().any(|start| {

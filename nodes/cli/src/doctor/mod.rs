@@ -7,6 +7,7 @@ mod machine;
 mod netlink;
 mod network;
 mod parameters;
+mod printer;
 mod software;
 
 use crate::output::{self, Json};
@@ -95,5 +96,6 @@ fn findings(args: &DoctorArgs) -> Vec<Finding> {
     findings.push(graph::pair());
     findings.push(devices::cameras(&here));
     findings.push(devices::serial_ports(&here));
+    findings.push(printer::bridge(&here, args.config.as_deref()));
     findings
 }
