@@ -50,12 +50,17 @@ fn seen(moved_px: [i64; 2], grain: u64) -> Mat {
 }
 
 fn found(moved_px: [i64; 2]) -> Option<Offset> {
+    watched([0.1, 0.1], moved_px)
+}
+
+/// What is known after six seconds with the tool at one place.
+fn watched(tool_m: [f64; 2], moved_px: [i64; 2]) -> Option<Offset> {
     let (path, mut finder) = (laid(), OffsetFinder::new(params(), &camera()));
     let mut offset = None;
     for frame in 0..12_u32 {
         let exposed = Seconds(60.0 + 0.5 * f64::from(frame));
         let grey = seen(moved_px, u64::from(frame));
-        offset = finder.on_frame(&grey, (&path, exposed), (&camera(), [0.1, 0.1])).unwrap();
+        offset = finder.on_frame(&grey, (&path, exposed), (&camera(), tool_m)).unwrap();
     }
     offset
 }
@@ -77,20 +82,17 @@ fn lost_steps_show_as_an_offset_of_the_old_part() {
     }
 }
 
+/// The same frames that tell the offset where the part was laid: 5 cm beside it an edge in them is something else.
 #[test]
 fn where_nothing_old_is_in_view_nothing_is_known() {
-    let (path, mut finder) = (laid(), OffsetFinder::new(params(), &camera()));
-    let grey = seen([-2000, 0], 1);
-    let away = finder.on_frame(&grey, (&path, Seconds(60.0)), (&camera(), [0.05, 0.05])).unwrap();
-    assert_eq!(away, None);
+    assert!(watched([0.1, 0.1], [0, 0]).is_some());
+    assert_eq!(watched([0.05, 0.05], [0, 0]), None);
 }
 
-/// Part and bed of the same grey and grain cannot be told apart.
+/// Part and bed of the same grey and grain cannot be told apart, however long they are looked at.
 #[test]
 fn a_part_that_looks_like_its_bed_tells_nothing() {
-    let (path, mut finder) = (laid(), OffsetFinder::new(params(), &camera()));
-    let grey = seen([-2000, 0], 1);
-    assert_eq!(finder.on_frame(&grey, (&path, Seconds(60.0)), (&camera(), [0.1, 0.1])).unwrap(), None);
+    assert_eq!(found([-2000, 0]), None);
 }
 
 /// A skirt around a part of 2 cm lies in the dark: taken for the part's outline it let offsets pass that were none.

@@ -102,13 +102,22 @@ fn texture_of_the_bare_bed_is_learned_and_what_is_new_on_it_counts() {
     assert!(share(&mut surface, &seen) < 1e-9, "an empty bed was commanded: nothing can have gone wrong");
 }
 
+/// Travels over roads that run the other way: had they laid anything, nothing would explain the roads' edges.
 #[test]
 fn a_move_that_lays_nothing_or_lies_outside_changes_nothing() {
-    let mut surface = surface();
-    surface.on_move(&road(0, [5.0, 5.0], [6.0, 5.0]));
-    let mut travel = road(0, TOOL_M, [0.11, 0.1]);
-    travel.kind = MoveKind::Travel;
-    surface.on_move(&travel);
+    let across = |surface: &mut Surface, kind: MoveKind, beside_m: f64| {
+        for step in -24..=24 {
+            let x_m = TOOL_M[0] + beside_m + f64::from(step) * WIDTH_M;
+            let mut segment = road(0, [x_m, TOOL_M[1] - 0.012], [x_m, TOOL_M[1] + 0.012]);
+            segment.kind = kind;
+            surface.on_move(&segment);
+        }
+    };
+    let mut surface = covered(true);
+    across(&mut surface, MoveKind::Travel, 0.0);
+    across(&mut surface, MoveKind::Deposit, 5.0);
     assert!(share(&mut surface, &picture(true)) < 1e-9);
     assert_eq!(surface.refused(), 0);
+    across(&mut surface, MoveKind::Deposit, 0.0);
+    assert!(share(&mut surface, &picture(true)) > 0.99, "the same moves, laying");
 }
