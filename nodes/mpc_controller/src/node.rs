@@ -19,7 +19,7 @@ use serde::de::IgnoredAny;
 use crate::controller::{Controller, Report};
 use crate::convert;
 use crate::input::{self, Event, Refusals};
-use crate::params::Params;
+use crate::params::{AdvanceSource, Params};
 use crate::qp::BuildError;
 use crate::wire::WireLevel;
 
@@ -149,17 +149,30 @@ struct Inlets {
 impl Inlets {
     fn open(node: &mut Node, params: &Params) -> Result<Self, RuntimeError> {
         let telemetry = Seconds(params.status_age_limit_s);
+        let prediction = Seconds(params.advance.age_limit_s);
         Ok(Self {
             estimate: node.inlet(&topics::ESTIMATE, Seconds(params.estimate_age_limit_s))?,
             printer: node.inlet(&topics::PRINTER_STATE, telemetry)?,
             encoder: node.inlet(&topics::FILAMENT_MOTION, telemetry)?,
             width: node.inlet(&topics::BEAD_WIDTH, params.frame_age_limit())?,
-            predictions: node.inlet(&topics::ADVANCE_PREDICTION, Seconds(params.advance.age_limit_s))?,
+            predictions: node
+                .inlet(&topics::ADVANCE_PREDICTION, longest_silence(params.advance.source, prediction))?
+                .with_stamps_within(prediction),
             // A host that attaches nothing to moves is silent here.
             coming: node
                 .inlet(&topics::PRINTER_COMING, Seconds(f64::INFINITY))?
                 .with_stamps_within(telemetry),
         })
+    }
+}
+
+/// Silence of the advance predictor that is told: it runs only where it is asked.
+fn longest_silence(source: AdvanceSource, age_limit: Seconds) -> Seconds {
+    match source {
+        AdvanceSource::Predicted => age_limit,
+        AdvanceSource::None | AdvanceSource::File | AdvanceSource::Material | AdvanceSource::Planned => {
+            Seconds(f64::INFINITY)
+        }
     }
 }
 
@@ -265,4 +278,19 @@ fn show(diagnostics: &Diagnostics, report: &Report) {
     diagnostics.set("gain_error", format_args!("{:.4}", report.gain_error));
     diagnostics.set("temperature_error_k", format_args!("{:.2}", report.temperature_error_k));
     diagnostics.set("shortfall_m", format_args!("{:.6}", report.shortfall_m));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No warning of a node that was never to be started.
+    #[test]
+    fn a_predictor_that_is_not_asked_may_be_silent() {
+        use AdvanceSource::{File, Material, None, Planned, Predicted};
+        for source in [None, File, Material, Planned] {
+            assert_eq!(longest_silence(source, Seconds(10.0)), Seconds(f64::INFINITY), "{source:?}");
+        }
+        assert_eq!(longest_silence(Predicted, Seconds(10.0)), Seconds(10.0));
+    }
 }
