@@ -42,6 +42,10 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Start the node processes and print a file on the simulated printer.
+    ///
+    /// The camera is simulated too, and always on: frames of what was laid are rendered, `camera` checks and
+    /// `defect_classifier` judges them and measures the roads. A camera of this machine belongs beside a real printer:
+    /// `config/camera.param.yaml` names it (driver: video, mjpeg or folder), `monitor.launch.py` starts it.
     Up(up::UpArgs),
     /// See who is on the graph and what the printer does.
     Status(operate::StatusArgs),

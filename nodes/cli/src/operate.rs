@@ -54,7 +54,10 @@ struct Status {
     progress: Option<f64>,
     layer: Option<u32>,
     line: Option<u64>,
+    hotend_degc: Option<f64>,
     hotend_target_degc: Option<f64>,
+    bed_degc: Option<f64>,
+    bed_target_degc: Option<f64>,
     flow_factor: Option<f64>,
     speed_factor: Option<f64>,
 }
@@ -176,6 +179,9 @@ async fn listen(args: &StatusArgs) -> anyhow::Result<Status> {
     let mut beats = node.subscribe(&topics::HEARTBEAT)?;
     let mut states = node.subscribe(&topics::PRINTER_STATE)?;
     let mut safety = node.subscribe(&topics::SAFETY_STATE)?;
+    let mut hotends = node.subscribe(&topics::HOTEND_TEMPERATURE)?;
+    let mut beds = node.subscribe(&topics::BED_TEMPERATURE)?;
+    let (mut hotend, mut bed) = (None, None);
     let (mut state, mut supervisor): (Option<PrinterState>, Option<SafetyState>) = (None, None);
     let mut nodes: BTreeMap<String, Seen> = BTreeMap::new();
     let started = node.clock().now();
@@ -186,6 +192,8 @@ async fn listen(args: &StatusArgs) -> anyhow::Result<Status> {
             note(&mut nodes, &beat.message);
         }
         state = states.drain_newest().map(|received| received.message).or(state);
+        hotend = hotends.drain_newest().or(hotend);
+        bed = beds.drain_newest().or(bed);
         supervisor = safety.drain_newest().map(|received| received.message).or(supervisor);
     }
     if nodes.is_empty() {
@@ -203,7 +211,10 @@ async fn listen(args: &StatusArgs) -> anyhow::Result<Status> {
         progress: state.as_ref().map(|state| state.progress),
         layer: state.as_ref().filter(|state| state.layer_known).map(|state| state.layer + 1),
         line: state.as_ref().map(|state| state.line),
+        hotend_degc: hotend.map(|read| read.message.temperature),
         hotend_target_degc: state.as_ref().map(|state| state.hotend_target_degc),
+        bed_degc: bed.map(|read| read.message.temperature),
+        bed_target_degc: state.as_ref().map(|state| state.bed_target_degc),
         flow_factor: state.as_ref().map(|state| state.flow_factor),
         speed_factor: state.as_ref().map(|state| state.speed_factor),
     })
@@ -227,9 +238,48 @@ fn text(status: &Status) -> String {
     if let Some(todo) = status.what_to_do.as_deref().filter(|todo| !todo.is_empty()) {
         lines.push(format!("what to do: {todo}"));
     }
-    if let (Some(progress), Some(target)) = (status.progress, status.hotend_target_degc) {
+    if let Some(progress) = status.progress {
         let layer = status.layer.map_or("-".to_owned(), |layer| layer.to_string());
-        lines.push(format!("printer: {:.1} %, layer {layer}, hot end to {target:.0} degC", progress * 100.0));
+        lines.push(format!("printer: {:.1} %, layer {layer}", progress * 100.0));
     }
+    let hotend = temperature(status.hotend_degc, status.hotend_target_degc);
+    let bed = temperature(status.bed_degc, status.bed_target_degc);
+    lines.push(format!("temperatures: hot end {hotend}; bed {bed}"));
     lines.join("\n")
+}
+
+/// What is read, and the set-point.
+fn temperature(read_degc: Option<f64>, target_degc: Option<f64>) -> String {
+    let read = read_degc.map_or("not heard".to_owned(), |read_degc| format!("{read_degc:.1} degC"));
+    target_degc.map_or(read.clone(), |target_degc| format!("{read}, set to {target_degc:.0} degC"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn temperatures_stand_beside_their_set_points() {
+        let mut status = Status {
+            nodes: BTreeMap::new(),
+            mode: None,
+            cause: None,
+            what_to_do: None,
+            progress: Some(0.25),
+            layer: Some(3),
+            line: None,
+            hotend_degc: Some(211.44),
+            hotend_target_degc: Some(215.0),
+            bed_degc: None,
+            bed_target_degc: Some(60.0),
+            flow_factor: None,
+            speed_factor: None,
+        };
+        let told = text(&status);
+        assert!(told.contains("printer: 25.0 %, layer 3\n"), "{told}");
+        let line = "temperatures: hot end 211.4 degC, set to 215 degC; bed not heard, set to 60 degC";
+        assert!(told.ends_with(line), "{told}");
+        status.hotend_target_degc = None;
+        assert!(text(&status).contains("hot end 211.4 degC; bed"));
+    }
 }
