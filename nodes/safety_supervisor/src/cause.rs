@@ -84,7 +84,7 @@ causes! {
         "check that the thermistor sits under the bed, then acknowledge";
     PartFan, "P4", "the part fan does not turn as told", "clear or replace the part fan; overhangs and bridges may be bad";
     StopInput, "P13", "the stop contact is open: button or door", "close it and make the printer safe, then acknowledge";
-    FilamentSlip, "P6", "the filament does not follow the motor", "load filament if it has run out, else clear nozzle and drive gear; then resume";
+    FilamentSlip, "P6", "the filament does not follow the motor: it slips, or has run out", "load filament if it has run out, else clear nozzle and drive gear; then resume";
     RunOut, "P7", "no filament", "load filament, then resume";
     LayerShift, "P8", "what was laid lies elsewhere than it was laid", "stop and print anew: the lost steps are not made up for";
     Spaghetti, "P9", "the camera sees loose strands: the print may have come off", "look at the print, then resume or stop";
