@@ -10,16 +10,19 @@
 //! | [`DeadMan`] | what a printer does with permits, and without them |
 //! | [`MotionTrim`] [`Scheduled`] | trims attached to a coming move, and as they are sent |
 //! | [`ScheduleGate`] | whose scheduled trims count |
+//! | [`AdvanceHandover`] | how the pressure advance passes from file to permit and back without a jump |
 //! | [`EstimateHealth`] [`ControlHealth`] | what estimator and controller say of their own work |
 
 mod dead_man;
 mod gate;
+mod handover;
 mod health;
 mod limits;
 mod schedule;
 
 pub use dead_man::{DeadMan, DeadManParams, InForce, OnLoss, RawDeadManParams};
 pub use gate::{Dated, Gate, Refusal, Refusals};
+pub use handover::{AdvanceHandover, AdvanceOf};
 pub use health::{ControlHealth, EstimateHealth};
 pub use limits::{Changed, Clamped, Limits, NotFinite, RawLimits};
 pub use schedule::{AdvanceLaw, MotionTrim, ScheduleGate, Scheduled};

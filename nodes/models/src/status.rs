@@ -85,7 +85,7 @@ pub struct PrinterStatus {
     pub fan: f64,
     /// Trims in force; [`Trims::NEUTRAL`] when the printer runs on the slicer's values.
     pub trims: Trims,
-    /// Advance in force `[s]`: the file's own or the commanded one.
+    /// Advance in force `[s]`: the file's own or the commanded one, or between the two while it changes hands.
     pub advance_s: f64,
     /// All axes know their place.
     pub homed: bool,

@@ -19,7 +19,8 @@ pub use types::{Motion, Settings, Sliced, Surroundings};
 #[derive(Debug, Clone)]
 enum Queued {
     Move(Coming, Option<Trims>),
-    Act(Action),
+    /// With its line of the file.
+    Act(Action, u64),
 }
 
 /// A move with its number, counted from the start of the print.
@@ -58,7 +59,8 @@ pub struct Executor {
     wait: Wait,
     pace: f64,
     started: bool,
-    file_pause: bool,
+    /// Line that asked for a pause which is not over.
+    file_pause: Option<u64>,
     stopped: bool,
     sliced: Sliced,
     homed: bool,
@@ -88,7 +90,7 @@ impl Executor {
             wait: Wait::None,
             pace: 1.0,
             started: false,
-            file_pause: false,
+            file_pause: None,
             stopped: false,
             sliced: off,
             homed: false,
@@ -140,7 +142,7 @@ impl Executor {
 
     fn set_pace(&mut self, dt: Seconds, around: &Surroundings) {
         let change = dt.0 / self.settings.pause_ramp_s;
-        let goal = if around.hold || self.file_pause { 0.0 } else { 1.0 };
+        let goal = if around.hold || self.file_pause.is_some() { 0.0 } else { 1.0 };
         self.pace =
             if goal > self.pace { (self.pace + change).min(goal) } else { (self.pace - change).max(goal) };
     }
@@ -152,7 +154,7 @@ impl Executor {
             _ => (self.settings.plan_moves, self.settings.plan_s),
         };
         // nothing is planned across a halt: what comes after it is not known before
-        let halts = |queued: &Queued| matches!(queued, Queued::Act(action) if action.stops());
+        let halts = |queued: &Queued| matches!(queued, Queued::Act(action, _) if action.stops());
         while !self.exhausted
             && (self.queue.is_empty() || (self.queue.len() < moves && self.queued_s < span_s))
             && !self.queue.back().is_some_and(halts)
@@ -161,7 +163,7 @@ impl Executor {
                 None => self.exhausted = true,
                 Some(Step::Action(action, line)) => {
                     self.line = self.line.max(line);
-                    self.queue.push_back(Queued::Act(action));
+                    self.queue.push_back(Queued::Act(action, line));
                 }
                 Some(Step::Move(segment)) => {
                     self.queued_s += segment.profile.duration().0;
@@ -199,8 +201,8 @@ impl Executor {
     fn next_move(&mut self, around: &Surroundings, begun: impl FnOnce(&Segment)) -> bool {
         match self.queue.pop_front() {
             None => false,
-            Some(Queued::Act(action)) => {
-                self.act(action);
+            Some(Queued::Act(action, line)) => {
+                self.act(action, line);
                 false
             }
             Some(Queued::Move(Coming { sequence, segment }, trims)) => {
@@ -219,7 +221,7 @@ impl Executor {
         }
     }
 
-    fn act(&mut self, action: Action) {
+    fn act(&mut self, action: Action, line: u64) {
         match action {
             Action::HotendTarget { target, wait } => {
                 self.sliced.hotend = target;
@@ -243,7 +245,7 @@ impl Executor {
             Action::Advance(time) => self.sliced.advance_s = time.0,
             Action::SpeedFactor(factor) => self.sliced.speed_factor = factor,
             Action::FlowFactor(factor) => self.sliced.flow_factor = factor,
-            Action::Pause => self.file_pause = true,
+            Action::Pause => self.file_pause = Some(line),
             Action::Stop => self.stopped = true,
             _ => {}
         }

@@ -54,6 +54,10 @@ pub struct PlantParams {
 pub struct Firmware {
     /// Advance before the file sets one `[s]`.
     pub advance_s: f64,
+    /// Time in which the advance passes from file to permit or schedule and back `[s]`.
+    pub advance_handover_s: f64,
+    /// The same where nothing is laid, or corrections have to be back soon `[s]`.
+    pub advance_return_s: f64,
     /// Hot end set-point while a pause lasts.
     pub standby: Celsius,
     /// Period of the printer's state `[s]`.
@@ -111,6 +115,8 @@ pub struct RawSimulator {
     pub loop_period_s: f64,
     pub advance_smooth_s: f64,
     pub advance_s: f64,
+    pub advance_handover_s: f64,
+    pub advance_return_s: f64,
     pub standby_c: f64,
     pub status_period_s: f64,
     pub thermal_period_s: f64,
@@ -144,6 +150,13 @@ impl TryFrom<RawSimulator> for SimulatorParams {
             },
             firmware: Firmware {
                 advance_s: in_range("advance_s", raw.advance_s, "s", (0.0, 5.0))?,
+                advance_handover_s: in_range(
+                    "advance_handover_s",
+                    raw.advance_handover_s,
+                    "s",
+                    (0.0, 600.0),
+                )?,
+                advance_return_s: in_range("advance_return_s", raw.advance_return_s, "s", (0.0, 2.0))?,
                 standby: Celsius(in_range("standby_c", raw.standby_c, "degC", (0.0, 250.0))?),
                 status_period_s: link.map_or_else(
                     || period("status_period_s", raw.status_period_s),

@@ -17,7 +17,9 @@ use crate::sensors::{Noise, Pace, Thermometer, WidthGauge};
 use crate::toolhead::Toolhead;
 use elapsed::Elapsed;
 use link::Link;
-use models::command::{DeadMan, InForce, Mode, Permit, Refusal, Request, ScheduleGate, Trims};
+use models::command::{
+    AdvanceHandover, DeadMan, InForce, Mode, Permit, Refusal, Request, ScheduleGate, Trims,
+};
 use models::motion::{MoveKind, Step};
 use models::params::ParamError;
 use models::status::JobPhase;
@@ -84,6 +86,9 @@ pub struct Simulator {
     imu: Option<Imu>,
     camera: Option<Box<dyn Camera>>,
     advance_s: f64,
+    handover: AdvanceHandover,
+    /// Since no road is laid `[s]`.
+    rest_s: f64,
     schedule_gate: ScheduleGate,
     scheduled: bool,
     link: Option<Link>,
@@ -146,6 +151,8 @@ impl Simulator {
             }),
             camera: camera::of(&params.camera, seed),
             advance_s: host.firmware.advance_s,
+            handover: AdvanceHandover::new(host.firmware.advance_s),
+            rest_s: f64::INFINITY,
             schedule_gate: ScheduleGate::new(Seconds(host.executor.schedule_validity_max_s)),
             scheduled: false,
             link: host.firmware.effect_s.map(|effect_s| Link::new(effect_s, Noise::new(seed, 7))),
@@ -207,10 +214,9 @@ impl Simulator {
             self.outputs.push_back(Output::Imu(Box::new(batch)));
         }
         let trims = self.motion.trims.unwrap_or(self.in_force.trims);
-        self.advance_s = trims.advance_s.unwrap_or(self.executor.sliced().advance_s);
         #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
         let encoder_m = self.counts() as f64 * self.params.simulator.sensors.encoder_quantum_m;
-        let goal = self.advance_goal(&trims);
+        let goal = self.advance_goal(&trims, dt);
         let motor_m_s = self.drive.step(self.motion.feed, &trims, goal, (encoder_m, dt.0));
 
         let road = self.road().filter(|_| !self.faults_in_force.detached);
@@ -282,12 +288,6 @@ impl Simulator {
     #[must_use]
     pub fn in_force(&self) -> &InForce {
         &self.in_force
-    }
-
-    /// The mains relay feeds the heaters.
-    #[must_use]
-    pub fn mains_on(&self) -> bool {
-        self.mains_on
     }
 
     /// The dead-man, for its counters.

@@ -31,6 +31,12 @@ pub struct AdvanceLaw {
 }
 
 impl AdvanceLaw {
+    /// One `K_A` `[s]` at every feed.
+    #[must_use]
+    pub const fn constant(advance_s: f64) -> Self {
+        Self { linear_s: advance_s, shear: 0.0, index: 1.0 }
+    }
+
     /// Filament held compressed at a feed `[m/s]` `[m]`; none at rest.
     #[must_use]
     pub fn held_m(&self, feed_m_s: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! Looking ahead: what moves are coming, and the filament that their roads will hold compressed.
 
 use super::{Coming, Executor, Queued};
-use models::command::{MotionTrim, Trims};
+use models::command::{AdvanceLaw, MotionTrim, Trims};
 use models::motion::{MoveKind, Segment};
 use models::units::Seconds;
 
@@ -11,8 +11,8 @@ const SCHEDULED: usize = 1024;
 /// What the schedule says of a moment ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ahead {
-    /// Filament that is to be held compressed then `[m]`.
-    Advance(f64),
+    /// Filament that is to be held compressed then `[m]`, and the law that it follows.
+    Advance(f64, AdvanceLaw),
     /// No road is laid then, whatever is scheduled.
     NoRoad,
     /// A road without a trim of its own.
@@ -66,8 +66,8 @@ impl Executor {
                     }
                     left_s -= duration_s;
                 }
-                Queued::Act(action) if action.stops() => return Ahead::NoRoad,
-                Queued::Act(_) => {}
+                Queued::Act(action, _) if action.stops() => return Ahead::NoRoad,
+                Queued::Act(..) => {}
             }
         }
         Ahead::NoRoad
@@ -82,6 +82,7 @@ impl Executor {
             return Ahead::Unscheduled;
         };
         let feed_m_s = segment.filament_per_path() * segment.profile.at(Seconds(at_s)).speed_m_s * scale;
-        Ahead::Advance(trim.advance.held_m(feed_m_s).min(self.settings.schedule_advance_max_s * feed_m_s))
+        let held_m = trim.advance.held_m(feed_m_s).min(self.settings.schedule_advance_max_s * feed_m_s);
+        Ahead::Advance(held_m, trim.advance)
     }
 }

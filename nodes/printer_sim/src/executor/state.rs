@@ -23,9 +23,15 @@ impl Executor {
         self.stopped
     }
 
+    /// Line of the file that asked for the pause in force (`M0`, `M25`, `M600`); `None` where none did.
+    #[must_use]
+    pub fn paused_by_line(&self) -> Option<u64> {
+        self.file_pause
+    }
+
     /// Resumes from a pause that the file asked for.
     pub fn resume(&mut self) {
-        self.file_pause = false;
+        self.file_pause = None;
     }
 
     /// Set-points of the file.

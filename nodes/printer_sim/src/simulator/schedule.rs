@@ -3,7 +3,7 @@
 use super::Simulator;
 use crate::drive::Goal;
 use crate::executor::Ahead;
-use models::command::{Mode, MotionTrim, Refusal, Scheduled, Trims};
+use models::command::{AdvanceOf, Mode, MotionTrim, Refusal, Request, Scheduled, Trims};
 use models::status::HostProfile;
 use models::units::Seconds;
 
@@ -40,20 +40,48 @@ impl Simulator {
         self.schedules() && trim.is_valid() && self.executor.schedule(trim, lapse)
     }
 
-    /// What the drive's advance follows: the schedule while a permit to act is in force, else `K_A` of now.
-    pub(super) fn advance_goal(&mut self, trims: &Trims) -> Goal {
+    /// What the drive's advance follows: the schedule while a permit to act is in force, else `K_A` of now. Between file,
+    /// permit and schedule it is handed over without a jump.
+    pub(super) fn advance_goal(&mut self, trims: &Trims, dt: Seconds) -> Goal {
         let acts = self.in_force.mode == Mode::Act && !self.in_force.lapsed;
         self.executor.lapse(self.now);
         let ahead = self.executor.ahead(self.params.simulator.drive.advance_smooth_s, trims);
         self.scheduled = match ahead {
-            Ahead::Advance(_) => acts,
+            Ahead::Advance(..) => acts,
             Ahead::NoRoad => acts && self.scheduled,
             Ahead::Unscheduled => false,
         };
-        match ahead {
-            Ahead::Advance(held_m) if self.scheduled => Goal::Ahead(held_m),
-            Ahead::NoRoad if self.scheduled => Goal::Ahead(0.0),
-            _ => Goal::Now(self.advance_s),
+        let of = match (ahead, trims.advance_s) {
+            (Ahead::Advance(_, law), _) if self.scheduled => AdvanceOf::Schedule(Some(law)),
+            _ if self.scheduled => AdvanceOf::Schedule(None),
+            (_, Some(advance_s)) => AdvanceOf::Permit(advance_s),
+            (_, None) => AdvanceOf::File,
+        };
+        let feed_m_s = self.motion.feed.deposited_m_s * trims.flow;
+        let sliced_s = self.executor.sliced().advance_s;
+        self.rest_s = if feed_m_s > 0.0 { 0.0 } else { self.rest_s + dt.0 };
+        // What a pause interrupts goes on after it as it was.
+        if self.in_force.lapsed || self.in_force.request < Request::Pause {
+            self.handover.step(of, sliced_s, self.handover_time(), dt);
         }
+        let handed_s = self.handover.advance_s(feed_m_s);
+        self.advance_s = if self.scheduled { trims.advance_s.unwrap_or(sliced_s) } else { handed_s };
+        match ahead {
+            Ahead::Advance(held_m, _) if self.scheduled && self.handover.is_settled() => Goal::Ahead(held_m),
+            Ahead::NoRoad if self.scheduled && self.handover.is_settled() => Goal::Ahead(0.0),
+            _ => Goal::Now(handed_s),
+        }
+    }
+
+    /// How long the advance takes from hand to hand: as long as disturbs little where a road is laid and all is well, else
+    /// within the time in which corrections have to be back; no time after a rest of as long, when nothing is held any more.
+    fn handover_time(&self) -> Seconds {
+        let firmware = &self.params.simulator.firmware;
+        let well = self.in_force.mode <= Mode::Act && !self.in_force.lapsed;
+        Seconds(match self.rest_s {
+            rest_s if rest_s >= firmware.advance_return_s => 0.0,
+            rest_s if rest_s <= 0.0 && well => firmware.advance_handover_s,
+            _ => firmware.advance_return_s,
+        })
     }
 }

@@ -4,6 +4,18 @@ use super::Simulator;
 use models::status::PrinterStatus;
 
 impl Simulator {
+    /// Line of the file that asked for the pause in force, from 1 (`M0`, `M25`, `M600`); `None` where none did.
+    #[must_use]
+    pub fn paused_by_line(&self) -> Option<u64> {
+        self.executor.paused_by_line()
+    }
+
+    /// The mains relay feeds the heaters.
+    #[must_use]
+    pub fn mains_on(&self) -> bool {
+        self.mains_on
+    }
+
     /// State of printer and job now.
     #[must_use]
     pub fn status(&self) -> PrinterStatus {

@@ -15,6 +15,7 @@ use std::path::Path;
 
 mod camera;
 mod figures;
+mod handover;
 mod imu;
 mod mishaps;
 mod requests;

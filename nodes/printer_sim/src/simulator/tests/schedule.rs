@@ -7,28 +7,34 @@ use models::command::{AdvanceLaw, MotionTrim, Scheduled};
 /// `K_A` that no permit and no file has `[s]`.
 const ADVANCE_S: f64 = 0.4;
 
+fn permit(sequence: u64, mode: Mode) -> Permit {
+    Permit {
+        session: 1,
+        sequence,
+        validity: Seconds(0.25),
+        mode,
+        request: Request::Run,
+        trims: Trims::NEUTRAL,
+    }
+}
+
 fn scheduled(sequence: u64, number: u64) -> Scheduled {
     let advance = AdvanceLaw { linear_s: ADVANCE_S, shear: 0.0, index: 1.0 };
     let trim = MotionTrim { sequence: number, flow: 1.0, speed: 1.0, advance };
     Scheduled { session: 1, sequence, validity: Seconds(5.0), trim }
 }
 
+/// The schedule begins with the second line, and has the advance for itself 20 s later: as shipped, `advance_handover_s`.
+const SETTLED_S: f64 = 22.5;
+
 /// Keeps the printer under permits and attaches a trim to each move as it becomes known, from the supervisor `session`
-/// and with a validity; returns how far the motor is in the midst of the second line.
+/// and with a validity; returns how far the motor is once the schedule has taken over.
 fn motor_m(mode: Mode, session: u64, validity_s: f64) -> f64 {
-    let mut simulator = warm(straight_job(6), &Scenario::default());
+    let mut simulator = warm(straight_job(26), &Scenario::default());
     let (mut permits, mut sequence) = (0, 0);
-    while simulator.truth().integrals.deposit_s < 1.5 {
+    while simulator.truth().integrals.deposit_s < SETTLED_S {
         permits += 1;
-        let permit = Permit {
-            session: 1,
-            sequence: permits,
-            validity: Seconds(0.25),
-            mode,
-            request: Request::Run,
-            trims: Trims::NEUTRAL,
-        };
-        simulator.on_permit(permit).unwrap();
+        simulator.on_permit(permit(permits, mode)).unwrap();
         simulator.step(Seconds(1e-3));
         while let Some(output) = simulator.poll() {
             if let Output::Coming { sequence: number, .. } = output {
@@ -73,21 +79,13 @@ fn a_trim_whose_move_did_not_begin_in_time_is_void() {
 fn what_does_not_count_is_refused() {
     let mut simulator = warm(straight_job(6), &Scenario::default());
     assert_eq!(simulator.on_scheduled(&scheduled(1, 3)), Err(Unscheduled::Refused(Refusal::OtherSession)));
-    let permit = Permit {
-        session: 1,
-        sequence: 1,
-        validity: Seconds(0.25),
-        mode: Mode::Act,
-        request: Request::Run,
-        trims: Trims::NEUTRAL,
-    };
-    simulator.on_permit(permit).unwrap();
+    simulator.on_permit(permit(1, Mode::Act)).unwrap();
     assert_eq!(simulator.on_scheduled(&scheduled(1, 3)), Ok(()));
     assert_eq!(simulator.on_scheduled(&scheduled(1, 4)), Err(Unscheduled::Refused(Refusal::Sequence)));
     assert_eq!(simulator.on_scheduled(&scheduled(2, 3)), Err(Unscheduled::Late), "the move has its trim");
     let long = Scheduled { validity: Seconds(5.1), ..scheduled(3, 5) };
     assert_eq!(simulator.on_scheduled(&long), Err(Unscheduled::Refused(Refusal::Validity)));
     run_for(&mut simulator, 1.2);
-    simulator.on_permit(Permit { sequence: 2, ..permit }).unwrap();
+    simulator.on_permit(permit(2, Mode::Act)).unwrap();
     assert_eq!(simulator.on_scheduled(&scheduled(4, 0)), Err(Unscheduled::Late), "the move has begun");
 }
