@@ -158,6 +158,44 @@ fn a_torn_bag_is_told_and_recovered() {
     assert_eq!(std::fs::read_to_string(file("metadata.yaml")).unwrap(), before);
 }
 
+/// A page of zeros in the middle: `fdm bag info` and `fdm report` go on behind it and say what is missing, `fdm recover`
+/// finds it in a file with a sound summary, saves what stands on both sides, and keeps the original.
+#[test]
+fn a_bag_damaged_in_its_middle_is_told_and_saved_on_both_sides() {
+    let bag = recorded("damaged");
+    let file = |name: &str| PathBuf::from(&bag).join(name);
+    let whole = json(&["bag", "info", &bag]);
+    let mut bytes = std::fs::read(file("damaged_0.mcap")).unwrap();
+    let half = bytes.len() / 2;
+    bytes[half..half + 4096].fill(0);
+    std::fs::write(file("damaged_0.mcap"), &bytes).unwrap();
+
+    let told = json(&["bag", "info", &bag]);
+    let number = |value: &Value| value.as_u64().unwrap();
+    let lost = number(&told["lost_messages"]);
+    assert!(lost > 0 && number(&told["lost_bytes"]) >= 4096, "{told}");
+    assert_eq!(number(&told["messages"]) + lost, number(&whole["messages"]));
+    // What comes last was read: it stands behind the damage.
+    assert_eq!((&told["end_s"], &told["whole"]), (&whole["end_s"], &false.into()));
+    assert!(number(&told["messages"]) > number(&whole["messages"]) / 2, "{told}");
+    let page = file("../damaged.html").display().to_string();
+    assert!(fdm(&["report", &bag, "--out", &page]).status.success());
+    let page = std::fs::read_to_string(page).unwrap();
+    let stated = number(&whole["files"][0]["messages"]);
+    assert!(page.contains(&format!("{lost} of its {stated} messages are lost")), "{page:.4000}");
+
+    let recovered = json(&["recover", &bag]);
+    assert_eq!(recovered["files"][0]["outcome"], "recovered", "{recovered}");
+    assert_eq!(
+        (number(&recovered["messages"]), number(&recovered["lost_messages"])),
+        (number(&told["messages"]), lost)
+    );
+    assert_eq!(std::fs::read(file("damaged_0.mcap.torn")).unwrap(), bytes, "the original");
+    let mended = json(&["bag", "info", &bag]);
+    assert_eq!((&mended["whole"], &mended["topics"]), (&true.into(), &told["topics"]), "{mended}");
+    assert_eq!(json(&["recover", &bag])["files"][0]["outcome"], "sound");
+}
+
 /// SIGKILL at random moments under 2 kHz IMU and 30 frames of 300 kB a second, half of them among splits and compactions:
 /// no acknowledged message is lost, a loss of power would cost 1 s at most, `rosbags` counts every bag as we do.
 /// `FDM_KILLS` sets how many: 50 in the long run.

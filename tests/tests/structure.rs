@@ -118,8 +118,8 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
 /// Files of a brain: everything in `src` but the shell and the tests.
 fn brain_files(node: &str) -> Vec<PathBuf> {
     // The last ones are the recorder's: its work is files and a thread that writes them.
-    const SHELL: [&str; 10] =
-        ["node", "convert", "main", "load", "writer", "file", "folder", "recovery", "whole", "tests"];
+    const SHELL: [&str; 11] =
+        ["node", "convert", "main", "load", "writer", "file", "folder", "recovery", "walk", "whole", "tests"];
     let source = root().join("nodes").join(node).join("src");
     let shell = |path: &PathBuf| {
         let inside = path.strip_prefix(&source).unwrap().with_extension("");

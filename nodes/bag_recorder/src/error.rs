@@ -32,6 +32,9 @@ pub enum RecorderError {
         #[source]
         source: mcap::McapError,
     },
+    /// A finished file that is not what was written.
+    #[error("{}: damaged: `fdm recover` saves what can be read of it", .0.display())]
+    Damaged(PathBuf),
     /// The folder is another recorder's.
     #[error("{}: another recorder is writing to this bag", .0.display())]
     InUse(PathBuf),

@@ -8,6 +8,7 @@
 //! | a file later, and after an orderly end | `<bag>_<n>.mcap` with summary, listed; written anew in compressed chunks with an index as time allows, at the next start at the latest |
 //! | beside a file that must not be dropped | `<bag>_<n>.mcap.keep`, empty |
 //! | after a kill | the `.active` file stays; the next recorder copies its whole records to `<bag>_<n>.mcap` and writes to `<bag>_<n+1>` |
+//! | after damage in the midst of a file | `fdm recover` copies what can be read before and behind it, and keeps the file as `<bag>_<n>.mcap.torn` |
 //!
 //! `counts.json` says how many messages each topic has in the bag; readers of bags pass over it.
 //!
@@ -21,7 +22,7 @@
 //! | [`params`] | the parameters |
 //! | [`retention`] | which file goes where room is short |
 //! | [`ring`] | the last seconds in memory, for a snapshot |
-//! | `node`, `writer`, `file`, `folder`, `recovery` | the shell, behind the feature `ros`: files and threads; `fdm` uses them too |
+//! | `node`, `writer`, `file`, `folder`, `recovery`, `walk` | the shell, behind the feature `ros`: files and threads; `fdm` uses them too |
 #![forbid(unsafe_code)]
 
 pub mod contents;
@@ -46,6 +47,8 @@ pub mod retention;
 pub mod ring;
 #[cfg(feature = "ros")]
 pub mod tally;
+#[cfg(feature = "ros")]
+pub mod walk;
 #[cfg(feature = "ros")]
 pub mod whole;
 #[cfg(feature = "ros")]

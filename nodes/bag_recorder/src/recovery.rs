@@ -5,13 +5,14 @@ use crate::error::RecorderError;
 use crate::file::{BagFile, Form, QOS_KEY, Stamp};
 use crate::folder::Folder;
 use crate::tally::Tally;
+use crate::walk::{Walk, Walked};
 use mcap::records::Record;
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions, SummaryReadEvent, SummaryReader};
+use mcap::sans_io::{SummaryReadEvent, SummaryReader};
 use mcap::{McapError, Summary};
 use runtime::input;
 use std::collections::BTreeMap;
-use std::io::{BufReader, Read, Seek};
-use std::path::Path;
+use std::io::{Read, Seek};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What a finished file holds.
@@ -72,12 +73,13 @@ fn channel_of(topic: &str, type_name: String, metadata: &BTreeMap<String, String
 pub fn recover_all(folder: &Folder, leftover: &[u32], tally: &Tally, stop: &AtomicBool) {
     for number in leftover {
         match recover(folder, *number, stop) {
-            Ok(Some(total)) => {
+            Ok(Some(Recovered { messages, walked })) => {
                 tally.recovered.add(1);
-                tracing::warn!(
-                    "{}: recovered {total} messages after a kill",
-                    folder.layout().finished(*number)
-                );
+                let name = folder.layout().finished(*number);
+                tracing::warn!("{name}: recovered {messages} messages after a kill");
+                if let Some(damage) = walked.damage_in_words() {
+                    tracing::warn!("{name} {damage}");
+                }
             }
             Ok(None) => return,
             Err(error) => {
@@ -89,43 +91,81 @@ pub fn recover_all(folder: &Folder, leftover: &[u32], tally: &Tally, stop: &Atom
     }
 }
 
-/// Makes a finished file out of what a kill left, and tells its messages; `None` where it was stopped.
+/// A finished file that was made, and what was found in the one that it was made of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Recovered {
+    /// Messages in the new file.
+    pub messages: u64,
+    /// What the old one was like.
+    pub walked: Walked,
+}
+
+/// Makes a finished file out of what a kill left; `None` where it was stopped. Where that was damaged before its end, it is
+/// kept beside, with the ending `.torn`.
 ///
 /// # Errors
 /// A file that cannot be read at all, or a disk that refuses.
-pub fn recover(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<u64>, RecorderError> {
+pub fn recover(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<Recovered>, RecorderError> {
     let active = folder.layout().active(number);
-    let total = finished_from(folder, number, &folder.path(&active), stop)?;
-    if total.is_some() {
-        folder.remove(&active)?;
+    let recovered = finished_from(folder, number, &folder.path(&active), stop)?;
+    match &recovered {
+        None => {}
+        Some(Recovered { walked, .. }) if walked.damages == 0 => folder.remove(&active)?,
+        Some(_) => {
+            let (active, torn) = (folder.path(&active), torn(folder, number)?);
+            std::fs::rename(&active, torn).map_err(RecorderError::file("rename", &active))?;
+        }
     }
-    Ok(total)
+    Ok(recovered)
 }
 
-/// The same for a finished file that was cut off or damaged since: it is kept beside, with the ending `.torn`, as what lies
-/// behind a damage may be read by other means.
+/// Goes through every record of a finished file.
+///
+/// # Errors
+/// A file that cannot be read, or is none of a bag.
+pub fn check(folder: &Folder, number: u32) -> Result<Walked, RecorderError> {
+    let path = folder.path(&folder.layout().finished(number));
+    let mut walk = open(&path)?;
+    loop {
+        let unsound = match walk.next_record().map_err(RecorderError::file("read", &path))? {
+            None => return Ok(walk.finish()),
+            Some((opcode, fields)) => mcap::parse_record(opcode, fields).is_err(),
+        };
+        if unsound {
+            walk.reject();
+        }
+    }
+}
+
+/// Where a damaged file is kept. What was kept from an earlier damage is not given up for this one.
+fn torn(folder: &Folder, number: u32) -> Result<PathBuf, RecorderError> {
+    let torn = folder.path(&format!("{}.torn", folder.layout().finished(number)));
+    if torn.exists() {
+        return Err(RecorderError::file("keep", &torn)(std::io::ErrorKind::AlreadyExists.into()));
+    }
+    Ok(torn)
+}
+
+/// As [`recover`] for a finished file that was cut off or damaged since: it is kept beside, with the ending `.torn`, as more
+/// of it may be read by other means.
 ///
 /// # Errors
 /// As [`recover`]; the file is then where it was.
-pub fn salvage(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<u64>, RecorderError> {
-    let name = folder.layout().finished(number);
-    let (finished, torn) = (folder.path(&name), folder.path(&format!("{name}.torn")));
+pub fn salvage(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<Recovered>, RecorderError> {
+    let finished = folder.path(&folder.layout().finished(number));
     let mut head = [0; mcap::MAGIC.len()];
     let begun = input::open(&finished).and_then(|mut file| file.read_exact(&mut head));
     begun.map_err(RecorderError::file("read", &finished))?;
     if head != mcap::MAGIC {
         return Err(RecorderError::mcap("read", &finished)(McapError::BadMagic));
     }
-    if torn.exists() {
-        // What was kept from an earlier damage is not given up for this one.
-        return Err(RecorderError::file("keep", &torn)(std::io::ErrorKind::AlreadyExists.into()));
-    }
+    let torn = torn(folder, number)?;
     std::fs::rename(&finished, &torn).map_err(RecorderError::file("rename", &finished))?;
-    let total = finished_from(folder, number, &torn, stop);
-    if !matches!(total, Ok(Some(_))) {
+    let recovered = finished_from(folder, number, &torn, stop);
+    if !matches!(recovered, Ok(Some(_))) {
         std::fs::rename(&torn, &finished).map_err(RecorderError::file("rename", &torn))?;
     }
-    total
+    recovered
 }
 
 /// Copies the whole records of `source` into a finished file; `None` where it was stopped.
@@ -134,16 +174,16 @@ fn finished_from(
     number: u32,
     source: &Path,
     stop: &AtomicBool,
-) -> Result<Option<u64>, RecorderError> {
+) -> Result<Option<Recovered>, RecorderError> {
     let half_made = folder.layout().recovering(number);
     let target = folder.path(&half_made);
     let mut copy = BagFile::create(&target, Form::Indexed, number, folder.layout().finished(number))?;
     match copy_records(source, &mut copy, stop) {
-        Ok(Copied::All) => {
+        Ok(Copied::All(walked)) => {
             let contents = copy.finish()?;
-            let total = contents.total();
+            let messages = contents.total();
             folder.add(contents)?;
-            Ok(Some(total))
+            Ok(Some(Recovered { messages, walked }))
         }
         stopped => {
             drop(copy);
@@ -163,13 +203,13 @@ pub fn compact(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<bool, 
     let target = folder.path(&half_made);
     let mut copy = BagFile::create(&target, Form::Indexed, number, layout.finished(number))?;
     let copied = copy_records(&source, &mut copy, stop);
-    let whole = matches!(copied, Ok(Copied::All)) && copy.contents().total() == before;
-    if !whole {
+    let whole = matches!(&copied, Ok(Copied::All(walked)) if walked.is_sound());
+    if !(whole && copy.contents().total() == before) {
         drop(copy);
         folder.remove(&half_made)?;
         return match copied? {
             Copied::Stopped => Ok(false),
-            Copied::All => Err(RecorderError::mcap("compact", &source)(McapError::UnexpectedEof)),
+            Copied::All(_) => Err(RecorderError::Damaged(source)),
         };
     }
     let contents = copy.finish()?;
@@ -178,9 +218,8 @@ pub fn compact(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<bool, 
 }
 
 /// How a copy ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Copied {
-    All,
+    All(Walked),
     Stopped,
 }
 
@@ -191,43 +230,36 @@ struct Seen {
     channels: BTreeMap<u16, (Channel, String)>,
 }
 
-/// Copies record by record up to the first that is not whole.
+/// Opens a file for a walk through its records.
+fn open(path: &Path) -> Result<Walk, RecorderError> {
+    let walk = Walk::open(path).map_err(RecorderError::file("read", path))?;
+    walk.ok_or(McapError::BadMagic).map_err(RecorderError::mcap("read", path))
+}
+
+/// Copies every record that can be read.
 fn copy_records(source: &Path, copy: &mut BagFile, stop: &AtomicBool) -> Result<Copied, RecorderError> {
-    let failed = || RecorderError::file("read", source);
-    let file = input::open(source).map_err(failed())?;
-    let size = usize::try_from(file.metadata().map_err(failed())?.len()).unwrap_or(usize::MAX);
-    let mut file = BufReader::new(file);
-    let options = LinearReaderOptions::default().with_skip_end_magic(true).with_record_length_limit(size);
-    let mut reader = LinearReader::new_with_options(options);
+    let mut walk = open(source)?;
     let mut seen = Seen::default();
-    while let Some(event) = reader.next_event() {
+    loop {
         if stop.load(Ordering::Relaxed) {
             return Ok(Copied::Stopped);
         }
-        match event {
-            Ok(LinearReadEvent::ReadRequest(wanted)) => {
-                let read = file.read(reader.insert(wanted)).map_err(failed())?;
-                reader.notify_read(read);
-            }
-            Ok(LinearReadEvent::Record { data, opcode }) => match mcap::parse_record(opcode, data) {
+        let taken = match walk.next_record().map_err(RecorderError::file("read", source))? {
+            None => return Ok(Copied::All(walk.finish())),
+            Some((opcode, fields)) => match mcap::parse_record(opcode, fields) {
                 Ok(record) => copy_record(record, &mut seen, copy)?,
-                Err(error) => {
-                    tracing::warn!("{}: ends in a broken record: {error}", source.display());
-                    break;
-                }
+                Err(_broken) => false,
             },
-            // The record that was being written when the process was killed.
-            Err(error) => {
-                tracing::info!("{}: ends in the middle of a record: {error}", source.display());
-                break;
-            }
+        };
+        if !taken {
+            walk.reject();
         }
     }
-    Ok(Copied::All)
 }
 
-/// Copies a message or a note, and remembers what messages refer to. The rest of a file is made anew.
-fn copy_record(record: Record<'_>, seen: &mut Seen, copy: &mut BagFile) -> Result<(), RecorderError> {
+/// Copies a message or a note, and remembers what messages refer to. The rest of a file is made anew. False for a message
+/// of which nothing says what it is.
+fn copy_record(record: Record<'_>, seen: &mut Seen, copy: &mut BagFile) -> Result<bool, RecorderError> {
     match record {
         Record::Schema { header, data } => {
             let text = String::from_utf8_lossy(&data).into_owned();
@@ -239,19 +271,15 @@ fn copy_record(record: Record<'_>, seen: &mut Seen, copy: &mut BagFile) -> Resul
             seen.channels.insert(channel.id, (key, schema));
         }
         Record::Message { header, data } => {
-            if let Some((channel, schema)) = seen.channels.get(&header.channel_id) {
-                let stamp = Stamp {
-                    log_ns: header.log_time,
-                    publish_ns: header.publish_time,
-                    sequence: header.sequence,
-                };
-                copy.write(channel, schema, stamp, &data)?;
-            }
+            let Some((channel, schema)) = seen.channels.get(&header.channel_id) else { return Ok(false) };
+            let stamp =
+                Stamp { log_ns: header.log_time, publish_ns: header.publish_time, sequence: header.sequence };
+            copy.write(channel, schema, stamp, &data)?;
         }
         Record::Metadata(note) => copy.note(&note)?,
         _ => {}
     }
-    Ok(())
+    Ok(true)
 }
 
 #[cfg(test)]

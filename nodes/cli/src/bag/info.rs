@@ -3,7 +3,7 @@
 use super::InfoArgs;
 use crate::output::{self, Json};
 use crate::report::bag::Bag;
-use crate::report::scan::{Ended, Raw, Sum, Visitor, scan};
+use crate::report::scan::{Ended, Raw, Visitor, scan};
 use anyhow::bail;
 use bag_recorder::file::NOTE;
 use serde::Serialize;
@@ -26,6 +26,10 @@ struct Figures {
     note: BTreeMap<String, String>,
     /// Every file is closed, and the counts are the recorder's.
     whole: bool,
+    /// Messages that could not be read, as far as the files say how many they have.
+    lost_messages: u64,
+    /// Bytes that could not be read.
+    lost_bytes: u64,
     /// What is not as it should be.
     remarks: Vec<String>,
 }
@@ -45,6 +49,11 @@ struct File {
     bytes: u64,
     messages: u64,
     state: &'static str,
+    /// As those of the bag; `None` where the file does not say how many messages it has.
+    lost_messages: Option<u64>,
+    lost_bytes: u64,
+    /// Places before the file's end that could not be read.
+    damages: u64,
 }
 
 /// Longest text of a note that is told.
@@ -103,17 +112,22 @@ fn figures(args: &InfoArgs) -> anyhow::Result<Figures> {
     for file in &bag.files {
         count.in_file = 0;
         let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let state = match scan(file, &mut count)? {
+        let (state, torn) = match scan(file, &mut count)? {
             Ended::NoBag => bail!("{}: no MCAP file", file.display()),
-            Ended::Whole(Sum::Fits | Sum::Absent) => "closed",
-            Ended::Torn(why) => {
-                count.figures.remarks.push(format!("{name} {why}"));
-                if name.ends_with(".active") { "active" } else { "torn" }
+            Ended::Whole(_) => ("closed", None),
+            Ended::Torn(torn) => {
+                count.figures.remarks.push(format!("{name} {}", torn.how));
+                (if name.ends_with(".active") { "active" } else { "torn" }, Some(torn))
             }
         };
         let bytes = std::fs::metadata(file).map_or(0, |found| found.len());
+        let (lost_messages, lost_bytes, damages) =
+            torn.map_or((Some(0), 0, 0), |torn| (torn.lost_messages, torn.lost_bytes, torn.damages));
         count.figures.messages += count.in_file;
-        count.figures.files.push(File { name, bytes, messages: count.in_file, state });
+        count.figures.lost_messages += lost_messages.unwrap_or(0);
+        count.figures.lost_bytes += lost_bytes;
+        let messages = count.in_file;
+        count.figures.files.push(File { name, bytes, messages, state, lost_messages, lost_bytes, damages });
     }
     let mut figures = count.figures;
     #[allow(clippy::cast_precision_loss, reason = "times for people")]
@@ -142,9 +156,10 @@ fn figures(args: &InfoArgs) -> anyhow::Result<Figures> {
     figures.whole = figures.files.iter().all(|file| file.state == "closed")
         && bag.counts.is_none_or(|counts| counts.messages == figures.messages);
     if figures.files.iter().any(|file| file.state != "closed") {
-        figures
-            .remarks
-            .push(format!("`fdm recover {}` closes it, once no recorder writes to it", figures.bag));
+        figures.remarks.push(format!(
+            "`fdm recover {}` makes it whole, as far as it can be read, once no recorder writes to it",
+            figures.bag
+        ));
     }
     Ok(figures)
 }
@@ -162,7 +177,7 @@ fn page(figures: &Figures) -> String {
     );
     // Writing to a string cannot fail.
     for file in &figures.files {
-        let File { name, bytes, messages, state } = file;
+        let File { name, bytes, messages, state, .. } = file;
         _ = writeln!(page, "  {name:<40} {messages:>10} messages {:>9.1} MiB  {state}", mib(*bytes));
     }
     for (name, topic) in &figures.topics {

@@ -2,7 +2,7 @@
 
 use crate::output::{self, Json};
 use crate::report::bag::Bag;
-use crate::report::scan::{Ended, Raw, Visitor, scan};
+use crate::report::scan::{Raw, Visitor, scan_what_is_there};
 use anyhow::bail;
 use clap::Args;
 use models::units::Seconds;
@@ -126,9 +126,7 @@ impl Reel {
             ..Self::default()
         };
         for file in Bag::find(bag)?.files {
-            if scan(&file, &mut reel)? == Ended::NoBag {
-                bail!("{}: no MCAP file", file.display());
-            }
+            scan_what_is_there(&file, &mut reel)?;
         }
         let start_ns = reel.frames.first().map_or(0, |frame| frame.log_ns);
         // A cast of a float saturates.

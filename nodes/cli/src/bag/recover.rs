@@ -2,9 +2,11 @@
 
 use crate::output::{self, Json};
 use anyhow::{Context, bail};
+use bag_recorder::error::RecorderError;
 use bag_recorder::folder::Folder;
-use bag_recorder::recovery;
+use bag_recorder::recovery::{self, Finished, Recovered};
 use bag_recorder::tally::Tally;
+use bag_recorder::walk::{Sum, Walked};
 use clap::Args;
 use serde::Serialize;
 use std::error::Error;
@@ -27,13 +29,22 @@ pub struct RecoverArgs {
 struct Figures {
     bag: String,
     messages: u64,
+    /// Messages that are lost, as far as the files say how many they had.
+    lost_messages: u64,
+    /// Bytes that could not be read.
+    lost_bytes: u64,
     files: Vec<File>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 struct File {
     name: String,
     messages: Option<u64>,
+    /// `None` where the file does not say how many it had.
+    lost_messages: Option<u64>,
+    lost_bytes: u64,
+    /// Places before the file's end that could not be read.
+    damages: u64,
     /// `recovered`, `compacted`, `sound` or `unreadable`.
     outcome: &'static str,
     why: String,
@@ -61,7 +72,7 @@ pub fn run(args: &RecoverArgs) -> anyhow::Result<()> {
     let figures = recover(&args.bag)?;
     if !json.is_stdout() {
         let line = |file: &File| {
-            let File { name, messages, outcome, why } = file;
+            let File { name, messages, outcome, why, .. } = file;
             let messages = messages.map_or_else(String::new, |count| format!("{count} messages"));
             format!("  {name:<40} {messages:>20}  {outcome} {why}").trim_end().to_owned()
         };
@@ -99,12 +110,14 @@ fn recover(bag: &Path) -> anyhow::Result<Figures> {
     for (number, left) in numbers {
         let name = folder.layout().finished(number);
         let file = match one(&folder, number, left, &go_on) {
-            Ok((messages, outcome)) => File { name, messages: Some(messages), outcome, why: String::new() },
+            Ok(file) => File { name, ..file },
             Err(error) => {
                 let cause = error.source().map_or_else(String::new, |cause| format!(": {cause}"));
-                File { name, messages: None, outcome: "unreadable", why: format!("{error}{cause}") }
+                File { name, outcome: "unreadable", why: format!("{error}{cause}"), ..File::default() }
             }
         };
+        figures.lost_messages += file.lost_messages.unwrap_or(0);
+        figures.lost_bytes += file.lost_bytes;
         figures.messages += file.messages.unwrap_or(0);
         figures.files.push(file);
     }
@@ -116,30 +129,53 @@ fn recover(bag: &Path) -> anyhow::Result<Figures> {
 }
 
 /// Mends one file.
-fn one(
-    folder: &Folder,
-    number: u32,
-    left: bool,
-    go_on: &AtomicBool,
-) -> Result<(u64, &'static str), bag_recorder::error::RecorderError> {
+fn one(folder: &Folder, number: u32, left: bool, go_on: &AtomicBool) -> Result<File, RecorderError> {
     if left {
-        let messages = recovery::recover(folder, number, go_on)?;
-        return Ok((messages.unwrap_or(0), "recovered"));
+        let made = recovery::recover(folder, number, go_on)?;
+        return Ok(saved(made.as_ref(), |walked| walked.damages > 0));
     }
-    let read = match recovery::read_finished(folder, number) {
-        Ok(read) => read,
-        Err(_) => {
-            let salvaged = recovery::salvage(folder, number, go_on)?;
-            return Ok((salvaged.unwrap_or(0), "recovered"));
-        }
+    // Every record is looked at: a summary knows nothing of what has become of the data since.
+    let is_sound = recovery::check(folder, number).is_ok_and(|walked| walked.is_sound());
+    let read = recovery::read_finished(folder, number).ok().filter(|_| is_sound);
+    let Some(Finished { contents, indexed }) = read else {
+        let made = recovery::salvage(folder, number, go_on)?;
+        return Ok(saved(made.as_ref(), |_| true));
     };
-    let messages = read.contents.total();
-    folder.add(read.contents)?;
-    if read.indexed {
-        return Ok((messages, "sound"));
+    let whole = |outcome, messages| File {
+        messages: Some(messages),
+        lost_messages: Some(0),
+        outcome,
+        ..File::default()
+    };
+    let messages = contents.total();
+    folder.add(contents)?;
+    if indexed {
+        return Ok(whole("sound", messages));
     }
     recovery::compact(folder, number, go_on)?;
-    Ok((messages, "compacted"))
+    Ok(whole("compacted", messages))
+}
+
+/// A file that was made anew; `is_kept` says whether the old one is there still.
+fn saved(made: Option<&Recovered>, is_kept: impl Fn(&Walked) -> bool) -> File {
+    let Some(Recovered { messages, walked }) = made else {
+        return File { messages: Some(0), outcome: "recovered", ..File::default() };
+    };
+    let changed = (walked.damages == 0 && walked.sum == Sum::Differs).then(|| {
+        "does not fit the checksum of its data: something in it was changed, which record cannot be told"
+            .to_owned()
+    });
+    let kept = is_kept(walked).then(|| "the original is kept with the ending .torn".to_owned());
+    let why: Vec<String> = [walked.damage_in_words(), changed, kept].into_iter().flatten().collect();
+    File {
+        messages: Some(*messages),
+        lost_messages: walked.lost_messages(),
+        lost_bytes: walked.lost_bytes,
+        damages: walked.damages,
+        outcome: "recovered",
+        why: why.join("; "),
+        ..File::default()
+    }
 }
 
 /// What the files of a bag begin with; the folder may have been renamed.

@@ -2,7 +2,7 @@
 
 use crate::report::bag::Bag;
 use crate::report::decode::decode;
-use crate::report::scan::{Ended, Raw, Visitor, scan};
+use crate::report::scan::{Raw, Visitor, scan_what_is_there};
 use anyhow::bail;
 use models::status::PrinterStatus;
 use models::units::Kelvin;
@@ -49,9 +49,7 @@ impl Recorded {
         let namespace = namespace.map(|name| name.trim_end_matches('/').to_owned());
         let mut recorded = Self { namespace, ..Self::default() };
         for file in Bag::find(path)?.files {
-            if scan(&file, &mut recorded)? == Ended::NoBag {
-                bail!("{}: no MCAP file", file.display());
-            }
+            scan_what_is_there(&file, &mut recorded)?;
         }
         if recorded.jumped {
             bail!("{}: its time jumps back: more than one print is in it", path.display());

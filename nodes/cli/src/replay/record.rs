@@ -4,7 +4,7 @@ use super::brains::{CLASSIFIER, SUPERVISOR};
 use super::settings::{Recorded, Sessions};
 use crate::report::bag::Bag;
 use crate::report::decode::decode;
-use crate::report::scan::{Ended, Raw, Visitor, scan};
+use crate::report::scan::{Raw, Visitor, scan_what_is_there};
 use anyhow::bail;
 use bag_recorder::file::NOTE;
 use fdm_loop_msgs::{ControlCommand, PrintEvent, PrintInfo};
@@ -72,9 +72,7 @@ impl Record {
     pub(crate) fn read(path: &Path, namespace: Option<&str>, frames: bool) -> anyhow::Result<Self> {
         let mut record = Self { namespace: namespace.map(str::to_owned), frames, ..Self::default() };
         for file in Bag::find(path)?.files {
-            if scan(&file, &mut record)? == Ended::NoBag {
-                bail!("{}: no MCAP file", file.display());
-            }
+            scan_what_is_there(&file, &mut record)?;
         }
         if let Some(odd) = &record.odd {
             bail!("{}: {odd}", path.display());

@@ -101,8 +101,8 @@ impl Gathered {
             let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             match scan(file, &mut record)? {
                 Ended::Whole(Sum::Fits) => record.tally.sums_fit += 1,
-                Ended::Whole(Sum::Absent) => {}
-                Ended::Torn(how) => torn.push(format!("{name} {how}")),
+                Ended::Whole(_) => {}
+                Ended::Torn(found) => torn.push(format!("{name} {}", found.how)),
                 Ended::NoBag => {
                     torn.push(format!("{name} does not begin as a file of a bag does"));
                     strangers += 1;

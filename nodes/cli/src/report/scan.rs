@@ -1,21 +1,14 @@
-//! Reads the records of an MCAP file one by one, up to the first that is not whole. The file is only read.
+//! Reads the records of an MCAP file one by one, and on behind what is damaged. The file is only read.
 
-use anyhow::Context;
+use crate::output;
+use anyhow::{Context, bail};
 use bag_recorder::file::QOS_KEY;
+pub(crate) use bag_recorder::walk::Sum;
+use bag_recorder::walk::{self, Walk, Walked};
 use mcap::records::op;
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{MAGIC, McapError};
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-/// Longest record or chunk that is read `[byte]`: a length in a file may say anything.
-const RECORD_MAX: usize = 256 * 1024 * 1024;
-/// Read from the file at once `[byte]`.
-const BUFFER: usize = 1024 * 1024;
-
-/// Read at once of a file that is longer than it was when it was opened `[byte]`.
-const BLOCK: usize = 64 * 1024;
 /// What a checksum that does not fit means.
 const CHANGED: &str =
     "does not fit the checksum of its data: something in it was changed or damaged after it was written";
@@ -44,19 +37,25 @@ pub(crate) trait Visitor {
 /// How a file ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Ended {
-    /// With its closing record.
+    /// With its closing record, and nothing is missing; the checksum fits, or there is none.
     Whole(Sum),
-    /// Without: it was cut, or is being written.
-    Torn(String),
+    /// It was cut, changed or damaged, or is being written.
+    Torn(Torn),
     /// It does not begin as a bag does.
     NoBag,
 }
 
-/// Whether the checksum of the data was there; one that does not fit ends a file as [`Ended::Torn`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Sum {
-    Fits,
-    Absent,
+/// What is wrong with a file that is not whole.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Torn {
+    /// In words that follow the file's name.
+    pub(crate) how: String,
+    /// Places before its end that could not be read.
+    pub(crate) damages: u64,
+    /// Bytes that could not be read.
+    pub(crate) lost_bytes: u64,
+    /// Messages that could not be read; `None` where the file does not say how many it has.
+    pub(crate) lost_messages: Option<u64>,
 }
 
 #[derive(Debug, Clone)]
@@ -72,59 +71,58 @@ struct Channel {
 struct Seen {
     schemas: BTreeMap<u16, String>,
     channels: BTreeMap<u16, Channel>,
-    footer: bool,
-    /// Records that end the data: a whole file has one.
-    ends: u32,
-    /// The last of them carries a checksum.
-    summed: bool,
 }
 
 /// Hands every whole record to `visitor`.
 pub(crate) fn scan(path: &Path, visitor: &mut impl Visitor) -> anyhow::Result<Ended> {
     let failed = || path.display().to_string();
-    let file = runtime::input::open(path).with_context(failed)?;
-    // A length in the file is believed up to what is left of it; a file that grows meanwhile is read on in blocks.
-    let mut left = usize::try_from(file.metadata().with_context(failed)?.len()).unwrap_or(usize::MAX);
-    let mut file = BufReader::with_capacity(BUFFER, file);
-    let head = file.fill_buf().with_context(failed)?;
-    if !MAGIC.starts_with(&head[..head.len().min(MAGIC.len())]) {
-        return Ok(Ended::NoBag);
-    }
-    let options = LinearReaderOptions::default()
-        .with_skip_end_magic(true)
-        .with_validate_data_section_crc(true)
-        .with_record_length_limit(RECORD_MAX);
-    let mut reader = LinearReader::new_with_options(options);
+    let Some(mut walk) = Walk::open(path).with_context(failed)? else { return Ok(Ended::NoBag) };
     let mut seen = Seen::default();
-    while let Some(event) = reader.next_event() {
-        match event {
-            Ok(LinearReadEvent::ReadRequest(wanted)) => {
-                let read = file.read(reader.insert(wanted.min(left.max(BLOCK)))).with_context(failed)?;
-                left = left.saturating_sub(read);
-                reader.notify_read(read);
-            }
-            Ok(LinearReadEvent::Record { data, opcode }) => {
-                if seen.take(opcode, data, visitor).is_none() {
-                    return Ok(Ended::Torn("ends in a broken record".to_owned()));
-                }
-            }
-            Err(McapError::BadDataCrc { .. }) => return Ok(Ended::Torn(CHANGED.to_owned())),
-            Err(error) => return Ok(Ended::Torn(format!("ends in the middle of a record: {error}"))),
+    while let Some((opcode, fields)) = walk.next_record().with_context(failed)? {
+        if seen.take(opcode, fields, visitor).is_none() {
+            walk.reject();
         }
     }
-    Ok(match (seen.footer, seen.ends, seen.summed) {
-        (true, 1, true) => Ended::Whole(Sum::Fits),
-        (true, 1, false) => Ended::Whole(Sum::Absent),
-        // The reader checks the sum at the first end alone, and stops at whatever calls itself the closing record.
-        (true, ..) => {
-            Ended::Torn("is closed in its middle: a record of it was changed or damaged".to_owned())
-        }
-        _ => Ended::Torn("ends in a whole record, but was never closed".to_owned()),
-    })
+    let walked = walk.finish();
+    if walked.is_sound() {
+        return Ok(Ended::Whole(walked.sum));
+    }
+    Ok(Ended::Torn(Torn {
+        how: words(&walked),
+        damages: walked.damages,
+        lost_bytes: walked.lost_bytes,
+        lost_messages: walked.lost_messages(),
+    }))
+}
+
+/// The same for who needs a bag and can do without a part of it: what is missing goes to standard error.
+///
+/// # Errors
+/// A file that cannot be read, or is none of a bag.
+pub(crate) fn scan_what_is_there(path: &Path, visitor: &mut impl Visitor) -> anyhow::Result<()> {
+    match scan(path, visitor)? {
+        Ended::Whole(_) => {}
+        Ended::Torn(torn) => output::note(&format!("{} {}", path.display(), torn.how)),
+        Ended::NoBag => bail!("{}: no MCAP file", path.display()),
+    }
+    Ok(())
+}
+
+/// What is wrong with a file, behind its name.
+fn words(walked: &Walked) -> String {
+    let ended = match walked.ended {
+        walk::Ended::Cut => Some("ends in the middle of a record".to_owned()),
+        walk::Ended::Open => Some("ends in a whole record, but was never closed".to_owned()),
+        walk::Ended::Closed => None,
+    };
+    let damaged = walked.damage_in_words();
+    let changed = (damaged.is_none() && walked.sum == Sum::Differs).then(|| CHANGED.to_owned());
+    let all: Vec<String> = [damaged, changed, ended].into_iter().flatten().collect();
+    all.join("; it ")
 }
 
 impl Seen {
-    /// Takes a record in; `None` where its fields reach beyond it.
+    /// Takes a record in; `None` where its fields reach beyond it, or nothing says what it means.
     fn take(&mut self, opcode: u8, record: &[u8], visitor: &mut impl Visitor) -> Option<()> {
         let mut fields = Fields(record);
         match opcode {
@@ -144,19 +142,13 @@ impl Seen {
                 let (_sequence, log_ns) = (fields.u32()?, fields.u64()?);
                 let _publish_ns = fields.u64()?;
                 let payload = fields.0;
-                if let Some(Channel { topic, type_name, encoding, offered_qos }) = self.channels.get(&id) {
-                    visitor.message(&Raw { topic, type_name, encoding, offered_qos, log_ns, payload });
-                }
+                let Channel { topic, type_name, encoding, offered_qos } = self.channels.get(&id)?;
+                visitor.message(&Raw { topic, type_name, encoding, offered_qos, log_ns, payload });
             }
             op::METADATA => {
                 let name = fields.text()?;
                 visitor.note(name, &fields.pairs()?);
             }
-            op::DATA_END => {
-                self.ends += 1;
-                self.summed = fields.u32()? != 0;
-            }
-            op::FOOTER => self.footer = true,
             _ => {}
         }
         Some(())
