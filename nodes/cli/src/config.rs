@@ -9,8 +9,10 @@ use runtime::params::{NodePath, Parameters};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+mod cameras;
 mod foresight;
 mod machine;
+mod networks;
 mod sight;
 mod texts;
 
@@ -207,22 +209,6 @@ impl ConfigDir {
         Ok(parameters.block("printer_motion")?)
     }
 
-    /// Path of a network as a parameter.
-    fn model(&self, name: &str) -> String {
-        let path = self.file("models").join(name);
-        let path = std::path::absolute(&path).unwrap_or(path);
-        serde_json::json!(path.to_string_lossy()).to_string()
-    }
-
-    /// Where the networks stand, wherever a node is started.
-    #[must_use]
-    pub fn model_overrides(&self) -> Vec<(String, String)> {
-        vec![
-            ("models.network".into(), self.model("toolhead.json")),
-            ("models.edge".into(), self.model("road_edge.json")),
-        ]
-    }
-
     /// Loads everything for a loop in one process.
     ///
     /// # Errors
@@ -230,6 +216,7 @@ impl ConfigDir {
     pub fn load(&self, choice: &Choice) -> anyhow::Result<Setup> {
         self.check_material(&choice.material)?;
         self.check_machine_budget(&choice.material)?;
+        self.check_cameras(&choice.material)?;
         let read = |node: &str, usual: &[(String, String)]| {
             let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
             let wished = choice.overrides.get(node).into_iter().flatten();

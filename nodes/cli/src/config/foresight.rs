@@ -25,7 +25,8 @@ impl ConfigDir {
         let path =
             NodePath { qualified: "/printer/advance_predictor".into(), base: "advance_predictor".into() };
         let files = self.files_of("advance_predictor", material);
-        self.foresight_of(&Parameters::read(&files, &self.foresight_overrides(material), &path)?)
+        let overrides = self.foresight_overrides(material)?;
+        self.foresight_of(&Parameters::read(&files, &overrides, &path)?)
     }
 
     /// The advance predictor with these parameters.
@@ -48,14 +49,12 @@ impl ConfigDir {
     }
 
     /// Polymer and networks of the advance predictor, wherever it is started.
-    #[must_use]
-    pub fn foresight_overrides(&self, material: &str) -> Vec<(String, String)> {
+    ///
+    /// # Errors
+    /// As [`Self::model_overrides`].
+    pub fn foresight_overrides(&self, material: &str) -> anyhow::Result<Vec<(String, String)>> {
         let mut all = vec![("polymer".to_owned(), serde_json::json!(material.to_uppercase()).to_string())];
-        let names = ["bowden", "direct", "turn"].map(|name| {
-            let file = if name == "turn" { "turn.json".to_owned() } else { format!("advance_{name}.json") };
-            (format!("models.{name}"), self.model(&file))
-        });
-        all.extend(names);
-        all
+        all.extend(self.model_overrides("advance_predictor", material)?);
+        Ok(all)
     }
 }

@@ -23,7 +23,8 @@ impl ConfigDir {
         let path =
             NodePath { qualified: "/printer/defect_classifier".into(), base: "defect_classifier".into() };
         let files = self.files_of("defect_classifier", material);
-        self.sight_of(&Parameters::read(&files, &self.model_overrides(), &path)?)
+        let models = self.model_overrides("defect_classifier", material)?;
+        self.sight_of(&Parameters::read(&files, &models, &path)?)
     }
 
     /// The camera's judge with these parameters.

@@ -20,7 +20,7 @@ impl ConfigDir {
         let mut text = String::new();
         for node in nodes {
             let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
-            let mut values = self.usual_values(node, choice);
+            let mut values = self.usual_values(node, choice)?;
             values.extend(choice.overrides.get(node).into_iter().flatten().cloned());
             let parameters = Parameters::read(&self.files_for(node, choice), &values, &path)?;
             text.push_str(&format!("# {node} {}\n{}\n", parameters.sha256(), parameters.text()));
@@ -29,9 +29,9 @@ impl ConfigDir {
     }
 
     /// What a choice sets of a node beside its files.
-    fn usual_values(&self, node: &str, choice: &Choice) -> Vec<(String, String)> {
+    fn usual_values(&self, node: &str, choice: &Choice) -> anyhow::Result<Vec<(String, String)>> {
         let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
-        match node {
+        Ok(match node {
             "safety_supervisor" => vec![pair("start_mode", "act")],
             "mpc_controller" => {
                 let control = match choice.control {
@@ -48,9 +48,9 @@ impl ConfigDir {
                 };
                 vec![pair("control", control), pair("advance.source", advance)]
             }
-            "defect_classifier" => self.model_overrides(),
-            "advance_predictor" => self.foresight_overrides(&choice.material),
+            "defect_classifier" => self.model_overrides(node, &choice.material)?,
+            "advance_predictor" => self.foresight_overrides(&choice.material)?,
             _ => Vec::new(),
-        }
+        })
     }
 }

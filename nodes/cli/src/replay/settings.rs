@@ -136,8 +136,8 @@ impl Source<'_> {
             None => (self.config.files_of(node, self.material), Vec::new()),
         };
         let networks = match node {
-            "defect_classifier" => self.config.model_overrides(),
-            "advance_predictor" => self.config.foresight_overrides(self.material),
+            "defect_classifier" => self.config.model_overrides(node, self.material)?,
+            "advance_predictor" => self.config.foresight_overrides(self.material)?,
             _ => Vec::new(),
         };
         // Networks of another machine stand elsewhere: those of this build's configuration take their place.

@@ -87,11 +87,11 @@ impl Plan {
             config: config.clone(),
             overrides: Vec::new(),
         };
-        plan.overrides = plan.parameter_overrides(args);
+        plan.overrides = plan.parameter_overrides(args)?;
         Ok(plan)
     }
 
-    fn parameter_overrides(&self, args: &UpArgs) -> Vec<(&'static str, String, String)> {
+    fn parameter_overrides(&self, args: &UpArgs) -> anyhow::Result<Vec<(&'static str, String, String)>> {
         // A JSON string is a YAML string: whatever a file is called.
         let quoted = |path: &std::path::Path| serde_json::json!(path.to_string_lossy()).to_string();
         let scenario = self.config.scenario_path(&self.scenario);
@@ -114,11 +114,11 @@ impl Plan {
             ("printer_sim", "simulator.host".into(), self.host.clone()),
         ];
         all.extend(sensors);
-        let models = self.config.model_overrides().into_iter();
+        let models = self.config.model_overrides("defect_classifier", &self.material)?.into_iter();
         all.extend(models.map(|(name, value)| ("defect_classifier", name, value)));
-        let foresight = self.config.foresight_overrides(&self.material).into_iter();
+        let foresight = self.config.foresight_overrides(&self.material)?.into_iter();
         all.extend(foresight.map(|(name, value)| (FORESIGHT, name, value)));
-        all
+        Ok(all)
     }
 
     /// Folder of the nodes' messages, beside the bag.
@@ -140,6 +140,7 @@ impl Plan {
     pub fn check(&self) -> anyhow::Result<()> {
         const NOMINAL: [&str; 2] = ["printer", "material"];
         self.config.check_machine_budget(&self.material)?;
+        self.config.check_cameras(&self.material)?;
         for (name, _, parameters, _) in self.nodes()? {
             match name {
                 "thermistor" => _ = parameters.parse::<thermistor::params::Params>()?,
