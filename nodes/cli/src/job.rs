@@ -3,7 +3,7 @@
 use crate::config::Setup;
 use crate::output;
 use anyhow::{Context, bail};
-use models::gcode::Header;
+use models::gcode::{Header, Warning};
 use models::motion::{Job, MotionParams, Step};
 use printer_sim::JobSource;
 use printer_sim::job::Wishes;
@@ -66,18 +66,22 @@ impl GcodeFile {
     /// The same, and says on standard error what is odd in it: a print of what was meant otherwise misleads.
     ///
     /// # Errors
-    /// As [`Self::read`].
+    /// As [`Self::read`]; a file that lays no road.
     pub fn read_telling(path: &Path, motion: &MotionParams, layers: Option<u32>) -> anyhow::Result<Self> {
         let mut file = Self::read(path, motion, layers)?;
         let mut job = Job::new(Cursor::new(Arc::clone(&file.bytes)), &file.header, motion);
         (&mut job).for_each(drop);
         file.oddities = job.oddities().total();
-        if let Some(first) = job.oddities().kept().first() {
+        if let Some(first) = first_of_each(job.oddities().kept()) {
             let (name, count) = (path.display(), file.oddities);
-            let (line, reason) = (first.line, &first.reason);
-            output::note(&format!(
-                "{name}: {count} odd, first line {line}: {reason}; `fdm gcode` names them"
-            ));
+            output::note(&format!("{name}: {count} odd, first {first}; `fdm gcode` names them"));
+        }
+        if job.totals().deposit_m <= 0.0 {
+            bail!(
+                "{}: none of its {} moves lays a road (moves the tool while filament is pushed): nothing to print",
+                path.display(),
+                job.totals().moves
+            );
         }
         Ok(file)
     }
@@ -119,6 +123,22 @@ impl GcodeFile {
     }
 }
 
+/// Reasons that are told on one line.
+const REASONS: usize = 3;
+
+/// The first line of each of the first reasons; `None` where there is none.
+fn first_of_each(odd: &[Warning]) -> Option<String> {
+    let mut told: Vec<&Warning> = Vec::new();
+    for warning in odd {
+        if told.len() < REASONS && told.iter().all(|known| known.reason != warning.reason) {
+            told.push(warning);
+        }
+    }
+    let lines: Vec<String> =
+        told.iter().map(|warning| format!("line {}: {}", warning.line, warning.reason)).collect();
+    (!lines.is_empty()).then(|| lines.join(", "))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -135,6 +155,26 @@ mod tests {
         };
         assert_eq!(oddities("M900 K-1\nG1 X10 E1\nSET_PRESSURE_ADVANCE ADVANCE=nan\nM900 K75\n"), 3);
         assert_eq!(oddities("M900 K0.1\nG1 X10 E1\nSET_PRESSURE_ADVANCE ADVANCE=0.2\n"), 0);
+        std::fs::remove_file(&path).unwrap();
+    }
+    #[test]
+    fn each_reason_is_told_once_with_its_first_line() {
+        let odd = |line, reason: &str| Warning { line, reason: reason.to_owned() };
+        let all = [odd(4, "a"), odd(5, "a"), odd(6, "b"), odd(7, "a"), odd(8, "c"), odd(9, "d")];
+        assert_eq!(first_of_each(&all).unwrap(), "line 4: a, line 6: b, line 8: c");
+        assert_eq!(first_of_each(&[]), None);
+    }
+
+    #[test]
+    fn a_file_that_lays_no_road_is_refused() {
+        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config"));
+        let motion = crate::config::ConfigDir::find(Some(folder)).unwrap().motion().unwrap();
+        let path = std::env::temp_dir().join(format!("fdm_no_road_{}.gcode", std::process::id()));
+        for text in ["G1 X10 F1800\nG1 Y10\n", "M83\nG1 E5 F300\n"] {
+            std::fs::write(&path, text).unwrap();
+            let error = GcodeFile::read_telling(&path, &motion, None).unwrap_err().to_string();
+            assert!(error.contains("moves lays a road") && error.starts_with("/"), "{error}");
+        }
         std::fs::remove_file(&path).unwrap();
     }
 }

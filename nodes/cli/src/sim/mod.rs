@@ -11,28 +11,24 @@ pub mod printing;
 pub mod relay;
 pub mod report;
 pub mod sight;
+mod task;
 pub mod text;
 mod trimmed;
 pub mod width_trace;
 
-use crate::config::{Choice, ConfigDir, Setup};
+use crate::config::{Choice, ConfigDir};
 use crate::job::GcodeFile;
 use crate::output::{self, Json};
 use anyhow::bail;
-use bagging::Bagging;
 use choices::name_of;
 pub use choices::{advance, level, seed_range};
 use clap::Args;
 use fdm_loop_msgs::PrintInfo;
 use fitted::{HOSTS, SENSORS, without};
-use models::status::JobPhase;
-use mpc_controller::params::Level;
-use printer_sim::Scenario;
-use printing::Printing;
-use report::{Comparison, Group, Run};
+use report::{Comparison, Group};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use task::{Names, Task};
 use width_trace::WidthTrace;
 
 /// Simulates a print in virtual time; every figure is a simulated one.
@@ -83,25 +79,6 @@ pub struct SimArgs {
     /// Write the figures to a file, or to standard output with `-`.
     #[arg(long)]
     json: Option<PathBuf>,
-}
-
-/// What several runs share.
-struct Task {
-    setup: Setup,
-    file: GcodeFile,
-    scenario: Scenario,
-    names: Names,
-    bag: Option<(PathBuf, PrintInfo)>,
-}
-
-/// Time for which a width has to be back to count as recovered `[s]`.
-const HELD_S: f64 = 5.0;
-
-struct Names {
-    scenario: String,
-    host: String,
-    advance: String,
-    buffer: Option<u32>,
 }
 
 /// Sources of the pressure advance.
@@ -192,106 +169,6 @@ fn publish(args: &SimArgs, groups: Vec<Group>) -> anyhow::Result<()> {
     match (&groups[..], args.seeds.is_none()) {
         ([only], true) => json.write(&only.runs[0]),
         _ => json.write(&Comparison { results: groups }),
-    }
-}
-
-impl Task {
-    /// One run; a run with a fault is compared with the same seed's run without.
-    fn one(
-        &self,
-        level: Level,
-        seed: u64,
-        fault_free: &mut BTreeMap<u64, WidthTrace>,
-    ) -> anyhow::Result<Run> {
-        let started = Instant::now();
-        let (printing, notes) = self.print(&self.scenario, seed, self.bag.as_ref())?;
-        let wall_time_s = started.elapsed().as_secs_f64();
-        if !self.scenario.faults.is_empty() && !fault_free.contains_key(&seed) {
-            fault_free.insert(seed, self.print(&Scenario::default(), seed, None)?.0.width);
-        }
-        Ok(self.report(&printing, fault_free.get(&seed), (level, seed, wall_time_s, notes)))
-    }
-
-    fn print(
-        &self,
-        scenario: &Scenario,
-        seed: u64,
-        bag: Option<&(PathBuf, PrintInfo)>,
-    ) -> anyhow::Result<(Printing, Option<String>)> {
-        let mut printing = Printing::new(&self.setup, self.file.job(&self.setup), scenario, seed)?;
-        if let Some((bag, info)) = bag {
-            let machine = self.setup.sight.as_ref().map(|sight| sight.params.machine);
-            printing = printing.with_bagging(Bagging::create(bag, info, machine)?);
-        }
-        let mut stuck = None;
-        while printing.step() {
-            if printing.is_stuck() {
-                stuck = Some("paused".to_owned());
-                break;
-            }
-        }
-        printing.take_bagging().map(Bagging::finish).transpose()?;
-        Ok((printing, stuck))
-    }
-
-    fn report(
-        &self,
-        printing: &Printing,
-        fault_free: Option<&WidthTrace>,
-        (level, seed, wall_time_s, stuck): (Level, u64, f64, Option<String>),
-    ) -> Run {
-        let truth = printing.simulator().truth();
-        let whole = truth.integrals.since(&Default::default());
-        let [settled, late] = printing.settled.map(|at| at.and_then(|at| truth.integrals.since(&at)));
-        let channels = ["thermistor", "encoder", "width"];
-        let ended = stuck.unwrap_or_else(|| match printing.simulator().phase() {
-            JobPhase::Done => "done".to_owned(),
-            other => format!("{other:?}").to_lowercase(),
-        });
-        Run {
-            gcode_oddities: self.file.oddities(),
-            gcode: self.file.name(),
-            material: self.setup.material.name.clone(),
-            scenario: self.names.scenario.clone(),
-            control: name_of(level).to_owned(),
-            host: self.names.host.clone(),
-            advance: self.names.advance.clone(),
-            buffer: self.names.buffer,
-            seed,
-            ended,
-            print_time_s: truth.stamp_s,
-            wall_time_s,
-            realtime_factor: truth.stamp_s / wall_time_s,
-            quality_mean: whole.map(|figures| figures.quality_mean),
-            width_rms_rel: whole.map(|figures| figures.width_rms_rel),
-            corner_width_rms_rel: printing.foresight.corners.rms(),
-            corner_time_s: printing.foresight.corners.time_s(),
-            feed_error_rel: whole.map(|figures| figures.feed_error_rel),
-            feed_error_after_2s_rel: settled.map(|figures| figures.feed_error_rel),
-            feed_error_after_8s_rel: late.map(|figures| figures.feed_error_rel),
-            recovery_time_s: fault_free
-                .zip(printing.onset_path_s)
-                .and_then(|(fault_free, onset_s)| printing.width.recovery_s(fault_free, onset_s)),
-            recovery_5s_s: fault_free
-                .zip(printing.onset_path_s)
-                .and_then(|(fault_free, onset_s)| printing.width.recovery_for_s(fault_free, onset_s, HELD_S)),
-            nis_mean: channels.into_iter().zip(printing.nis_mean).collect(),
-            nees_median: printing.consistency.median(),
-            coverage: printing.consistency.coverage(),
-            trimmed_share: printing.trimmed.shares().map(|shares| shares.0),
-            feedback_share: printing.trimmed.shares().map(|shares| shares.1),
-            detections: printing.noticed.iter().filter(|found| found.onset_s.is_some()).cloned().collect(),
-            false_alarm_list: printing
-                .noticed
-                .iter()
-                .filter(|found| found.onset_s.is_none())
-                .cloned()
-                .collect(),
-            false_alarms: printing.noticed.iter().filter(|found| found.onset_s.is_none()).count(),
-            max_command: printing.extremes,
-            advance_control: printing.foresight.figures(&printing.controller().report().advance),
-            camera: printing.sight(),
-        }
     }
 }
 

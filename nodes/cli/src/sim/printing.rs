@@ -6,7 +6,7 @@ use super::bagging::Bagging;
 use super::consistency::Consistency;
 use super::foresight::Foresight;
 use super::relay::Relay;
-use super::report::{Detection, Extremes};
+use super::report::{Detection, Extremes, FilePause};
 use super::sight::{Sight, SightFigures};
 use super::trimmed::Trimmed;
 use super::width_trace::WidthTrace;
@@ -18,7 +18,7 @@ use mpc_controller::Controller;
 use printer_sim::sensors::Pace;
 use printer_sim::{JobSource, Output, Scenario, Simulator};
 use safety_supervisor::params::Stales;
-use safety_supervisor::{Operator, SafetyState, Supervisor};
+use safety_supervisor::{Cause, Operator, SafetyState, Supervisor};
 use state_estimator::Estimator;
 
 /// Step of the simulation `[s]`.
@@ -56,6 +56,8 @@ pub struct Printing {
     pub nis_mean: [Option<f64>; state_estimator::CHANNELS],
     /// What the loop noticed.
     pub noticed: Vec<Detection>,
+    /// Pauses that the file itself asked for.
+    pub file_pauses: Vec<FilePause>,
     /// How much of the time corrections were more than small.
     pub trimmed: Trimmed,
     /// Largest corrections so far.
@@ -102,6 +104,7 @@ impl Printing {
             width: WidthTrace::default(),
             nis_mean: [None; state_estimator::CHANNELS],
             noticed: Vec::new(),
+            file_pauses: Vec::new(),
             trimmed: Trimmed::default(),
             extremes: Extremes::default(),
             settled: [None; 2],
@@ -218,6 +221,13 @@ impl Printing {
         self.sight.as_ref().map(Sight::figures)
     }
 
+    /// Notes a pause that the printer made by itself since its file says so: somebody is to change the filament, say.
+    fn adopts_pause(&mut self, now: Seconds, cause: Option<Cause>) -> bool {
+        let line = self.simulator.paused_by_line().filter(|_| cause == Some(Cause::PrinterPaused));
+        self.file_pauses.extend(line.map(|line| FilePause { line, detected_s: now.0 }));
+        line.is_some()
+    }
+
     fn note_extremes(&mut self, trims: &Trims) {
         if self.simulator.truth().depositing {
             self.trimmed.add(trims, self.controller.report().base);
@@ -255,3 +265,6 @@ impl Printing {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -17,6 +17,15 @@ pub struct Detection {
     pub action: String,
 }
 
+/// A pause that the file itself asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FilePause {
+    /// Line of the file, from 1.
+    pub line: u64,
+    /// When the loop adopted it `[s]`.
+    pub detected_s: f64,
+}
+
 /// Largest corrections of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Extremes {
@@ -110,6 +119,8 @@ pub struct Run {
     pub false_alarms: usize,
     /// What that was.
     pub false_alarm_list: Vec<Detection>,
+    /// Pauses that the file itself asks for: no fault, no alarm.
+    pub file_pauses: Vec<FilePause>,
     /// What became of the pressure advance.
     pub advance_control: AdvanceFigures,
     /// Largest corrections.

@@ -46,6 +46,7 @@ pub fn table(groups: &[Group]) -> String {
         _ = writeln!(text, "{:<9} NIS {}", group.control, nis(&group.runs));
         advance(&mut text, group);
         seen(&mut text, group);
+        asked_for(&mut text, group);
         noticed(&mut text, group);
     }
     text
@@ -110,6 +111,19 @@ fn seen(text: &mut String, group: &Group) {
             seen.seam_nis.map_or("-".to_owned(), |nis| format!("{nis:.2}")),
             seen.seam_darkest_sigmas
         );
+    }
+}
+
+/// Pauses that the file asks for, one line a seed.
+fn asked_for(text: &mut String, group: &Group) {
+    for run in group.runs.iter().filter(|run| !run.file_pauses.is_empty()) {
+        let pauses: Vec<String> = run
+            .file_pauses
+            .iter()
+            .map(|pause| format!("in line {} at {:.1} s", pause.line, pause.detected_s))
+            .collect();
+        let list = pauses.join(", ");
+        _ = writeln!(text, "  seed {}: paused as the file asks for, {list}; ended {}", run.seed, run.ended);
     }
 }
 
