@@ -11,6 +11,7 @@ use crate::params::{ParamError, in_range, positive};
 
 mod lag;
 mod law;
+mod outflow;
 mod slip;
 
 pub use lag::LinearLag;

@@ -20,6 +20,8 @@ pub(crate) struct CatchUp {
     /// Wanted less measured position when the loop closed `[m]`: closing it moves nothing.
     origin_m: Option<f64>,
     shortfall_m: f64,
+    /// Shortfall that was told as excess `[m]`.
+    told_m: f64,
 }
 
 impl CatchUp {
@@ -31,18 +33,26 @@ impl CatchUp {
             newest_wanted_m: None,
             origin_m: None,
             shortfall_m: 0.0,
+            told_m: 0.0,
         }
     }
 
     /// Opens the loop; it closes again with the next pair.
     pub(crate) fn open(&mut self) {
         self.origin_m = None;
-        self.shortfall_m = 0.0;
+        (self.shortfall_m, self.told_m) = (0.0, 0.0);
     }
 
     /// Filament still owed `[m]`.
     pub(crate) fn shortfall_m(&self) -> f64 {
         self.shortfall_m
+    }
+
+    /// Filament delivered beyond what was wanted since it was last asked for `[m]`.
+    pub(crate) fn take_excess_m(&mut self) -> f64 {
+        let excess_m = self.told_m - self.shortfall_m;
+        self.told_m = self.shortfall_m;
+        excess_m
     }
 
     pub(crate) fn newest_sample_s(&self) -> Option<f64> {

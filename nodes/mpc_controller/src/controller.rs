@@ -37,6 +37,8 @@ pub struct Controller {
     sequence: u64,
     qp: Qp,
     catch_up: CatchUp,
+    /// The slicer's own feed, calibrated, against what passed the encoder.
+    balance: CatchUp,
     advance: Advance,
     nominal: Nominal,
     base: Base,
@@ -80,6 +82,7 @@ impl Controller {
             sequence: 0,
             qp: retune::problem(&params, material)?,
             catch_up: CatchUp::new(params.slip),
+            balance: CatchUp::new(params.slip),
             advance: Advance::new(params.advance),
             nominal: Nominal::new(material.lag_s),
             base: Base::new(params.base, params.limits.feed),
@@ -165,7 +168,9 @@ impl Controller {
             self.report.refusals.printer.late += 1;
             return;
         }
-        self.nominal.on_status(status, self.base.feed(), self.params.slip.wanted_jump_m);
+        let law = self.estimate.and_then(|estimate| self.outlet_law(&estimate, estimate.reference_feed_m_s));
+        self.nominal.on_status(status, (self.base.feed(), self.params.slip.wanted_jump_m), law.as_ref());
+        self.balance.on_wanted(status.stamp.0, self.nominal.fed_m());
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
         self.advance.on_status(status);
         if self.status.is_none_or(|before| self.unsteady(&before, status)) {
@@ -185,6 +190,7 @@ impl Controller {
             self.report.refusals.encoder.late += 1;
         } else {
             self.catch_up.on_encoder(stamp.0, position_m);
+            self.balance.on_encoder(stamp.0, position_m);
         }
     }
 
@@ -217,6 +223,7 @@ impl Controller {
         self.transient = Transient::default();
         self.flow_error = FlowError::default();
         self.catch_up.open();
+        self.balance.open();
         self.advance.rest();
         self.ladder.clear();
         self.saturation.clear();

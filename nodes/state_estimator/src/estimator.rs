@@ -10,6 +10,7 @@ use models::command::EstimateHealth;
 use models::extruder::Extruder;
 use models::hotend::Hotend;
 use models::material::Material;
+use models::melt::Melt;
 use models::status::PrinterStatus;
 use models::units::{Celsius, Kelvin, Seconds};
 use nalgebra::SMatrix;
@@ -101,7 +102,7 @@ impl Estimator {
         let model = PrinterModel::new(hotend, material, setting);
         Self {
             params,
-            filter: Filter::new(params, model),
+            filter: Filter::new(params, model, (Melt::new(material, extruder), *extruder)),
             inbox: Inbox {
                 status: None,
                 samples: Ring::new(SAMPLES),

@@ -11,6 +11,8 @@ use crate::params::Params;
 use crate::printer_model::{Drive, PrinterModel, State, state};
 use crate::ukf::{Gaussian, Health, Spread};
 use models::command::EstimateHealth;
+use models::extruder::{Extruder, StaticLaw};
+use models::melt::Melt;
 use models::status::PrinterStatus;
 use models::transient::Transient;
 use models::units::Kelvin;
@@ -18,14 +20,18 @@ use nalgebra::SMatrix;
 
 type Covariance = SMatrix<f64, { state::COUNT }, { state::COUNT }>;
 
-/// Own estimates kept to look back to an exposure: 3.2 s at 20 Hz.
-const FLOWS: usize = 64;
+/// Own estimates kept to look back to an exposure: 3.2 s at 100 Hz.
+const FLOWS: usize = 320;
+/// Outlet speeds between which one power law stands for the melt's, over the reference feed `[-]`: a corner's and a straight's.
+const OUTLETS: (f64, f64) = (0.3, 1.2);
 
 /// The filter with what it remembers of its own past.
 #[derive(Debug)]
 pub(crate) struct Filter {
     params: Params,
     model: PrinterModel,
+    melt: Melt,
+    extruder: Extruder,
     running: Option<Running>,
     reference_feed_m_s: f64,
     width_noise: NoiseScale,
@@ -49,10 +55,12 @@ struct Running {
 }
 
 impl Filter {
-    pub(crate) fn new(params: Params, model: PrinterModel) -> Self {
+    pub(crate) fn new(params: Params, model: PrinterModel, (melt, extruder): (Melt, Extruder)) -> Self {
         Self {
             params,
             model,
+            melt,
+            extruder,
             running: None,
             reference_feed_m_s: params.reference.feed_m_s,
             width_noise: NoiseScale::new(params.width.adaptation),
@@ -132,12 +140,20 @@ impl Filter {
         let mut belief = *run.ukf.belief();
         if ahead_s > 0.0 {
             let drive = Drive { filament_speed_m_s: None, ..run.drive };
-            belief.mean = self.model.step(&belief.mean, &drive, ahead_s);
+            let course = self.model.course(&belief.mean, &drive, self.law(&belief.mean).as_ref(), ahead_s);
+            belief.mean = self.model.step_along(&belief.mean, &drive, &course, ahead_s);
             belief.covariance += self.noise(run, status, ahead_s);
         }
         // below zero the state is a stroke, not a flow
         belief.mean[state::FLOW] = belief.mean[state::FLOW].max(0.0);
         Some(belief)
+    }
+
+    /// Law of the nominal outlet at the nozzle that is believed; `None` where the melt is frozen.
+    fn law(&self, x: &State) -> Option<StaticLaw> {
+        let temperatures = (Kelvin(x[state::NOZZLE]), Kelvin(self.params.ambient_k));
+        let outlets_m_s = (OUTLETS.0 * self.reference_feed_m_s, OUTLETS.1 * self.reference_feed_m_s);
+        StaticLaw::of_melting((&self.melt, &self.extruder), temperatures, outlets_m_s)
     }
 
     fn reset(&mut self) {
@@ -200,10 +216,13 @@ impl Filter {
             run.drive = self.drive(status, motor_speed_m_s, told.filter(|_| run.encoder_alive));
             let noise = self.noise(run, status, dt_s);
             let (model, drive) = (self.model, run.drive);
-            if run.ukf.predict(&noise, |x| model.step(x, &drive, dt_s)) == Health::Diverged {
+            let mean = run.ukf.belief().mean;
+            let course = model.course(&mean, &drive, self.law(&mean).as_ref(), dt_s);
+            if run.ukf.predict(&noise, |x| model.step_along(x, &drive, &course, dt_s)) == Health::Diverged {
                 return Health::Diverged;
             }
             run.at_s = sample.stamp_s;
+            run.flows.push((run.at_s, run.ukf.belief().mean[state::FLOW]));
             let x = &run.ukf.belief().mean;
             let off_m_s = (self.model.filament_speed(x, motor_speed_m_s) - x[state::FLOW]).abs();
             let memory_s = self.params.width.memory_lags * self.model.lag_s();
@@ -212,7 +231,6 @@ impl Filter {
         if !run.encoder_alive {
             run.ukf.freeze(state::SLIP);
         }
-        run.flows.push((run.at_s, run.ukf.belief().mean[state::FLOW]));
         Health::Sound
     }
 

@@ -1,6 +1,7 @@
 //! The printer as the estimator sees it: six states, three channels (model book 1.2, 1.5).
 
 use models::bead::stadium;
+use models::extruder::StaticLaw;
 use models::hotend::{Hotend, Inputs, Thermal};
 use models::material::Material;
 use models::units::{Kelvin, Seconds};
@@ -75,6 +76,24 @@ pub struct Setting {
     pub substep: Seconds,
 }
 
+/// How the flow goes on over a step: from the mean along the melt's law, from what is near it along a line.
+///
+/// A law whose slope has no bound at rest would throw sigma points on either side of a dry outlet apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Course {
+    from_m_s: f64,
+    filament_m_s: f64,
+    to_m_s: f64,
+    kept: f64,
+    taken: f64,
+}
+
+impl Course {
+    fn at(&self, flow_m_s: f64, filament_m_s: f64) -> f64 {
+        self.to_m_s + self.kept * (flow_m_s - self.from_m_s) + self.taken * (filament_m_s - self.filament_m_s)
+    }
+}
+
 impl PrinterModel {
     /// Model of a hot end that melts a material; the lag of the flow is the material's.
     #[must_use]
@@ -101,9 +120,47 @@ impl PrinterModel {
         self.hotend.heater_power_w
     }
 
-    /// State after `dt_s` under a constant drive; the thermal part in Euler steps (model book 1.5).
+    /// State after `dt_s` under a constant drive, the flow along a course found for the mean.
+    #[must_use]
+    pub fn step_along(&self, x: &State, drive: &Drive, course: &Course, dt_s: f64) -> State {
+        let mut next = self.heated(x, drive, dt_s);
+        next[state::FLOW] = course.at(x[state::FLOW], self.driven(x, drive));
+        next
+    }
+
+    /// Course of the flow from the mean on, under a law of the outlet; behind the linear lag without one.
+    #[must_use]
+    pub fn course(&self, mean: &State, drive: &Drive, law: Option<&StaticLaw>, dt_s: f64) -> Course {
+        let from_m_s = mean[state::FLOW];
+        let filament_m_s = self.driven(mean, drive);
+        let to_m_s = law.map_or_else(
+            || lagged(from_m_s, filament_m_s, dt_s, self.lag_s),
+            |law| law.flow_after(from_m_s, filament_m_s, Seconds(dt_s), Seconds(self.lag_s)),
+        );
+        let (kept, taken) = if from_m_s > 0.0 {
+            let kept = (-dt_s / self.lag_s).exp();
+            (kept, 1.0 - kept)
+        } else {
+            (1.0, dt_s / self.lag_s)
+        };
+        Course { from_m_s, filament_m_s, to_m_s, kept, taken }
+    }
+
+    /// State after `dt_s` under a constant drive, the flow behind the material's linear lag (model book 1.5).
     #[must_use]
     pub fn step(&self, x: &State, drive: &Drive, dt_s: f64) -> State {
+        let mut next = self.heated(x, drive, dt_s);
+        next[state::FLOW] = lagged(x[state::FLOW], self.driven(x, drive), dt_s, self.lag_s);
+        next
+    }
+
+    /// Filament speed `[m/s]` past the encoder, measured where it is told.
+    fn driven(&self, x: &State, drive: &Drive) -> f64 {
+        drive.filament_speed_m_s.unwrap_or_else(|| self.filament_speed(x, drive.motor_speed_m_s))
+    }
+
+    /// Temperatures after `dt_s` under a constant drive, in Euler steps (model book 1.5); all else stands.
+    fn heated(&self, x: &State, drive: &Drive, dt_s: f64) -> State {
         let inputs = Inputs {
             heater_w: drive.heater_power_w,
             fan: drive.fan,
@@ -127,9 +184,6 @@ impl PrinterModel {
             next[state::SENSOR] += step_s * rates.sensor_k;
             done += 1.0;
         }
-        let modelled = || self.filament_speed(x, drive.motor_speed_m_s);
-        let filament_m_s = drive.filament_speed_m_s.unwrap_or_else(modelled);
-        next[state::FLOW] = lagged(x[state::FLOW], filament_m_s, dt_s, self.lag_s);
         next
     }
 

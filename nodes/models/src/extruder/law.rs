@@ -40,6 +40,30 @@ impl StaticLaw {
         }
     }
 
+    /// Law of a melt that leaves the colder the faster it flows, `T_m(u)` (model book 1.2), as one power law: exact at two
+    /// outlet speeds `[m/s]`, 0 < low < high; `None` where no force drives it: of a melt that is frozen.
+    #[must_use]
+    pub fn of_melting(
+        (melt, extruder): (&Melt, &Extruder),
+        (nozzle, filament): (Kelvin, Kelvin),
+        (low_m_s, high_m_s): (f64, f64),
+    ) -> Option<Self> {
+        let force_n = |outlet_m_s: f64| {
+            let flow_m3_s = outlet_m_s * melt.filament_area_m2();
+            melt.force_n(flow_m3_s, melt.melt_temperature(nozzle, filament, flow_m3_s))
+        };
+        let (least_n, most_n) = (force_n(low_m_s), force_n(high_m_s));
+        let flow_index = ((most_n / least_n).ln() / (high_m_s / low_m_s).ln()).min(1.0);
+        let force_scale = most_n / high_m_s.powf(flow_index);
+        (flow_index > 0.0 && force_scale > 0.0 && force_scale.is_finite()).then(|| Self {
+            flow_index,
+            inverse_index: 1.0 / flow_index,
+            force_scale,
+            compression_scale: extruder.compliance_m_n * force_scale,
+            linear_lag_s: extruder.linear_lag_s,
+        })
+    }
+
     /// Law `x = b u^n + K_lin u` given by its compression alone, `b` in `[m (s/m)^n]`: for drives whose force is not
     /// known. [`StaticLaw::force_n`] then reads as for a compliance of 1 m/N.
     #[must_use]
@@ -144,6 +168,12 @@ impl Pressure {
     pub fn steady(law: &StaticLaw, outlet_m_s: f64) -> Self {
         let compression_m = law.compression_m(outlet_m_s);
         Self { compression_m, outlet: law.outlet(compression_m, Outlet::STILL) }
+    }
+
+    /// A chamber that `missing_m` of filament, 0 or more, are missing in.
+    #[must_use]
+    pub(super) fn dry(missing_m: f64) -> Self {
+        Self { compression_m: -missing_m, outlet: Outlet::STILL }
     }
 
     /// Compressed length x `[m]`; below 0 after a retraction, when the melt chamber is not full.

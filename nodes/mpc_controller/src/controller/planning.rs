@@ -140,16 +140,26 @@ impl Controller {
     }
 
     /// Follows the flow error slowly: a road's transients are over before a correction could act on them.
+    ///
+    /// Over such a time what passed the encoder has left the nozzle. In strokes of pressure advance that says more of the flow
+    /// than an estimate of it at the moments at which a road is steady: those are not the mean of all.
     pub(super) fn follow_flow(&mut self, status: &PrinterStatus, estimate: &Estimate, dt_s: f64) {
+        if !status.depositing || dt_s <= 0.0 {
+            return;
+        }
         let settings = &self.params.bumpless;
+        if estimate.encoder_alive {
+            let planned_m_s = status.planned_feed_m_s.max(0.0) * self.base.feed();
+            let excess_m = self.balance.take_excess_m();
+            let flow_m_s = planned_m_s + excess_m / dt_s;
+            self.flow_error.follow((flow_m_s, planned_m_s), dt_s, settings.flow_averaging_s);
+            return;
+        }
         let least_m_s = settings.flow_min_rel * estimate.reference_feed_m_s;
         let nominal = self.nominal.flow_m_s(settings.settle_lags).filter(|flow_m_s| *flow_m_s > least_m_s);
-        if let (Some(nominal_m_s), true) = (nominal, status.depositing) {
-            let averaging_s = match estimate.encoder_alive {
-                true => settings.flow_averaging_s,
-                false => settings.flow_averaging_alone_s,
-            };
-            self.flow_error.follow((estimate.flow_m_s, nominal_m_s), dt_s, averaging_s);
+        if let Some(nominal_m_s) = nominal {
+            let flows_m_s = (estimate.flow_m_s, nominal_m_s);
+            self.flow_error.follow(flows_m_s, dt_s, settings.flow_averaging_alone_s);
         }
     }
 }

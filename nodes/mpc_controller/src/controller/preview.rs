@@ -1,10 +1,15 @@
 //! Preview: trims attached to coming moves. A corner is planned before it comes, not chased after it.
 
-use super::Controller;
+use super::{Controller, Printer};
+use crate::input::Estimate;
 use crate::params::{AdvanceSource, Level};
 use models::command::{AdvanceLaw, MotionTrim};
+use models::extruder::StaticLaw;
 use models::motion::{MoveKind, Segment};
 use models::units::{Kelvin, Seconds};
+
+/// Flow in a corner over that before it, about `[-]`.
+const CORNER: f64 = 0.3;
 
 impl Controller {
     /// The trim of a coming move, number `sequence`, that became known at `now`; `None` where corrections or preview are
@@ -27,20 +32,20 @@ impl Controller {
         })
     }
 
-    /// The nominal law `x = a(T_m) u^n + K_lin u` of the filament held compressed (model book 1.2) at the melt's
-    /// estimated temperature; `None` where no recent estimate tells the nozzle's.
+    /// The nominal law of the filament held compressed up to a move's cruise; `None` where no recent estimate tells the
+    /// nozzle's temperature.
     fn melt_law(&self, now: Seconds, segment: &Segment, feed: f64) -> Option<AdvanceLaw> {
         let limit_s = self.params.estimate_age_limit_s;
         let estimate = self.estimate.filter(|made| now.0 - made.stamp.0 <= limit_s)?;
         let cruise_m_s = segment.filament_per_path() * segment.profile.cruise_m_s * feed;
-        let melt = &self.printer.melt;
-        let flow_m3_s = cruise_m_s * melt.filament_area_m2();
-        let temp = melt.melt_temperature(estimate.nozzle, Kelvin(self.params.ambient_k), flow_m3_s);
-        let extruder = &self.printer.extruder;
-        Some(AdvanceLaw {
-            linear_s: extruder.linear_lag_s,
-            shear: extruder.compliance_m_n * melt.force_n(melt.filament_area_m2(), temp),
-            index: melt.flow_index(),
-        })
+        (cruise_m_s > 0.0).then(|| self.outlet_law(&estimate, cruise_m_s))?.map(|law| law.advance())
+    }
+
+    /// The nominal law `x = a u^n + K_lin u` of the outlet (model book 1.2) from a corner's speed up to `fastest_m_s`, > 0, at
+    /// the nozzle's estimated temperature; `None` where the melt is frozen.
+    pub(super) fn outlet_law(&self, estimate: &Estimate, fastest_m_s: f64) -> Option<StaticLaw> {
+        let Printer { melt, extruder, .. } = &self.printer;
+        let temperatures = (estimate.nozzle, Kelvin(self.params.ambient_k));
+        StaticLaw::of_melting((melt, extruder), temperatures, (CORNER * fastest_m_s, fastest_m_s))
     }
 }

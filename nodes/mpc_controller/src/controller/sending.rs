@@ -42,6 +42,7 @@ impl Controller {
     fn slip(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Option<f64> {
         if !estimate.encoder_alive {
             self.catch_up.open();
+            self.balance.open();
             return None;
         }
         Some(match status.host {

@@ -134,6 +134,22 @@ fn a_limit_that_is_changed_holds_at_once() {
     assert!(after.last().unwrap().speed < before.speed, "{:?}", after.last());
 }
 
+/// With an encoder the filament that passed it tells the flow, whatever the estimate says of the moment: a flow that is
+/// estimated 5 % too low is left alone, a filament that is 5 % short is not.
+#[test]
+fn with_an_encoder_the_balance_of_filament_is_the_flow_error() {
+    for (share, estimated, expected) in [(1.0, 0.95, 0.0), (0.95, 1.0, -0.05)] {
+        let mut rig = Rig::new(Level::Mpc);
+        rig.filament_m_s = Some(share * FEED_M_S);
+        for _ in 0..999 {
+            rig.run(1, |made| Estimate { flow_m_s: estimated * FEED_M_S, ..made });
+            rig.in_force = Trims::NEUTRAL;
+        }
+        let found = rig.controller.report().flow_error;
+        assert!((found - expected).abs() < 2e-3, "{found} for {share}");
+    }
+}
+
 #[test]
 fn a_wide_road_is_answered_within_rates_and_without_a_jump() {
     let mut rig = Rig::new(Level::Mpc);

@@ -38,6 +38,9 @@ pub(super) struct Rig {
     pub(super) wanted_m: f64,
     pub(super) in_force: Trims,
     pub(super) duty: f64,
+    /// What passes the encoder `[m/s]`; the estimated flow without it.
+    pub(super) filament_m_s: Option<f64>,
+    delivered_m: f64,
 }
 
 impl Rig {
@@ -46,7 +49,15 @@ impl Rig {
     }
 
     pub(super) fn of(controller: Controller) -> Self {
-        Self { controller, step: 0, wanted_m: 0.0, in_force: Trims::NEUTRAL, duty: 0.5 }
+        Self {
+            controller,
+            step: 0,
+            wanted_m: 0.0,
+            in_force: Trims::NEUTRAL,
+            duty: 0.5,
+            filament_m_s: None,
+            delivered_m: 0.0,
+        }
     }
 
     pub(super) fn now_s(&self) -> f64 {
@@ -62,7 +73,11 @@ impl Rig {
             let now_s = self.now_s();
             let status = status(now_s, self.wanted_m, self.in_force);
             self.controller.on_event(Event::Printer(PrinterStatus { hotend_duty: self.duty, ..status }));
-            if let Some(command) = self.controller.on_event(Event::Estimate(shape(estimate(now_s)))) {
+            let estimate = shape(estimate(now_s));
+            if estimate.encoder_alive {
+                self.deliver(self.filament_m_s.unwrap_or(estimate.flow_m_s));
+            }
+            if let Some(command) = self.controller.on_event(Event::Estimate(estimate)) {
                 self.in_force = command.trims;
                 sent.push(command.trims);
             }
@@ -71,5 +86,14 @@ impl Rig {
             }
         }
         sent
+    }
+
+    /// Two samples of the encoder in the step that ends now.
+    fn deliver(&mut self, filament_m_s: f64) {
+        for ago_s in [0.025, 0.0] {
+            self.delivered_m += filament_m_s * 0.025;
+            let stamp = Seconds(self.now_s() - ago_s);
+            self.controller.on_event(Event::Encoder { stamp, position_m: self.delivered_m });
+        }
     }
 }
