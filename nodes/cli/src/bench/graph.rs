@@ -157,22 +157,27 @@ async fn follow(samples: u64, graph: u32) -> anyhow::Result<Vec<Benchmark>> {
     for station in [&mut hotend, &mut encoder, &mut estimate, &mut command, &mut permit] {
         station.sent_ns.sort_unstable();
     }
-    let stations = [&estimate.sent_ns[..], &command.sent_ns, &permit.sent_ns];
-    let mut all = told(Ways::of(&hotend.sent_ns, stations), "temperature");
-    all.extend(told(Ways::of(&encoder.sent_ns, stations), "filament"));
-    for (name, station) in [
-        ("temperature", &hotend),
-        ("filament", &encoder),
-        ("estimate", &estimate),
-        ("command", &command),
-        ("permit", &permit),
-    ] {
-        #[allow(clippy::cast_precision_loss, reason = "counts of messages")]
-        let share = 1e6 * station.lost as f64 / (station.heard + station.lost).max(1) as f64;
-        all.push(Benchmark::new(format!("{name}: messages lost on the way to a reader"), "of 10^6", share));
-    }
+    let mut all = figures([&hotend, &encoder, &estimate, &command, &permit]);
     all.extend(nodes(&before, &usage(graph), wall_s));
     Ok(all)
+}
+
+/// How long samples took, and what of each topic was lost.
+#[allow(clippy::cast_precision_loss, reason = "counts of messages")]
+fn figures(all: [&Station; STATIONS + 1]) -> Vec<Benchmark> {
+    let [hotend, encoder, estimate, command, permit] = all.map(|station| &station.sent_ns[..]);
+    let stations = [estimate, command, permit];
+    let mut figures = told(Ways::of(hotend, stations), "temperature");
+    figures.extend(told(Ways::of(encoder, stations), "filament"));
+    for (name, station) in ["temperature", "filament", "estimate", "command", "permit"].into_iter().zip(all) {
+        let share = 1e6 * station.lost as f64 / (station.heard + station.lost).max(1) as f64;
+        figures.push(Benchmark::new(
+            format!("{name}: messages lost on the way to a reader"),
+            "of 10^6",
+            share,
+        ));
+    }
+    figures
 }
 
 #[allow(clippy::cast_precision_loss, reason = "counts of messages")]
