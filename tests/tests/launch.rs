@@ -237,7 +237,7 @@ fn the_predictor_is_started_where_it_is_asked_for_alone() {
             .unwrap();
         processes(&up)[0].as_array().unwrap().iter().map(meaning).collect::<Vec<_>>()
     };
-    let source = |nodes: &[[String; 4]], name: &str| {
+    let source = |nodes: &[[String; 5]], name: &str| {
         let controller = nodes.iter().find(|[node, ..]| node == "mpc_controller").unwrap();
         controller[4].contains(&format!("advance.source: \"{name}\""))
     };
