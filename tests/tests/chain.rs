@@ -2,8 +2,13 @@
 //!
 //! The nodes are processes and speak over DDS; simulated time stands still while the sample is under way, so that no timer
 //! can tick.
-#![allow(clippy::unwrap_used, reason = "helpers of tests: a failure is the test's failure")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "helpers of tests: a failure is the test's failure"
+)]
 
+#[allow(dead_code, reason = "what another test needs of it")]
 #[path = "refusals/fleet.rs"]
 mod fleet;
 
