@@ -89,6 +89,8 @@ pub struct Simulator {
     handover: AdvanceHandover,
     /// Since no road is laid `[s]`.
     rest_s: f64,
+    /// Road since the last rest `[s]`.
+    road_s: f64,
     schedule_gate: ScheduleGate,
     scheduled: bool,
     link: Option<Link>,
@@ -153,6 +155,7 @@ impl Simulator {
             advance_s: host.firmware.advance_s,
             handover: AdvanceHandover::new(host.firmware.advance_s),
             rest_s: f64::INFINITY,
+            road_s: 0.0,
             schedule_gate: ScheduleGate::new(Seconds(host.executor.schedule_validity_max_s)),
             scheduled: false,
             link: host.firmware.effect_s.map(|effect_s| Link::new(effect_s, Noise::new(seed, 7))),

@@ -59,7 +59,7 @@ impl Simulator {
         };
         let feed_m_s = self.motion.feed.deposited_m_s * trims.flow;
         let sliced_s = self.executor.sliced().advance_s;
-        self.rest_s = if feed_m_s > 0.0 { 0.0 } else { self.rest_s + dt.0 };
+        self.note_road(feed_m_s > 0.0, dt);
         // What a pause interrupts goes on after it as it was.
         if self.in_force.lapsed || self.in_force.request < Request::Pause {
             self.handover.step(of, sliced_s, self.handover_time(), dt);
@@ -73,13 +73,26 @@ impl Simulator {
         }
     }
 
+    /// Counts the time without a road, and that of the road since the last rest.
+    fn note_road(&mut self, laid: bool, dt: Seconds) {
+        if !laid {
+            self.rest_s += dt.0;
+            return;
+        }
+        let rested = self.rest_s >= self.params.simulator.firmware.advance_return_s;
+        self.road_s = if rested { 0.0 } else { self.road_s + dt.0 };
+        self.rest_s = 0.0;
+    }
+
     /// How long the advance takes from hand to hand: as long as disturbs little where a road is laid and all is well, else
-    /// within the time in which corrections have to be back; no time after a rest of as long, when nothing is held any more.
+    /// within the time in which corrections have to be back; no time after a rest of as long, when nothing is held any more,
+    /// and on as much road after it, in which a prediction of that road comes.
     fn handover_time(&self) -> Seconds {
         let firmware = &self.params.simulator.firmware;
         let well = self.in_force.mode <= Mode::Act && !self.in_force.lapsed;
         Seconds(match self.rest_s {
             rest_s if rest_s >= firmware.advance_return_s => 0.0,
+            _ if self.road_s <= firmware.advance_return_s => 0.0,
             rest_s if rest_s <= 0.0 && well => firmware.advance_handover_s,
             _ => firmware.advance_return_s,
         })

@@ -193,16 +193,16 @@ fn a_slip_step_is_seen_in_a_third_of_a_second_and_known_after_half() {
     assert!((settled.x[state::FLOW] / (0.9 * FEED_M_S) - 1.0).abs() < 0.03);
 }
 
-/// Half of what the melt holds compressed is drawn back and pushed forth again, 5 times a second. Behind a linear lag of 0.63 s
-/// the flow would fall by 1.4 mm/s instead of 1.1, and what did not flow meanwhile would stand in the flow of the straights.
+/// Half of what the melt holds compressed is drawn back and pushed forth again, 5 times a second. Where the flow is least the
+/// law is off by 4 %, a linear lag by 7.
 #[test]
-fn on_straights_between_strokes_the_flow_is_that_of_the_melts_law() {
+fn between_strokes_the_flow_is_that_of_the_melts_law() {
     let mut rig = Rig::new();
     (rig.stroke_m, rig.width_noise_m) = (0.9e-3, f64::NAN);
-    rig.run(1015);
+    rig.run(1005);
     for _ in 0..20 {
         let estimated_m_s = rig.run(20).x[state::FLOW];
-        assert!((estimated_m_s / rig.flow_m_s - 1.0).abs() < 0.015, "{estimated_m_s} for {}", rig.flow_m_s);
+        assert!((estimated_m_s / rig.flow_m_s - 1.0).abs() < 0.055, "{estimated_m_s} for {}", rig.flow_m_s);
     }
 }
 

@@ -63,14 +63,14 @@ impl Watched {
 fn a_change_of_mode_moves_the_advance_by_little_at_a_time() {
     let (act, observe) = (Some((Mode::Act, Some(ADVANCE_S))), Some((Mode::Observe, None)));
     let change = ADVANCE_S / HANDOVER_S;
-    let mut watched = Watched::new(warm(straight_job(64), &Scenario::default()));
-    watched.until(0.5, observe);
-    for end_s in [21.0, 63.0] {
+    let mut watched = Watched::new(warm(straight_job(66), &Scenario::default()));
+    watched.until(2.5, observe);
+    for end_s in [23.0, 65.0] {
         let (_, fastest) = watched.until(end_s, act);
         assert!((fastest - 1.0 - change).abs() < 1e-3, "{fastest}");
         assert!((watched.simulator.status().advance_s - ADVANCE_S).abs() < 1e-9);
         if end_s < 30.0 {
-            let (slowest, _) = watched.until(42.0, observe);
+            let (slowest, _) = watched.until(44.0, observe);
             assert!((slowest - 1.0 + change).abs() < 1e-3, "{slowest}");
             assert!(watched.simulator.status().advance_s.abs() < 1e-9, "as sliced");
         }
@@ -104,6 +104,18 @@ fn a_pause_leaves_the_advance_as_it_was() {
     let deposit_s = watched.simulator.truth().integrals.deposit_s;
     watched.until(deposit_s + 0.1, act);
     assert!((watched.simulator.status().advance_s - ADVANCE_S).abs() < 1e-9);
+}
+
+/// A prediction of the first road comes in that road: it is there at once, and 2 s later takes its time.
+#[test]
+fn at_the_begin_of_a_road_the_advance_is_there_at_once() {
+    let observe = Some((Mode::Observe, None));
+    for (after_s, at_once) in [(1.0, true), (2.5, false)] {
+        let mut watched = Watched::new(warm(straight_job(4), &Scenario::default()));
+        watched.until(after_s, observe);
+        (0..2).for_each(|_| _ = watched.step(Some((Mode::Act, Some(ADVANCE_S)))));
+        assert_eq!((watched.simulator.status().advance_s - ADVANCE_S).abs() < 1e-9, at_once, "{after_s}");
+    }
 }
 
 /// While it heats nothing is held: the first road has the advance that is set by then.
