@@ -160,6 +160,8 @@ proptest! {
             ("/diagnostics", fdm_loop_msgs::DiagnosticArray::DEFINITION),
         ];
         let (topic, definition) = names[which];
+        // A bag without any topic of a printer's has no page.
+        file.bytes(names[0].0, &names[0].1.full_name(), 0.0, &body);
         for _ in 0..3 {
             file.bytes(topic, &definition.full_name(), 0.0, &body);
         }
