@@ -24,6 +24,7 @@ use models::motion::{MoveKind, Step};
 use models::params::ParamError;
 use models::status::JobPhase;
 use models::units::{Kelvin, Seconds};
+use schedule::Roads;
 use std::collections::VecDeque;
 
 mod camera;
@@ -87,10 +88,7 @@ pub struct Simulator {
     camera: Option<Box<dyn Camera>>,
     advance_s: f64,
     handover: AdvanceHandover,
-    /// Since no road is laid `[s]`.
-    rest_s: f64,
-    /// Road since the last rest `[s]`.
-    road_s: f64,
+    roads: Roads,
     schedule_gate: ScheduleGate,
     scheduled: bool,
     link: Option<Link>,
@@ -154,8 +152,7 @@ impl Simulator {
             camera: camera::of(&params.camera, seed),
             advance_s: host.firmware.advance_s,
             handover: AdvanceHandover::new(host.firmware.advance_s),
-            rest_s: f64::INFINITY,
-            road_s: 0.0,
+            roads: Roads::NONE,
             schedule_gate: ScheduleGate::new(Seconds(host.executor.schedule_validity_max_s)),
             scheduled: false,
             link: host.firmware.effect_s.map(|effect_s| Link::new(effect_s, Noise::new(seed, 7))),

@@ -16,6 +16,30 @@ pub enum Unscheduled {
     Late,
 }
 
+/// How long none has been laid, and for how long one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Roads {
+    /// Since no road is laid `[s]`.
+    rest_s: f64,
+    /// Road since the last rest `[s]`.
+    road_s: f64,
+}
+
+impl Roads {
+    /// Before the first one.
+    pub(super) const NONE: Self = Self { rest_s: f64::INFINITY, road_s: 0.0 };
+
+    /// Another `dt` with or without a road; after as long as `rest` without one the count begins anew.
+    fn note(&mut self, laid: bool, dt: Seconds, rest: Seconds) {
+        if !laid {
+            self.rest_s += dt.0;
+            return;
+        }
+        self.road_s = if self.rest_s >= rest.0 { 0.0 } else { self.road_s + dt.0 };
+        self.rest_s = 0.0;
+    }
+}
+
 impl Simulator {
     /// Whether this host attaches trims to moves: it streams the file itself, or plans it.
     #[must_use]
@@ -59,7 +83,7 @@ impl Simulator {
         };
         let feed_m_s = self.motion.feed.deposited_m_s * trims.flow;
         let sliced_s = self.executor.sliced().advance_s;
-        self.note_road(feed_m_s > 0.0, dt);
+        self.roads.note(feed_m_s > 0.0, dt, Seconds(self.params.simulator.firmware.advance_return_s));
         // What a pause interrupts goes on after it as it was.
         if self.in_force.lapsed || self.in_force.request < Request::Pause {
             self.handover.step(of, sliced_s, self.handover_time(), dt);
@@ -73,26 +97,15 @@ impl Simulator {
         }
     }
 
-    /// Counts the time without a road, and that of the road since the last rest.
-    fn note_road(&mut self, laid: bool, dt: Seconds) {
-        if !laid {
-            self.rest_s += dt.0;
-            return;
-        }
-        let rested = self.rest_s >= self.params.simulator.firmware.advance_return_s;
-        self.road_s = if rested { 0.0 } else { self.road_s + dt.0 };
-        self.rest_s = 0.0;
-    }
-
     /// How long the advance takes from hand to hand: as long as disturbs little where a road is laid and all is well, else
     /// within the time in which corrections have to be back; no time after a rest of as long, when nothing is held any more,
     /// and on as much road after it, in which a prediction of that road comes.
     fn handover_time(&self) -> Seconds {
         let firmware = &self.params.simulator.firmware;
         let well = self.in_force.mode <= Mode::Act && !self.in_force.lapsed;
-        Seconds(match self.rest_s {
+        Seconds(match self.roads.rest_s {
             rest_s if rest_s >= firmware.advance_return_s => 0.0,
-            _ if self.road_s <= firmware.advance_return_s => 0.0,
+            _ if self.roads.road_s <= firmware.advance_return_s => 0.0,
             rest_s if rest_s <= 0.0 && well => firmware.advance_handover_s,
             _ => firmware.advance_return_s,
         })
