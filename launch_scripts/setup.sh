@@ -32,7 +32,7 @@ need_rust() {
   . "$HOME/.cargo/env"
 }
 
-# The compiler links the Rust binaries and builds zstd for the bags and the bindings of OpenCV; those are made from
-# its headers with clang's library. videoio brings core, imgproc and imgcodecs with it.
-need_packages g++ clang libopencv-videoio-dev
+# clang (as `cc` and `c++`, where there is no other) links the Rust binaries and builds zstd for the bags and the bindings
+# of OpenCV; its library makes those from OpenCV's headers. videoio brings core, imgproc and imgcodecs with it.
+need_packages clang libopencv-videoio-dev
 need_rust

@@ -115,7 +115,7 @@ pub(super) fn build_tools() -> Finding {
         std::env::split_paths(&path).any(|folder| folder.join(program).is_file())
     };
     let (has, lacks): (Vec<&str>, Vec<&str>) =
-        ["cargo", "g++", "clang"].into_iter().partition(|name| there(name));
+        ["cargo", "c++", "clang"].into_iter().partition(|name| there(name));
     let list = |names: Vec<&str>| if names.is_empty() { "none".to_owned() } else { names.join(", ") };
     Finding::ok("build tools", format!("not needed to run; here: {}, not here: {}", list(has), list(lacks)))
 }
