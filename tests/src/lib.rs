@@ -1,6 +1,29 @@
 //! What several test targets share; the tests themselves live in these.
 
 use std::path::Path;
+use std::process::{Command, ExitStatus};
+
+/// A domain of DDS for this process and those that it starts, `nth` tells those of one process apart: ports of domains up to
+/// 101 lie below the ephemeral ones.
+#[must_use]
+pub fn own_domain(nth: u32) -> String {
+    (20 + (std::process::id() + nth) % 80).to_string()
+}
+
+/// Runs a test once more, as the one test of a process with its own domain: a node reads the domain from the environment,
+/// which a test cannot change in itself. `None` in that process: it goes on with the test.
+///
+/// # Errors
+/// What the system says.
+pub fn run_in_own_domain(test: &str, nth: u32) -> std::io::Result<Option<ExitStatus>> {
+    const ALONE: &str = "FDM_TEST_IN_OWN_DOMAIN";
+    if std::env::var_os(ALONE).is_some() {
+        return Ok(None);
+    }
+    let mut command = Command::new(std::env::current_exe()?);
+    command.args([test, "--exact", "--nocapture"]);
+    command.env(ALONE, "1").env("ROS_DOMAIN_ID", own_domain(nth)).status().map(Some)
+}
 
 /// Copies a folder with all that is in it.
 ///

@@ -13,8 +13,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// Set in the process that is the peer: the domain is read from the environment, which a test cannot change in itself.
-const PEER: &str = "FDM_BRIDGE_PEER";
 /// Longest wait for anything: only ends a test that hangs.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -54,15 +52,10 @@ fn simulated_time_writing_and_hosts_to_come_are_refused_with_what_to_do() {
 
 #[test]
 fn a_printer_on_a_serial_line_is_on_the_graph() {
-    if std::env::var_os(PEER).is_none() {
-        let status = Command::new(std::env::current_exe().unwrap())
-            .args(["a_printer_on_a_serial_line_is_on_the_graph", "--exact", "--nocapture"])
-            .env(PEER, "1")
-            // Ports of domains up to 101 lie below the ephemeral ones.
-            .env("ROS_DOMAIN_ID", (20 + std::process::id() % 80).to_string())
-            .status()
-            .unwrap();
-        assert!(status.success(), "the peer failed, see above");
+    if let Some(alone) =
+        system_tests::run_in_own_domain("a_printer_on_a_serial_line_is_on_the_graph", 0).unwrap()
+    {
+        assert!(alone.success(), "it failed in its own domain, see above");
         return;
     }
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();

@@ -20,11 +20,8 @@ use fleet::Fleet;
 use models::units::Seconds;
 use runtime::{Args, ClockDriver, Node, Publisher, Subscription, topics};
 use std::collections::BTreeSet;
-use std::process::Command;
 use std::time::Duration;
 
-/// Set in the process that is the peer: the domain is read from the environment, which a test cannot change in itself.
-const PEER: &str = "FDM_CHAIN_PEER";
 /// Longest wait for anything.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// Longest time for which a message is under way.
@@ -36,15 +33,10 @@ const STEP_S: f64 = 0.024;
 
 #[test]
 fn a_temperature_is_answered_while_time_stands_still() {
-    if std::env::var_os(PEER).is_none() {
-        let status = Command::new(std::env::current_exe().unwrap())
-            .args(["a_temperature_is_answered_while_time_stands_still", "--exact", "--nocapture"])
-            .env(PEER, "1")
-            // Ports of domains up to 101 lie below the ephemeral ones.
-            .env("ROS_DOMAIN_ID", (20 + std::process::id() % 80).to_string())
-            .status()
-            .unwrap();
-        assert!(status.success(), "the peer failed, see above");
+    if let Some(alone) =
+        system_tests::run_in_own_domain("a_temperature_is_answered_while_time_stands_still", 0).unwrap()
+    {
+        assert!(alone.success(), "it failed in its own domain, see above");
         return;
     }
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();

@@ -167,7 +167,7 @@ fn the_installed_command_finds_its_own_configuration_from_anywhere() {
 fn an_installed_node_takes_what_ros2_run_passes_and_ends_on_sigint() {
     let prefix = PREFIX.clone();
     let config = prefix.join("share/fdm_loop/config/thermistor.param.yaml");
-    let domain = (20 + std::process::id() % 80).to_string();
+    let domain = system_tests::own_domain(0);
     let node = Command::new(prefix.join("lib/fdm_loop/thermistor"))
         .current_dir("/")
         .args([

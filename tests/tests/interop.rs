@@ -32,11 +32,11 @@ fn python() -> PathBuf {
     python
 }
 
-fn run(script: &str, domain: u32) -> Output {
+fn run(script: &str, domain: &str) -> Output {
     Command::new(python())
         .arg(root().join("tests/interop").join(script))
         .arg(binaries())
-        .arg(domain.to_string())
+        .arg(domain)
         .env("FDM_INTEROP_MIRROR", std::env::current_exe().unwrap())
         .env_remove("RUST_LOG")
         .output()
@@ -51,11 +51,10 @@ fn an_independent_dds_and_our_nodes_understand_each_other() {
         mirror::run();
         return;
     }
-    // Ports of domains up to 101 lie below the ephemeral ones.
-    let domain = 20 + std::process::id() % 80;
+    let domain = system_tests::own_domain(0);
     for round in 1..=rounds() {
         for script in ["messages.py", "user.py", "recorder.py", "frames.py", "peers.py"] {
-            let output = run(script, domain);
+            let output = run(script, &domain);
             let said = String::from_utf8_lossy(&output.stdout);
             println!("round {round}, {script}:\n{said}");
             let errors = String::from_utf8_lossy(&output.stderr);

@@ -14,8 +14,7 @@ fn root() -> PathBuf {
 fn command(words: &[&str]) -> Command {
     let fdm = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
     let mut command = Command::new(fdm);
-    // Ports of domains up to 101 lie below the ephemeral ones.
-    let domain = (20 + std::process::id() % 80).to_string();
+    let domain = system_tests::own_domain(0);
     command.current_dir(root()).args(words).env("ROS_DOMAIN_ID", domain).env_remove("RUST_LOG");
     command
 }

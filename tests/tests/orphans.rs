@@ -19,8 +19,7 @@ fn nodes_end_with_the_command_that_started_them() {
         .current_dir(root)
         .args(["up", "--gcode", "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode", "--bag"])
         .arg(folder.join("bag"))
-        // Ports of domains up to 101 lie below the ephemeral ones.
-        .env("ROS_DOMAIN_ID", (20 + std::process::id() % 80).to_string())
+        .env("ROS_DOMAIN_ID", system_tests::own_domain(0))
         .env_remove("RUST_LOG")
         .stdin(Stdio::null())
         .stderr(Stdio::piped())

@@ -23,26 +23,18 @@ use fleet::Fleet;
 use models::units::Seconds;
 use runtime::{Args, Node, Subscription, Timer, topics};
 use shown::Shown;
-use std::process::Command;
 use std::time::Duration;
 use table::{Entry, Kind};
 
-/// Set in the process that is the peer: the domain is read from the environment, which a test cannot change in itself.
-const PEER: &str = "FDM_REFUSALS_PEER";
 /// Longest wait for a counter: reports come once a second.
 const PATIENCE: Duration = Duration::from_secs(15);
 
 #[test]
 fn every_bad_message_is_refused_counted_and_shown() {
-    if std::env::var_os(PEER).is_none() {
-        let status = Command::new(std::env::current_exe().unwrap())
-            .args(["every_bad_message_is_refused_counted_and_shown", "--exact", "--nocapture"])
-            .env(PEER, "1")
-            // Ports of domains up to 101 lie below the ephemeral ones.
-            .env("ROS_DOMAIN_ID", (20 + std::process::id() % 80).to_string())
-            .status()
-            .unwrap();
-        assert!(status.success(), "the peer failed, see above");
+    if let Some(alone) =
+        system_tests::run_in_own_domain("every_bad_message_is_refused_counted_and_shown", 0).unwrap()
+    {
+        assert!(alone.success(), "it failed in its own domain, see above");
         return;
     }
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();

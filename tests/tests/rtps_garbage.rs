@@ -120,8 +120,7 @@ fn inside_a_namespace() -> Command {
     } else {
         println!("no network namespace: unicast alone, in a domain of its own");
         let mut command = Command::new(test);
-        // Ports of domains up to 101 lie below the ephemeral ones.
-        command.env("ROS_DOMAIN_ID", (20 + std::process::id() % 80).to_string());
+        command.env("ROS_DOMAIN_ID", system_tests::own_domain(0));
         command
     };
     command.args([TEST, "--exact", "--nocapture"]).env(OBSERVER, "1");

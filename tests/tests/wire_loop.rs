@@ -20,26 +20,15 @@ use models::units::Seconds;
 use peer::{Peer, Seen, is_neutral, stamp_s};
 use runtime::{Args, Node, topics};
 use std::collections::BTreeMap;
-use std::process::Command;
 use std::time::Duration;
 
-/// Set in the process that is the peer: the domain is read from the environment, which a test cannot change in itself.
-const PEER: &str = "FDM_WIRE_LOOP_PEER";
 /// Layers that are compared.
 const LAYERS: u32 = 6;
 
 /// Runs `body` in a process with a domain of its own.
 fn on_own_domain(test: &str, offset: u32, body: impl AsyncFnOnce()) {
-    if std::env::var_os(PEER).is_none() {
-        // Ports of domains up to 101 lie below the ephemeral ones.
-        let domain = 20 + (std::process::id() + offset) % 80;
-        let status = Command::new(std::env::current_exe().unwrap())
-            .args([test, "--exact", "--nocapture"])
-            .env(PEER, "1")
-            .env("ROS_DOMAIN_ID", domain.to_string())
-            .status()
-            .unwrap();
-        assert!(status.success(), "the peer failed, see above");
+    if let Some(alone) = system_tests::run_in_own_domain(test, offset).unwrap() {
+        assert!(alone.success(), "it failed in its own domain, see above");
         return;
     }
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
