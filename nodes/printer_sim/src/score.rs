@@ -1,4 +1,4 @@
-//! Quality of the print so far, from the truth of the plant; every figure is weighted by time over deposited roads.
+//! Quality of the print so far, from the truth of the plant; those of the bead are weighted by time over deposited roads.
 //!
 //! The integrals stand in [`Truth`](crate::Truth), so that whoever follows it over DDS can form the figures between
 //! any two moments although messages may be lost: the difference of two integrals needs no sample in between.
@@ -6,12 +6,13 @@
 use models::quality::{Observed, Quality};
 use serde::Serialize;
 
-/// Integrals over deposited roads since the start.
+/// Integrals since the start.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Integrals {
     /// Time in which a road was deposited `[s]`.
     pub deposit_s: f64,
-    /// Filament commanded for roads: the slicer's times the flow trim, advance included `[m]`.
+    /// Filament commanded, but for retractions and priming: the slicer's times the flow trim, and the advance, of which a
+    /// part is pushed and withdrawn on the way from road to road `[m]`.
     pub wanted_m: f64,
     /// Filament that passed the gear meanwhile `[m]`.
     pub delivered_m: f64,
@@ -51,10 +52,6 @@ impl Integrals {
 pub struct Moment<'a> {
     /// Width, temperature, adhesion, porosity and their references.
     pub bead: Observed<'a>,
-    /// Filament commanded in this step `[m]`.
-    pub wanted_m: f64,
-    /// Filament delivered in this step `[m]`.
-    pub delivered_m: f64,
     /// Length of the step `[s]`.
     pub dt_s: f64,
 }
@@ -73,13 +70,17 @@ impl Score {
         Self { quality, integrals: Integrals::default() }
     }
 
+    /// Adds the filament of one step without a retraction or priming: commanded, and delivered `[m]`.
+    pub fn add_feed(&mut self, wanted_m: f64, delivered_m: f64) {
+        self.integrals.wanted_m += wanted_m;
+        self.integrals.delivered_m += delivered_m;
+    }
+
     /// Adds one step in which a road was deposited.
-    pub fn add(&mut self, moment: &Moment<'_>) {
+    pub fn add_road(&mut self, moment: &Moment<'_>) {
         let error_rel = moment.bead.width_m / moment.bead.width_wanted_m - 1.0;
         let sum = &mut self.integrals;
         sum.deposit_s += moment.dt_s;
-        sum.wanted_m += moment.wanted_m;
-        sum.delivered_m += moment.delivered_m;
         sum.width_error_sq_s += error_rel * error_rel * moment.dt_s;
         sum.quality_s += self.quality.terms(&moment.bead).total() * moment.dt_s;
     }

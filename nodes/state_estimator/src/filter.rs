@@ -211,8 +211,8 @@ impl Filter {
             let motor_speed_m_s =
                 motor_m.map_or(status.planned_feed_m_s, |before_m| (sample.motor_m - before_m) / dt_s);
             motor_m = Some(sample.motor_m);
-            let settle_s = self.params.encoder.settle_s;
-            let told = measurement::filament_in_strokes(inbox, (run.at_s, sample.stamp_s), settle_s);
+            let strokes_s = self.params.encoder.strokes_s;
+            let told = measurement::filament_in_strokes(inbox, (run.at_s, sample.stamp_s), strokes_s);
             run.drive = self.drive(status, motor_speed_m_s, told.filter(|_| run.encoder_alive));
             let noise = self.noise(run, status, dt_s);
             let (model, drive) = (self.model, run.drive);

@@ -114,13 +114,13 @@ pub(crate) fn encoder(
     })
 }
 
-/// Mean speed of the filament past the encoder over an interval of strokes, or one within `settle_s` of a stroke back
+/// Mean speed of the filament past the encoder over an interval of strokes, or one within `strokes_s` of a stroke back
 /// `[m/s]`.
 ///
 /// Pressure advance drives the motor forth and back by several times what it feeds. Only strokes forth slip, so a slip
 /// that is known to a hundredth leaves a tenth of the flow open, and the encoder tells no slip there: it tells the flow.
-pub(crate) fn filament_in_strokes(inbox: &Inbox, (from_s, to_s): (f64, f64), settle_s: f64) -> Option<f64> {
-    let (slowest_m_s, _) = inbox.samples.speed_range(from_s - settle_s, to_s)?;
+pub(crate) fn filament_in_strokes(inbox: &Inbox, (from_s, to_s): (f64, f64), strokes_s: f64) -> Option<f64> {
+    let (slowest_m_s, _) = inbox.samples.speed_range(from_s - strokes_s, to_s)?;
     if slowest_m_s >= 0.0 {
         return None;
     }

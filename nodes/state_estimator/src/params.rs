@@ -166,8 +166,10 @@ pub struct RawEncoder {
     pub interval_max_s: f64,
     /// Slower than this share of the reference feed is not looked at `[-]`.
     pub speed_min_rel: f64,
-    /// Wait after a retraction `[s]`.
+    /// Time after a stroke back from which on the encoder tells the slip `[s]`, in `[0, 2]`.
     pub settle_s: f64,
+    /// Time after a stroke back for which the encoder tells the flow itself `[s]`, in `[0, 2]`.
+    pub strokes_s: f64,
     /// Deviation added to the slip on a step `[-]`.
     pub step_std: f64,
     /// When it is believed.

@@ -20,8 +20,12 @@ impl Simulator {
         truth.detached = self.faults_in_force.detached;
         truth.layer = self.executor.layer().map_or(0, |layer| layer + 1);
         truth.reference_k = Kelvin::from(self.executor.sliced().hotend).0 - self.params.nozzle_drop_k;
+        let retracts_or_primes = self.motion.feed.other_m_s.abs() > 0.0;
+        if !retracts_or_primes {
+            self.score.add_feed(truth.wanted_m - before.wanted_m, truth.delivered_m - before.delivered_m);
+        }
         if road.is_some() {
-            self.score.add(&Moment {
+            self.score.add_road(&Moment {
                 bead: Observed {
                     feature_errors: &[],
                     width_m: truth.width_m,
@@ -30,8 +34,6 @@ impl Simulator {
                     adhesion: truth.adhesion,
                     porosity: truth.porosity,
                 },
-                wanted_m: truth.wanted_m - before.wanted_m,
-                delivered_m: truth.delivered_m - before.delivered_m,
                 dt_s: truth.stamp_s - before.stamp_s,
             });
         }

@@ -222,6 +222,16 @@ fn in_strokes_the_encoder_tells_the_flow() {
     assert!((estimated_m / true_m - 1.0).abs() < 0.01, "{estimated_m} m of {true_m} m");
 }
 
+/// Of 0.2 s each, 0.14 are without a stroke back: two intervals of 0.05 s with edges of strokes in them.
+#[test]
+fn a_slip_is_told_between_strokes() {
+    let mut rig = Rig::new();
+    rig.run(1000);
+    (rig.slip, rig.stroke_m, rig.width_noise_m) = (0.06, 0.9e-3, f64::NAN);
+    let told = rig.run(800).x[state::SLIP];
+    assert!(told > 0.03, "{told}");
+}
+
 #[test]
 fn a_wider_road_is_a_gain_and_not_a_slip() {
     let mut rig = Rig::new();
