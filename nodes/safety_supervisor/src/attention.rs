@@ -26,17 +26,19 @@ pub struct Attention {
     above_soft: u32,
     above_hard: u32,
     calm: u32,
+    newest: Option<f64>,
 }
 
 impl Attention {
     /// Starts at normal.
     #[must_use]
     pub fn new(params: AttentionParams) -> Self {
-        Self { params, level: Level::Normal, above_soft: 0, above_hard: 0, calm: 0 }
+        Self { params, level: Level::Normal, above_soft: 0, above_hard: 0, calm: 0, newest: None }
     }
 
     /// Takes a confidence of a fault in `[0, 1]` and returns the level after it.
     pub fn on_confidence(&mut self, confidence: f64) -> Level {
+        self.newest = Some(confidence);
         let count = |holds: bool, so_far: u32| if holds { so_far.saturating_add(1) } else { 0 };
         self.above_soft = count(confidence > self.params.soft, self.above_soft);
         self.above_hard = count(confidence > self.params.hard, self.above_hard);
@@ -54,6 +56,12 @@ impl Attention {
     /// A hard limit was violated.
     pub fn force_hard(&mut self) {
         self.level = Level::Hard;
+    }
+
+    /// The confidence that came last.
+    #[must_use]
+    pub fn newest(&self) -> Option<f64> {
+        self.newest
     }
 
     /// The level now.

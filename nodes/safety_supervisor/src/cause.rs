@@ -114,6 +114,22 @@ causes! {
         "find out why the last run ended, then acknowledge";
 }
 
+impl Cause {
+    /// Whether it is seen by the bed's thermistor.
+    #[must_use]
+    pub fn is_of_bed(self) -> bool {
+        use Cause::{BedDeficit, BedFrozen, BedRange, BedStuckOn, BedThermistorDetached, StaleBed};
+        matches!(self, BedRange | StaleBed | BedFrozen | BedStuckOn | BedDeficit | BedThermistorDetached)
+    }
+
+    /// Whether the camera's judge says it, and a person sees more.
+    #[must_use]
+    pub fn is_of_camera(self) -> bool {
+        use Cause::{Confidence, LayerShift, OverExtrusion, Spaghetti, UnderExtrusion};
+        matches!(self, LayerShift | Spaghetti | UnderExtrusion | OverExtrusion | Confidence)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

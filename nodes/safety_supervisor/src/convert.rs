@@ -8,7 +8,10 @@ use models::command::{Mode, Scheduled};
 use models::units::Seconds;
 use runtime::wire::{self, WireError};
 
-use crate::event::{Decision, Defect, Event, Operator, PrinterReport, SafetyState, VisionReport, What};
+use crate::cause::Cause;
+use crate::event::{
+    Decision, Defect, Event, Evidence, Operator, PrinterReport, SafetyState, VisionReport, What,
+};
 
 pub fn hotend(message: &Temperature) -> Result<(Seconds, Event), WireError> {
     let (stamp, temp) = wire::temperature_from_wire(message)?;
@@ -78,7 +81,7 @@ pub fn state(now: Seconds, state: &SafetyState) -> StateMessage {
         mode: state.mode as u8,
         set_mode: state.set_mode as u8,
         attention: state.attention as u8,
-        cause: state.cause.map_or_else(String::new, |cause| format!("{}: {}", cause.id(), cause.text())),
+        cause: state.cause.map_or_else(String::new, |cause| caused(cause, state.evidence)),
         since_s: state.since.0,
         what_to_do: state.what_to_do.to_owned(),
         latched: state.mode >= Mode::SafeOff,
@@ -94,10 +97,19 @@ pub fn event(now: Seconds, who: &str, decision: &Decision) -> PrintEvent {
         severity: severity(decision),
         who: who.to_owned(),
         what: what(decision.what),
-        why: decision.why.to_owned(),
+        why: decision.cause.map_or_else(
+            || decision.why.to_owned(),
+            |(cause, number)| format!("{}. What to do: {}", caused(cause, number), cause.what_to_do()),
+        ),
         before: mode_name(decision.before).to_owned(),
         after: mode_name(decision.after).to_owned(),
     }
+}
+
+/// A cause behind its ID, with the number it rests on.
+fn caused(cause: Cause, evidence: Option<Evidence>) -> String {
+    let number = evidence.map_or_else(String::new, |number| format!(" ({number})"));
+    format!("{}: {}{number}", cause.id(), cause.text())
 }
 
 fn severity(decision: &Decision) -> u8 {
@@ -106,6 +118,9 @@ fn severity(decision: &Decision) -> u8 {
             PrintEvent::SEVERITY_ERROR
         }
         What::ModeChanged | What::CauseChanged if decision.after >= Mode::Degraded => {
+            PrintEvent::SEVERITY_WARN
+        }
+        What::Granted(_) if decision.after > decision.before && decision.after >= Mode::Degraded => {
             PrintEvent::SEVERITY_WARN
         }
         What::ModeChanged | What::CauseChanged | What::Granted(_) => PrintEvent::SEVERITY_INFO,
@@ -153,5 +168,44 @@ pub fn mode_name(mode: Mode) -> &'static str {
         Mode::Paused => "paused",
         Mode::SafeOff => "safe_off",
         Mode::Estop => "estop",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decision(what: What, after: Mode) -> Decision {
+        Decision { what, why: "on request", cause: None, before: Mode::Observe, after }
+    }
+
+    /// Cause, number and what to do: of an event as of the state.
+    #[test]
+    fn an_event_says_cause_number_and_what_to_do() {
+        let evidence = Some(Evidence { value: 450.04, unit: "degC", digits: 1 });
+        let found = Decision {
+            cause: Some((Cause::HotendRange, evidence)),
+            ..decision(What::ModeChanged, Mode::SafeOff)
+        };
+        assert_eq!(
+            event(Seconds(1.0), "safety_supervisor", &found).why,
+            "S1: hot end temperature outside of the possible range (450.0 degC). What to do: check thermistor and its \
+             plug, then acknowledge"
+        );
+        let by_person = decision(What::Granted(Operator::Stop), Mode::SafeOff);
+        assert_eq!(event(Seconds(1.0), "safety_supervisor", &by_person).why, "on request");
+        assert_eq!(caused(Cause::StopInput, None), "P13: the stop contact is open: button or door");
+    }
+
+    #[test]
+    fn what_a_person_stops_stands_out_in_the_log() {
+        for (request, after, severity) in [
+            (Operator::Estop, Mode::Estop, PrintEvent::SEVERITY_WARN),
+            (Operator::Pause, Mode::Paused, PrintEvent::SEVERITY_WARN),
+            (Operator::SetMode(Mode::Act), Mode::Act, PrintEvent::SEVERITY_INFO),
+        ] {
+            let told = event(Seconds(1.0), "safety_supervisor", &decision(What::Granted(request), after));
+            assert_eq!(told.severity, severity, "{request:?}");
+        }
     }
 }

@@ -75,6 +75,12 @@ impl Envelope {
         Verdict::Taken
     }
 
+    /// The clock was set back: times of before mean nothing any more.
+    pub fn set_back(&mut self) {
+        (self.previous, self.stranger, self.rival) = (None, None, None);
+        self.outside.forget();
+    }
+
     /// Corrections of the command in force, inside the range; `None` once it has lapsed.
     #[must_use]
     pub fn wished(&self, now: Seconds) -> Option<Trims> {

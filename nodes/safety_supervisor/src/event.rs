@@ -7,8 +7,10 @@ use models::units::{Celsius, Seconds};
 use crate::attention::Level;
 use crate::cause::Cause;
 
+mod evidence;
 mod vision;
 
+pub use evidence::Evidence;
 pub use vision::{Defect, VisionReport};
 
 /// A stream the supervisor listens to.
@@ -73,6 +75,8 @@ pub struct PrinterReport {
     pub stamp: Seconds,
     /// Where the job stands.
     pub phase: JobPhase,
+    /// Layer from 0, where it is known.
+    pub layer: Option<u32>,
     /// Filament the motor was told to push since start `[m]`.
     pub motor_position_m: f64,
     /// Filament wanted since start `[m]`.
@@ -110,6 +114,7 @@ impl From<&PrinterStatus> for PrinterReport {
         Self {
             stamp: status.stamp,
             phase: status.phase,
+            layer: status.layer,
             motor_position_m: status.motor_position_m,
             wanted_position_m: status.wanted_position_m,
             hotend_duty: status.hotend_duty,
@@ -213,12 +218,14 @@ pub enum What {
 }
 
 /// One decision, for the log of events.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decision {
     /// What.
     pub what: What,
     /// Why, for people.
     pub why: &'static str,
+    /// The cause that `why` is the text of, and the number it rests on.
+    pub cause: Option<(Cause, Option<Evidence>)>,
     /// Mode before.
     pub before: Mode,
     /// Mode after.
@@ -234,6 +241,8 @@ pub struct SafetyState {
     pub set_mode: Mode,
     /// Why the mode is not the one that was set.
     pub cause: Option<Cause>,
+    /// The number that the cause rested on when it was found.
+    pub evidence: Option<Evidence>,
     /// Since when the mode is in force.
     pub since: Seconds,
     /// What a person should do; empty if nothing.

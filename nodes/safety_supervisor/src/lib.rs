@@ -46,7 +46,8 @@ pub mod supervisor;
 
 pub use cause::{Cause, Reaction};
 pub use event::{
-    Decision, Defect, Event, Operator, Output, PrinterReport, SafetyState, Stream, VisionReport, What,
+    Decision, Defect, Event, Evidence, Operator, Output, PrinterReport, SafetyState, Stream, VisionReport,
+    What,
 };
 pub use modes::Latch;
 pub use params::Params;

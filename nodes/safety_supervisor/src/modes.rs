@@ -110,6 +110,22 @@ impl Modes {
         }
     }
 
+    /// Why the job waits for a resume; `None` where it does not.
+    #[must_use]
+    pub fn paused_for(&self) -> Option<Cause> {
+        self.pause.or(self.hold).map(|pause| pause.cause)
+    }
+
+    /// The clock was set back to `now` by `gap`, below zero: what began before that keeps its age.
+    pub fn set_back(&mut self, now: Seconds, gap: Seconds) {
+        let moved = |since: Seconds| if since > now { since + gap } else { since };
+        for pause in [&mut self.pause, &mut self.hold].into_iter().flatten() {
+            pause.since = moved(pause.since);
+        }
+        self.degraded = self.degraded.map(|(cause, last)| (cause, moved(last)));
+        self.since = moved(self.since);
+    }
+
     /// Why the mode is not the one that was set.
     #[must_use]
     pub fn cause(&self) -> Option<Cause> {

@@ -106,14 +106,14 @@ impl Shell {
 
     async fn publish(&mut self, now: Seconds, output: &Output, totals: Totals) {
         let kept = self.latch.keeps(self.supervisor.latch()).await;
-        self.outlets.publish(now, output, kept, totals);
         self.outlets.tell_latch(&self.latch);
+        self.outlets.publish(now, output, kept, totals);
     }
 
     async fn end(&mut self, now: Seconds, output: &Output) {
         let latch = self.supervisor.latch();
         let kept = self.latch.keeps(latch).await;
         self.outlets.last(now, output, kept);
-        self.latch.finish().await;
+        self.latch.end(latch).await;
     }
 }

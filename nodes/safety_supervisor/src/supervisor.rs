@@ -1,10 +1,13 @@
 //! The brain: takes events, yields a permit on every tick, and at once on a person's request and on a command.
 
 mod brains;
+mod evidence;
+mod grace;
 mod observe;
 mod operate;
 mod parts;
 mod schedule;
+mod stall;
 mod thermal;
 
 use models::command::{Limits, Mode, Permit, Trims};
@@ -13,7 +16,7 @@ use models::units::{Celsius, Seconds};
 
 use crate::cause::Cause;
 use crate::envelope::{Envelope, Verdict};
-use crate::event::{Decision, Event, Output, PrinterReport, SafetyState, Stream, What};
+use crate::event::{Decision, Event, Evidence, Output, PrinterReport, SafetyState, Stream, What};
 use crate::modes::{Latch, Modes};
 use crate::params::Params;
 use crate::schedule::Schedule;
@@ -38,6 +41,8 @@ pub struct Supervisor {
     hotend: Option<Celsius>,
     printer: Option<PrinterReport>,
     printer_failed: bool,
+    /// What the camera may say again of the thing that a person has looked at, and up to which layer.
+    grace: Option<(Cause, u32)>,
     paused_alone_since: Option<Seconds>,
     approved: Option<Trims>,
     allowed: Trims,
@@ -49,6 +54,8 @@ pub struct Supervisor {
     started: Option<Seconds>,
     last_tick: Option<Seconds>,
     last_stall: Option<Seconds>,
+    /// The cause in force, and the number it rested on when it was found.
+    found: Option<(Cause, Option<Evidence>)>,
     decisions: Vec<Decision>,
 }
 
@@ -71,6 +78,7 @@ impl Supervisor {
             hotend: None,
             printer: None,
             printer_failed: false,
+            grace: None,
             paused_alone_since: None,
             approved: None,
             allowed: Trims::NEUTRAL,
@@ -80,6 +88,7 @@ impl Supervisor {
             started: None,
             last_tick: None,
             last_stall: None,
+            found: None,
             decisions: Vec::new(),
             params,
         }
@@ -156,7 +165,11 @@ impl Supervisor {
                 (What::CommandRefused(refusal), "see the reason")
             }
         };
-        self.decisions.push(Decision { what, why, before, after: before });
+        let decision = Decision { what, why, cause: None, before, after: before };
+        // Of a flood each kind is told once a tick; how many there were the counters say.
+        if !self.decisions.contains(&decision) {
+            self.decisions.push(decision);
+        }
         what == What::CommandClamped
     }
 
@@ -175,7 +188,7 @@ impl Supervisor {
         let before = self.modes.mode();
         if self.checks.impulse.take() {
             let why = "a knock or lost steps: the camera tells which";
-            self.decisions.push(Decision { what: What::Impulse, why, before, after: before });
+            self.decisions.push(Decision { what: What::Impulse, why, cause: None, before, after: before });
         }
         self.initialise(now);
         let raised = self.raised(now);
@@ -185,13 +198,16 @@ impl Supervisor {
         if self.modes.update(now, &raised, job_runs) {
             let after = self.modes.mode();
             let what = if before == after { What::CauseChanged } else { What::ModeChanged };
-            let why = self.modes.cause().map_or("the cause is gone", Cause::text);
-            self.decisions.push(Decision { what, why, before, after });
+            self.find(now);
+            let why = self.found.map_or("the cause is gone", |(cause, _)| cause.text());
+            self.decisions.push(Decision { what, why, cause: self.found, before, after });
         }
+        let paused_for = self.modes.paused_for();
         if self.modes.try_resume(now, self.readiness()) {
-            self.forget();
+            self.resumed(paused_for);
             let after = self.modes.mode();
-            self.decisions.push(Decision { what: What::ModeChanged, why: "resumed", before, after });
+            let what = What::ModeChanged;
+            self.decisions.push(Decision { what, why: "resumed", cause: None, before, after });
         }
         self.printer_failed = false;
         self.move_trims(now, Seconds(dt_s));
@@ -199,34 +215,9 @@ impl Supervisor {
         self.output(now)
     }
 
-    /// The tick came late: what was silent in the meantime was not heard, which says nothing of it.
-    fn on_stall(&mut self, now: Seconds, gap: Seconds) {
-        // Once in a while: whoever always comes late hears nothing in time, and has to say so.
-        let often = self.last_stall.is_some_and(|last| (now - last).0 < self.params.modes.stall_forgiven_s);
-        self.last_stall = Some(now);
-        // A clock that was set back is not late: the ages go back with it.
-        if !often || gap < Seconds(0.0) {
-            for age in self.ages.all_mut() {
-                age.forgive(gap);
-            }
-            self.checks.frozen.reset();
-            self.checks.bed_frozen.reset();
-            self.checks.detached.reset();
-            self.checks.bed_detached.reset();
-            self.started = self.started.map(|_| now);
-        }
-        self.allowed = Trims::NEUTRAL;
-        self.step = None;
-        self.ramp = None;
-        self.returning_since = None;
-        self.approved = None;
-        let mode = self.modes.mode();
-        self.decisions.push(Decision {
-            what: What::StoodStill,
-            why: "the tick came late",
-            before: mode,
-            after: mode,
-        });
+    /// Keeps what the cause in force rests on, from when it was found.
+    fn find(&mut self, now: Seconds) {
+        self.found = self.modes.cause().map(|cause| (cause, self.evidence(now, cause)));
     }
 
     fn initialise(&mut self, now: Seconds) {
@@ -268,6 +259,7 @@ impl Supervisor {
             mode,
             set_mode: self.modes.set_mode(),
             cause,
+            evidence: self.found.filter(|(found, _)| Some(*found) == cause).and_then(|(_, number)| number),
             since: self.modes.since(),
             what_to_do: cause.map_or("", Cause::what_to_do),
             attention: self.checks.attention.level(),

@@ -209,8 +209,13 @@ fn s7_ages_call_for_more_step_by_step_and_only_where_a_step_is_given() {
     ] {
         assert_eq!(check.reaction(Seconds(10.0 + age_s)), reaction, "{age_s}");
     }
-    check.forgive(Seconds(2.0));
+    check.forgive(Seconds(12.1), Seconds(2.0));
     assert_eq!(check.reaction(Seconds(12.31)), Some(Reaction::Degrade));
+    // Heard since the clock went on or back: as old as it is, neither ahead of the clock nor an hour behind.
+    for gap_s in [3600.0, -3600.0] {
+        check.forgive(Seconds(12.0), Seconds(gap_s));
+        assert_eq!(check.reaction(Seconds(12.31)), Some(Reaction::Degrade), "{gap_s}");
+    }
     assert_eq!(check.reaction(Seconds(12.29)), None);
     check.restart(Seconds(20.0));
     assert_eq!(check.reaction(Seconds(20.2)), None);

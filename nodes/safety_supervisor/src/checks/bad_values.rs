@@ -35,6 +35,11 @@ impl Burst {
         self.times[self.params.count - 1].is_some_and(|oldest| now.0 - oldest.0 <= self.params.span_s)
     }
 
+    /// Forgets when it was, not how often.
+    pub fn forget(&mut self) {
+        self.times = [None; COUNT_MAX];
+    }
+
     /// All occurrences so far.
     #[must_use]
     pub fn total(&self) -> u64 {

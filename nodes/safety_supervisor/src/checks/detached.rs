@@ -36,6 +36,12 @@ impl DetachedCheck {
         self.falling = if fast { self.falling.saturating_add(1) } else { 0 };
     }
 
+    /// How fast it falls `[K/s]`.
+    #[must_use]
+    pub fn fall_k_s(&self) -> f64 {
+        self.fall_k_s
+    }
+
     /// Whether it fell out. One spike makes at most as many fast spans as the parameter demands less one.
     #[must_use]
     pub fn tripped(&self) -> bool {

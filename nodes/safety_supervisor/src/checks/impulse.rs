@@ -68,6 +68,11 @@ impl ImpulseCheck {
         }
     }
 
+    /// Begins anew; how many there were stays known.
+    pub fn reset(&mut self) {
+        *self = Self { unseen: self.unseen, total: self.total, ..Self::new(self.params) };
+    }
+
     /// Whether an impulse was flagged since the last call.
     pub fn take(&mut self) -> bool {
         std::mem::take(&mut self.unseen)

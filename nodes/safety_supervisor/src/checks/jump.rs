@@ -57,6 +57,13 @@ impl JumpCheck {
         self.apart.is_some()
     }
 
+    /// How far the newest reading is off `[K]`; `None` where it is not.
+    #[must_use]
+    pub fn step_k(&self) -> Option<f64> {
+        let ((apart_c, _), (_, held_c)) = (self.apart?, self.held?);
+        Some(apart_c - held_c)
+    }
+
     /// Whether it stepped. It stays so until the gap is too long to be judged: the new level is then taken for what
     /// it is, and only a person's acknowledge ends what was latched meanwhile.
     #[must_use]

@@ -58,6 +58,12 @@ impl NoiseCheck {
         self.off_among(self.params.window) as f64 > share_max
     }
 
+    /// Share of the window that is off `[-]`.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.off_among(self.params.window) as f64 / self.params.window as f64
+    }
+
     /// Whether so many of the newest readings are off that what moves fast in them means nothing.
     #[must_use]
     pub fn is_suspect(&self) -> bool {

@@ -26,6 +26,11 @@ impl PartFanCheck {
         self.slow_since = if slow { self.slow_since.or(Some(now)) } else { None };
     }
 
+    /// Forgets since when it has been slow.
+    pub fn reset(&mut self) {
+        self.slow_since = None;
+    }
+
     /// Share of the full flow that the fan gives `[0, 1]`: by its tachometer, else as it is told.
     #[must_use]
     pub fn flow_share(&self, duty: f64, speed_1_s: Option<f64>) -> f64 {

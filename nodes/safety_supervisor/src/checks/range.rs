@@ -8,6 +8,7 @@ use crate::params::RangeParams;
 #[derive(Debug, Clone)]
 pub struct RangeCheck {
     params: RangeParams,
+    newest: Option<Celsius>,
     outside: u32,
 }
 
@@ -15,11 +16,12 @@ impl RangeCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: RangeParams) -> Self {
-        Self { params, outside: 0 }
+        Self { params, newest: None, outside: 0 }
     }
 
     /// Takes a temperature.
     pub fn on_sample(&mut self, temp: Celsius) {
+        self.newest = Some(temp);
         let inside = (self.params.min_c..=self.params.max_c).contains(&temp.0);
         self.outside = if inside { 0 } else { self.outside.saturating_add(1) };
     }
@@ -28,6 +30,18 @@ impl RangeCheck {
     #[must_use]
     pub fn tripped(&self) -> bool {
         self.outside >= self.params.samples
+    }
+
+    /// The newest sample; `None` before the first.
+    #[must_use]
+    pub fn newest(&self) -> Option<Celsius> {
+        self.newest
+    }
+
+    /// Whether there was a sample, and the newest was inside.
+    #[must_use]
+    pub fn is_well(&self) -> bool {
+        self.newest.is_some() && self.is_inside()
     }
 
     /// Whether the newest sample was inside.

@@ -26,6 +26,11 @@ impl RunOutCheck {
         };
     }
 
+    /// Forgets since when it has been away.
+    pub fn reset(&mut self) {
+        self.empty_since = None;
+    }
+
     /// Whether the filament has been away for longer than the debounce.
     #[must_use]
     pub fn tripped(&self, now: Seconds) -> bool {

@@ -13,13 +13,14 @@ pub struct ShiftCheck {
     params: ShiftParams,
     beyond: u32,
     impulse: bool,
+    newest_m: Option<f64>,
 }
 
 impl ShiftCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: ShiftParams) -> Self {
-        Self { params, beyond: 0, impulse: false }
+        Self { params, beyond: 0, impulse: false, newest_m: None }
     }
 
     /// Takes the offset in x and y `[m]` of one frame; `None` where the frame does not tell. `impulse`: one was
@@ -27,7 +28,15 @@ impl ShiftCheck {
     pub fn on_offset(&mut self, offset_m: Option<[f64; 2]>, impulse: bool) {
         self.impulse = impulse;
         let Some([x_m, y_m]) = offset_m else { return };
-        self.beyond = if x_m.hypot(y_m) > self.limit_m() { self.beyond.saturating_add(1) } else { 0 };
+        let offset_m = x_m.hypot(y_m);
+        self.newest_m = Some(offset_m);
+        self.beyond = if offset_m > self.limit_m() { self.beyond.saturating_add(1) } else { 0 };
+    }
+
+    /// Offset that was seen last `[m]`.
+    #[must_use]
+    pub fn newest_m(&self) -> Option<f64> {
+        self.newest_m
     }
 
     /// How long an impulse counts as a hint.

@@ -40,15 +40,26 @@ impl StaleCheck {
         self.newest = self.newest.map(|_| now);
     }
 
-    /// Time in which the supervisor itself stood still does not count as silence of others.
-    pub fn forgive(&mut self, gap: Seconds) {
-        self.newest = self.newest.map(|newest| newest + gap);
+    /// Time in which the supervisor itself stood still does not count as silence of others; where the clock was set back,
+    /// with a `gap` below zero, the age stays what it was. What came since is as old as it is.
+    pub fn forgive(&mut self, now: Seconds, gap: Seconds) {
+        self.newest = self.newest.map(|newest| match newest + gap {
+            _ if gap < Seconds(0.0) && newest <= now => newest,
+            later if later > now => now,
+            moved => moved,
+        });
+    }
+
+    /// Time since the newest message, or since it was due.
+    #[must_use]
+    pub fn age(&self, now: Seconds) -> Option<Seconds> {
+        self.newest.map(|newest| now - newest)
     }
 
     /// What the age calls for.
     #[must_use]
     pub fn reaction(&self, now: Seconds) -> Option<Reaction> {
-        let age_s = now.0 - self.newest?.0;
+        let age_s = self.age(now)?.0;
         let beyond = |limit_s: Option<f64>| limit_s.is_some_and(|limit_s| age_s > limit_s);
         if beyond(self.params.safe_off_s) {
             Some(Reaction::SafeOff)

@@ -31,6 +31,7 @@ fn params() -> ModeParams {
         stall_s: 0.2,
         stall_forgiven_s: 5.0,
         return_s: 5.0,
+        grace_layers: 2,
     }
 }
 

@@ -55,6 +55,15 @@ impl LatchFile {
         self.stored == latch
     }
 
+    /// Waits for what is being written, and writes `latch` where that was another one: the last word of this run.
+    pub(super) async fn end(&mut self, latch: Option<Latch>) {
+        self.finish().await;
+        self.rest = 0;
+        if !self.keeps(latch).await {
+            self.finish().await;
+        }
+    }
+
     /// Waits for what is being written.
     pub(super) async fn finish(&mut self) {
         let Some((latch, handle)) = self.job.take() else { return };
@@ -64,7 +73,8 @@ impl LatchFile {
                 self.failed = None;
             }
             Err(error) => {
-                self.failed = Some(error.to_string());
+                let path = self.path.as_deref().unwrap_or(Path::new(""));
+                self.failed = Some(format!("{}: {error}", path.display()));
                 self.rest = REST;
             }
         }

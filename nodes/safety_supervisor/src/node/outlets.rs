@@ -30,8 +30,10 @@ pub(super) struct Outlets {
     name: String,
     session: u64,
     sequence: u64,
+    /// Why the disk does not keep the latch, or its end.
+    disk: Option<String>,
     /// What a new message on `safety/state` would tell.
-    told: Option<(Mode, Mode, Option<Cause>, u8)>,
+    told: Option<(Mode, Mode, Option<Cause>, u8, bool)>,
     told_at: Seconds,
 }
 
@@ -46,6 +48,7 @@ impl Outlets {
             name: node.name(),
             session: node.session(),
             sequence: 0,
+            disk: None,
             told: None,
             told_at: Seconds(f64::NEG_INFINITY),
         })
@@ -59,7 +62,7 @@ impl Outlets {
             self.events.send(convert::event(now, &self.name, decision));
         }
         let state = SafetyState { mode: permit.mode, ..output.state };
-        let tells = (state.mode, state.set_mode, state.cause, state.attention as u8);
+        let tells = (state.mode, state.set_mode, state.cause, state.attention as u8, self.disk.is_some());
         let due = (now - self.told_at).0 >= topics::SAFETY_STATE_PERIOD.0 || now < self.told_at;
         if due || self.told != Some(tells) {
             self.told = Some(tells);
@@ -79,9 +82,10 @@ impl Outlets {
         self.permits.send(permit_to_wire(now, &Permit { trims: Trims::NEUTRAL, ..permit }));
     }
 
-    /// What the disk has to say.
-    pub(super) fn tell_latch(&self, latch: &LatchFile) {
+    /// What the disk has to say; told with the next state too.
+    pub(super) fn tell_latch(&mut self, latch: &LatchFile) {
         self.diagnostics.set("latch_file", latch.failed.as_deref().unwrap_or("ok"));
+        self.disk.clone_from(&latch.failed);
     }
 
     fn tell(&mut self, now: Seconds, state: &SafetyState, totals: Totals) {
@@ -93,7 +97,7 @@ impl Outlets {
             refused_out_of_range: totals.out_of_range,
             refused_stale: totals.stale,
             refused_sequence: totals.sequence,
-            ..convert::state(now, state)
+            ..with_disk(convert::state(now, state), self.disk.as_deref())
         });
         self.diagnostics.set("mode", convert::mode_name(state.mode));
         self.diagnostics.set("refused_values", state.refused_values);
@@ -113,8 +117,19 @@ impl Outlets {
             Mode::Init | Mode::Observe | Mode::Advise | Mode::Act => Level::Ok,
         };
         let cause = state.cause.map_or("ok", Cause::text);
-        self.diagnostics.report(level, cause);
+        match &self.disk {
+            Some(error) => self.diagnostics.report(Level::Error, &format!("latch_file not written: {error}")),
+            None => self.diagnostics.report(level, cause),
+        }
     }
+}
+
+/// A person has to know why the heaters stay off: beside the cause, or where it is gone.
+fn with_disk(state: StateMessage, refusal: Option<&str>) -> StateMessage {
+    let Some(error) = refusal else { return state };
+    let what_to_do = format!("the heaters stay off until latch_file can be written ({error})");
+    let before = if state.what_to_do.is_empty() { String::new() } else { format!("{}; ", state.what_to_do) };
+    StateMessage { what_to_do: format!("{before}{what_to_do}"), ..state }
 }
 
 /// While the disk is not done the printer is as safe as latched, without being told so: the heaters are off, or the
@@ -151,5 +166,16 @@ mod tests {
             assert!(sent.mode < Mode::SafeOff);
             assert_eq!((sent.request, sent.trims), (wanted, Trims::NEUTRAL));
         }
+    }
+
+    #[test]
+    fn a_person_is_told_of_the_disk_that_keeps_the_heaters_off() {
+        let state =
+            |what_to_do: &str| StateMessage { what_to_do: what_to_do.to_owned(), ..StateMessage::default() };
+        let told = |before: &str| with_disk(state(before), Some("/x/latch.json: full")).what_to_do;
+        let disk = "the heaters stay off until latch_file can be written (/x/latch.json: full)";
+        assert_eq!(told(""), disk, "acknowledged, but the record of it stays");
+        assert_eq!(told("acknowledge"), format!("acknowledge; {disk}"));
+        assert_eq!(with_disk(state("acknowledge"), None), state("acknowledge"));
     }
 }

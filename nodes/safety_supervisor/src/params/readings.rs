@@ -53,14 +53,13 @@ impl NoiseParams {
     pub(super) fn check(&self) -> Result<(), ParamError> {
         positive("noise.gate_k", self.gate_k, "K")?;
         in_range("noise.share_max", self.share_max, "-", (0.01, 0.9))?;
-        for (name, readings) in [
-            ("noise.window", self.window),
-            ("noise.suspect_window", self.suspect_window),
-            ("noise.suspect_count", self.suspect_count),
-        ] {
+        for (name, readings) in [("noise.window", self.window), ("noise.suspect_window", self.suspect_window)]
+        {
             in_range(name, readings as f64, "-", (1.0, WINDOW_MAX as f64))?;
         }
-        Ok(())
+        // More than there are would never be off.
+        let most = self.suspect_window as f64;
+        in_range("noise.suspect_count", self.suspect_count as f64, "-", (1.0, most)).map(drop)
     }
 }
 
@@ -167,5 +166,7 @@ mod tests {
         let noise =
             NoiseParams { gate_k: 1.0, window: 1000, share_max: 0.2, suspect_window: 20, suspect_count: 2 };
         assert!(noise.check().is_err());
+        let never = NoiseParams { window: 50, suspect_count: 21, ..noise };
+        assert_eq!(never.check().unwrap_err().to_string(), "noise.suspect_count = 21 -: must be in [1, 20]");
     }
 }

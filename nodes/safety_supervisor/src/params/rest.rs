@@ -49,6 +49,10 @@ impl TryFrom<RawStaleParams> for StaleParams {
     type Error = ParamError;
 
     fn try_from(raw: RawStaleParams) -> Result<Self, ParamError> {
+        let steps =
+            [("degraded_s", Some(raw.degraded_s)), ("pause_s", raw.pause_s), ("safe_off_s", raw.safe_off_s)];
+        let taken: Vec<_> = steps.into_iter().filter_map(|(name, age_s)| Some((name, age_s?))).collect();
+        taken.windows(2).try_for_each(|pair| ordered(pair[0], pair[1]))?;
         Ok(Self {
             degraded_s: in_range("degraded_s", raw.degraded_s, "s", (0.05, 60.0))?,
             pause_s: optional("pause_s", raw.pause_s, (0.05, 60.0))?,
@@ -192,7 +196,8 @@ impl TryFrom<RawAttentionParams> for AttentionParams {
         Ok(Self {
             soft: in_range("soft", raw.soft, "-", (0.0, 1.0))?,
             hard: in_range("hard", raw.hard, "-", (0.0, 1.0))?,
-            hysteresis: in_range("hysteresis", raw.hysteresis, "-", (0.0, 1.0))?,
+            // A level that no confidence lies below would never let attention go.
+            hysteresis: in_range("hysteresis", raw.hysteresis, "-", (0.0, raw.soft))?,
             n_soft: count("n_soft", raw.n_soft, 100)?,
             n_hard: count("n_hard", raw.n_hard, 100)?,
             n_off: count("n_off", raw.n_off, 100)?,
@@ -224,6 +229,8 @@ pub struct ModeParams {
     pub stall_forgiven_s: f64,
     /// Corrections that were taken back come back for so long before raised attention holds them `[s]`.
     pub return_s: f64,
+    /// Layers after a resume in which the camera pauses nothing for what the pause was for `[-]`.
+    pub grace_layers: u32,
 }
 
 /// As [`ModeParams`], as it is written.
@@ -250,6 +257,8 @@ pub struct RawModeParams {
     pub stall_forgiven_s: f64,
     /// Corrections that were taken back come back for so long before raised attention holds them `[s]`.
     pub return_s: f64,
+    /// Layers after a resume in which the camera pauses nothing for what the pause was for `[-]`.
+    pub grace_layers: u32,
 }
 
 impl TryFrom<RawModeParams> for ModeParams {
@@ -267,6 +276,12 @@ impl TryFrom<RawModeParams> for ModeParams {
             stall_s: in_range("stall_s", raw.stall_s, "s", (0.05, 5.0))?,
             stall_forgiven_s: in_range("stall_forgiven_s", raw.stall_forgiven_s, "s", (0.0, 600.0))?,
             return_s: in_range("return_s", raw.return_s, "s", (0.0, 60.0))?,
+            grace_layers: in_range("grace_layers", f64::from(raw.grace_layers), "-", (0.0, 100.0))
+                .map(|_| raw.grace_layers)?,
         })
     }
 }
+
+#[cfg(test)]
+#[path = "rest_tests.rs"]
+mod tests;

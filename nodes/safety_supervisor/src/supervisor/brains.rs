@@ -56,7 +56,8 @@ impl Supervisor {
         if self.modes.set(Mode::Observe).is_ok() {
             // of the set mode: the one in force may be degraded already
             let after = Mode::Observe;
-            self.decisions.push(Decision { what: What::ModeChanged, why: cause.text(), before, after });
+            let (what, why) = (What::ModeChanged, cause.text());
+            self.decisions.push(Decision { what, why, cause: Some((cause, None)), before, after });
         }
     }
 }

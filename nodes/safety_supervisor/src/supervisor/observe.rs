@@ -21,7 +21,13 @@ impl Supervisor {
 
     pub(super) fn on_imu(&mut self, now: Seconds, (first, period): (Seconds, Seconds), samples: &[[f64; 3]]) {
         let finite = samples.iter().flatten().all(|value| value.is_finite());
-        if !(finite && first.0.is_finite() && period.0 > 0.0) {
+        // The last one is no further ahead than a stamp may be: what came later would count as seen.
+        let last_s = first.0 + period.0 * samples.len() as f64;
+        if !(finite
+            && first.0.is_finite()
+            && period.0 > 0.0
+            && last_s <= now.0 + self.params.stale.imu.oldest_stamp().0)
+        {
             return self.checks.bad_values.note(now);
         }
         self.ages.imu.note(now);
@@ -84,6 +90,7 @@ impl Supervisor {
     /// What each cause calls for now.
     pub(super) fn raised(&mut self, now: Seconds) -> Raised {
         let mut raised: Raised = [None; Cause::COUNT];
+        self.follow_grace();
         if !self.modes.is_initialised() {
             return raised;
         }
@@ -140,7 +147,7 @@ impl Supervisor {
         set(Cause::PrinterFailed, self.printer_failed.then_some(Reaction::SafeOff));
         let alone = self.paused_alone_since.is_some_and(|since| now.0 - since.0 > self.params.modes.adopt_s);
         set(Cause::PrinterPaused, alone.then_some(Reaction::Pause));
-        raised
+        self.graced(raised)
     }
 }
 

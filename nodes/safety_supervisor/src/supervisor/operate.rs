@@ -12,7 +12,7 @@ use crate::modes::Readiness;
 
 impl Supervisor {
     pub(super) fn on_operator(&mut self, now: Seconds, request: Operator) {
-        let before = self.modes.mode();
+        let (before, paused_for) = (self.modes.mode(), self.modes.paused_for());
         let result = match request {
             Operator::Pause => self.demand(now, Cause::OperatorPause, Reaction::Pause),
             Operator::Stop => self.demand(now, Cause::OperatorStop, Reaction::SafeOff),
@@ -22,14 +22,14 @@ impl Supervisor {
             Operator::Acknowledge => self.acknowledge(now),
             Operator::Approve => self.approve(now),
         };
-        if request == Operator::Resume && self.modes.mode() != before {
-            self.forget();
+        if request == Operator::Resume && paused_for.is_some() && self.modes.paused_for().is_none() {
+            self.resumed(paused_for);
         }
         let (what, why) = match result {
             Ok(()) => (What::Granted(request), "on request"),
             Err(why) => (What::Denied(request), why),
         };
-        self.decisions.push(Decision { what, why, before, after: self.modes.mode() });
+        self.decisions.push(Decision { what, why, cause: None, before, after: self.modes.mode() });
     }
 
     fn demand(&mut self, now: Seconds, cause: Cause, reaction: Reaction) -> Result<(), &'static str> {
@@ -38,11 +38,8 @@ impl Supervisor {
     }
 
     fn acknowledge(&mut self, now: Seconds) -> Result<(), &'static str> {
-        // A restored latch has no history: its cause counts as gone only once its sensor reads well again.
-        let well =
-            self.has_no_hotend() || (self.ages.hotend.is_seen() && self.checks.hotend_range.is_inside());
-        if !well {
-            return Err("the hot end temperature is missing or outside of its range");
+        if let Some(missing) = self.unknown(now) {
+            return Err(missing);
         }
         let waits = self.printer.is_some_and(|printer| {
             matches!(printer.phase, JobPhase::Preparing | JobPhase::Printing | JobPhase::Paused)
@@ -50,6 +47,26 @@ impl Supervisor {
         self.modes.acknowledge(now, waits)?;
         self.forget();
         Ok(())
+    }
+
+    /// What has not been heard but has to be before a cause counts as gone: a restored latch has no history, and whether a
+    /// job waits the printer has to say.
+    fn unknown(&self, now: Seconds) -> Option<&'static str> {
+        let checks = &self.checks;
+        let bed = self.modes.latch().is_some_and(|latch| latch.cause.is_of_bed());
+        if self.modes.latch().is_none() {
+            None
+        } else if !self.modes.is_initialised() {
+            Some("still starting: nothing has been judged yet")
+        } else if self.printer.is_none() || self.ages.printer.reaction(now).is_some() {
+            Some("the printer's state is missing")
+        } else if !(self.has_no_hotend() || checks.hotend_range.is_well()) {
+            Some("the hot end temperature is missing or outside of its range")
+        } else if bed && !checks.bed_range.is_well() {
+            Some("the bed temperature is missing or outside of its range")
+        } else {
+            None
+        }
     }
 
     fn approve(&mut self, now: Seconds) -> Result<(), &'static str> {

@@ -151,6 +151,16 @@ impl Checks {
         }
     }
 
+    /// The clock was set back: times of before mean nothing any more.
+    pub(super) fn set_back(&mut self) {
+        self.part_fan.reset();
+        self.run_out.reset();
+        self.impulse.reset();
+        self.defect.reset();
+        self.bad_values.forget();
+        self.oscillation.reset();
+    }
+
     /// After a pause or a trip the filters start anew.
     pub(super) fn forget(&mut self) {
         self.heater.reset();
@@ -163,10 +173,15 @@ impl Checks {
         self.bed_detached.reset();
         self.bed_heater.reset();
         self.filament.reset();
+        self.oscillation.reset();
+        self.forget_pictures();
+    }
+
+    /// What the camera's judge has said counts no more.
+    pub(super) fn forget_pictures(&mut self) {
         self.shift.reset();
         self.defect.reset();
         self.attention.reset();
-        self.oscillation.reset();
         self.convicted = None;
     }
 }

@@ -62,6 +62,7 @@ pub(crate) fn report(now_s: f64) -> PrinterReport {
     PrinterReport {
         stamp: Seconds(now_s),
         phase: JobPhase::Printing,
+        layer: None,
         motor_position_m: 0.0,
         wanted_position_m: 0.0,
         hotend_duty: 0.0,

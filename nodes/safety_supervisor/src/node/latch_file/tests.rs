@@ -45,7 +45,8 @@ async fn a_disk_that_refuses_is_told_and_asked_again() {
     let mut file = LatchFile::open(Some(folder.join("latch.json")));
     assert!(!file.keeps(latch).await);
     file.finish().await;
-    assert!(file.failed.is_some(), "there is no such folder");
+    let failed = file.failed.clone().unwrap();
+    assert!(failed.contains("missing/latch.json: No such file"), "{failed}");
     fs::create_dir_all(&folder).unwrap();
     for _ in 0..=REST {
         assert!(!file.keeps(latch).await);
@@ -53,4 +54,19 @@ async fn a_disk_that_refuses_is_told_and_asked_again() {
     file.finish().await;
     assert!(file.keeps(latch).await && file.failed.is_none());
     fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Heaters off is on its way to the disk while the emergency stop comes, and then the end of the process.
+#[tokio::test]
+async fn the_last_latch_of_a_run_is_kept_whatever_was_being_written() {
+    let path = path("last");
+    let (off, estop) = (
+        Latch { estop: false, cause: Cause::HotendRange },
+        Latch { estop: true, cause: Cause::OperatorEstop },
+    );
+    let mut file = LatchFile::open(Some(path.clone()));
+    assert!(!file.keeps(Some(off)).await);
+    assert!(!file.keeps(Some(estop)).await);
+    file.end(Some(estop)).await;
+    assert_eq!(LatchFile::open(Some(path)).stored(), Some(estop));
 }
