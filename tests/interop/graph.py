@@ -7,7 +7,9 @@ import random
 import signal
 import subprocess
 import sys
+import threading
 import time
+from collections import deque
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -37,6 +39,8 @@ from ros_types import Definitions  # noqa: E402
 PATIENCE_S = 10.0
 #: A server that was just found needs this long until both ends are matched `[s]`.
 MATCHING_S = 0.15
+#: Lines of a node that are kept for a failure.
+LINES = 20
 DEFINITIONS = Definitions()
 
 BEST_EFFORT = Qos(Policy.Reliability.BestEffort, Policy.Durability.Volatile, Policy.History.KeepLast(10))
@@ -175,8 +179,18 @@ class Node:
 
     def start(self) -> None:
         self.process = subprocess.Popen(
-            self.arguments, env=self.environment, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+            self.arguments, env=self.environment, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+            errors="replace",
         )
+        # A pipe that nobody empties is full after 64 KiB: what is told then is lost, also to who looks for a failure.
+        self.said: deque[str] = deque(maxlen=LINES)
+        self.reading = threading.Thread(target=self.said.extend, args=(self.process.stderr,), daemon=True)
+        self.reading.start()
+
+    def words(self) -> list[str]:
+        """What a process that has ended has said last."""
+        self.reading.join(1.0)
+        return list(self.said)
 
     def signal(self, number: int) -> None:
         self.process.send_signal(number)
@@ -205,6 +219,9 @@ def run(checks: dict, domain: int) -> None:
             for node in Node.running:
                 if node.process.poll() is None:
                     node.kill()
-            Node.running.clear()
+        if str(told).startswith("FAILED"):
+            for node in Node.running:
+                sys.stderr.writelines(f"{node.name}: {line}" for line in node.words())
+        Node.running.clear()
         print(f"{name}: {told or 'ok'} ({time.monotonic() - begin:.1f} s)", flush=True)
     sys.exit(1 if failed else 0)
