@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from graph import BEST_EFFORT, LATCHED, RELIABLE, DEFINITIONS, Node, Peer, check, matched, run, until
+from graph import BEST_EFFORT, LATCHED, RELIABLE, DEFINITIONS, ROOT, Node, Peer, check, matched, run, until
 
 UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED = 1, 2, 3, 4
 THERMISTOR = ["thermistor.param.yaml"]
@@ -174,6 +174,22 @@ def parameters(domain: int) -> str:
     return f"{len(listed)} parameters"
 
 
+def described(domain: int) -> str:
+    """All that the node with most parameters says of them comes in one answer each: one above 64 KiB would not come."""
+    peer = Peer(domain)
+    printer = ["plants/ender3.yaml", "printers/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml"]
+    files = ["printer_sim.param.yaml", *printer, "materials/pla.yaml"]
+    gcode = ROOT / "tests/data/gcode/quirks_handmade.gcode"
+    Node("printer_sim", files, "-p", f'run.gcode:="{gcode}"', ROS_DOMAIN_ID=domain)
+    service = lambda name, kind: peer.service(f"/printer/printer_sim/{name}", f"rcl_interfaces/{kind}")
+    names = service("list_parameters", "ListParameters")(prefixes=[], depth=0).result.names
+    told = service("describe_parameters", "DescribeParameters")(names=names).descriptors
+    check([one.name for one in told] == names, f"described: {[one.name for one in told]}")
+    values = service("get_parameters", "GetParameters")(names=names).values
+    check(all(value.type for value in values), "a value of each")
+    return f"{len(names)} parameters, {sum(len(one.description) for one in told)} letters"
+
+
 def live(domain: int) -> str:
     """What a node has declared changes while it is active, and at once; a wrong value is refused with its range."""
     peer = Peer(domain)
@@ -223,7 +239,12 @@ def logs(domain: int) -> str:
 
 
 CHECKS = {
-    "lifecycle": lifecycle, "deactivation": deactivation, "parameters": parameters, "live": live, "logs": logs
+    "lifecycle": lifecycle,
+    "deactivation": deactivation,
+    "parameters": parameters,
+    "described": described,
+    "live": live,
+    "logs": logs,
 }
 
 
