@@ -144,7 +144,7 @@ impl Supervisor {
         let before = self.modes.mode();
         let verdict = self.envelope.on_command(now, command);
         // What is not carried out swings nothing.
-        if before != Mode::Act {
+        if before != Mode::Act || self.is_held(now) {
             self.checks.oscillation.rest();
         } else if !matches!(verdict, Verdict::Refused(_)) {
             self.checks.oscillation.on_trims(now, &command.trims);

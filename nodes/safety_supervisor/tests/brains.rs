@@ -99,7 +99,7 @@ fn swing_of(print: &mut Print, amplitude: f64, period_s: f64, span_s: f64) -> Op
 fn k7_what_is_not_carried_out_is_no_limit_cycle() {
     let mut print = Print::acting();
     print.event(Event::Operator(Operator::SetMode(Mode::Observe)));
-    assert_eq!(swing_of(&mut print, 0.06, 2.0, 30.0), None);
+    assert_eq!(swing_of(&mut print, 0.16, 2.0, 30.0), None);
     assert_eq!(print.mode(), Mode::Observe);
 }
 

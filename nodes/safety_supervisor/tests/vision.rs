@@ -163,6 +163,25 @@ fn raised_attention_holds_corrections_but_not_their_absence() {
     assert!(flows(&watched, 1.10));
 }
 
+/// K7: what is held swings nothing, whatever the controller wishes meanwhile.
+#[test]
+fn corrections_that_are_held_are_no_limit_cycle() {
+    let mut watched = Watched::acting();
+    let swing = |watched: &mut Watched| {
+        for half in 0..20 {
+            watched.print.wish.flow = if half % 2 == 0 { 0.9 } else { 1.1 };
+            watched.run(1.0);
+        }
+        watched.cause()
+    };
+    watched.report = Some(VisionReport { confidence: 0.6, ..SOUND });
+    watched.run(4.0);
+    assert_eq!(swing(&mut watched), None);
+    watched.report = Some(SOUND);
+    watched.run(4.0);
+    assert_eq!(swing(&mut watched), Some(Cause::Oscillation));
+}
+
 /// The cause of a pause on confidence alone is the defect that carries it, where there is one to act upon.
 #[test]
 fn a_high_confidence_pauses_for_the_defect_that_carries_it() {

@@ -137,7 +137,7 @@ impl Supervisor {
     }
 
     /// Raised attention holds corrections. Those just taken back were nothing to hold: an open loop would stay open.
-    fn is_held(&self, now: Seconds) -> bool {
+    pub(super) fn is_held(&self, now: Seconds) -> bool {
         let returned =
             self.returning_since.is_some_and(|since| (now - since).0 >= self.params.modes.return_s);
         self.checks.attention.level() == Level::Soft && returned
