@@ -53,6 +53,7 @@ fn every_bad_message_is_refused_counted_and_shown() {
         fleet.end();
         drop(peer);
         permits::the_simulator_refuses_bad_permits().await;
+        permits::the_simulator_believes_no_copied_session().await;
     });
 }
 

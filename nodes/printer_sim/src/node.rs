@@ -13,7 +13,8 @@ use fdm_loop_msgs::{
 use models::command::{Permit, Scheduled};
 use models::units::Seconds;
 use runtime::{
-    Asked, Diagnostics, Frames, Node, Publisher, Reason, Refused, Server, Subscription, topics, wire,
+    Asked, Diagnostics, Frames, Node, Publisher, Reason, Received, Refused, Server, Sessions, Subscription,
+    topics, wire,
 };
 use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
@@ -55,6 +56,7 @@ struct Shell {
     frames: Option<Frames>,
     refused: Refused,
     refused_schedule: Refused,
+    sessions: Sessions,
     diagnostics: Diagnostics,
     name: String,
     quantum_m: f64,
@@ -89,6 +91,7 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
         frames,
         refused: Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name()),
         refused_schedule: Refused::new(node.diagnostics(), topics::SAFETY_SCHEDULE.name()),
+        sessions: Sessions::default(),
         diagnostics: node.diagnostics(),
         name: node.name(),
         quantum_m,
@@ -115,16 +118,24 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
     }
 }
 
-/// A permit whose stamp is of now.
-fn permit(now: Seconds, message: &ControlCommand) -> Result<Permit, Reason> {
+/// A permit whose stamp is of now. A supervisor is who sends its permits, not who knows its session.
+fn permit(now: Seconds, received: &Received<ControlCommand>, sessions: &Sessions) -> Result<Permit, Reason> {
+    let message = &received.message;
     let permit = wire::permit_from_wire(message).map_err(|error| Reason::from(&error))?;
-    of_now(now, &message.header).map(|()| permit)
+    let session = sessions.of(received.publisher, permit.session);
+    of_now(now, &message.header).map(|()| Permit { session, ..permit })
 }
 
 /// A trim of a coming move whose stamp is of now.
-fn scheduled(now: Seconds, message: &MotionTrim) -> Result<Scheduled, Reason> {
+fn scheduled(
+    now: Seconds,
+    received: &Received<MotionTrim>,
+    sessions: &Sessions,
+) -> Result<Scheduled, Reason> {
+    let message = &received.message;
     let scheduled = wire::schedule_from_wire(message).map_err(|error| Reason::from(&error))?;
-    of_now(now, &message.header).map(|()| scheduled)
+    let session = sessions.of(received.publisher, scheduled.session);
+    of_now(now, &message.header).map(|()| Scheduled { session, ..scheduled })
 }
 
 fn of_now(now: Seconds, header: &Header) -> Result<(), Reason> {
@@ -176,21 +187,21 @@ impl Outlets {
 impl Shell {
     fn take_permits(&mut self, permits: &mut Subscription<ControlCommand>) {
         while let Some(received) = permits.try_recv() {
-            if let Err(reason) = self.take_permit(&received.message) {
+            if let Err(reason) = self.take_permit(&received) {
                 self.refused.count(reason);
             }
         }
     }
 
-    fn take_permit(&mut self, message: &ControlCommand) -> Result<(), Reason> {
-        let permit = permit(self.simulator.now(), message)?;
+    fn take_permit(&mut self, received: &Received<ControlCommand>) -> Result<(), Reason> {
+        let permit = permit(self.simulator.now(), received, &self.sessions)?;
         self.simulator.on_permit(permit).map_err(|_| Reason::Gate)
     }
 
     /// Those of the permits that have just been taken.
     fn take_schedule(&mut self, schedule: &mut Subscription<MotionTrim>) {
         while let Some(received) = schedule.try_recv() {
-            let taken = scheduled(self.simulator.now(), &received.message)
+            let taken = scheduled(self.simulator.now(), &received, &self.sessions)
                 .map(|scheduled| self.simulator.on_scheduled(&scheduled));
             match taken {
                 Ok(Ok(())) => self.diagnostics.add("scheduled", 1),

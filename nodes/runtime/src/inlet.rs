@@ -7,7 +7,7 @@ use crate::clock::Clock;
 use crate::diagnostics::Diagnostics;
 use crate::error::RuntimeError;
 use crate::node::Node;
-use crate::subscription::{Received, Subscription};
+use crate::subscription::{Gid, Received, Subscription};
 use crate::topics::Topic;
 use crate::wire::WireError;
 use fdm_loop_msgs::RosType;
@@ -132,8 +132,19 @@ impl<T: RosType> Inlet<T> {
         &mut self,
         read: impl Fn(&T) -> Result<(Seconds, V), WireError>,
     ) -> Result<V, Reason> {
+        self.next_of(|message, _| read(message)).await
+    }
+
+    /// The same where it matters who has sent it.
+    ///
+    /// # Errors
+    /// As [`Inlet::next`].
+    pub async fn next_of<V>(
+        &mut self,
+        read: impl Fn(&T, Gid) -> Result<(Seconds, V), WireError>,
+    ) -> Result<V, Reason> {
         let received = self.subscription.recv().await;
-        let taken = read(&received.message)
+        let taken = read(&received.message, received.publisher)
             .map_err(|error| Reason::from(&error))
             .and_then(|(stamp, value)| self.check_age(&received, stamp).map(|()| value));
         if let Err(reason) = taken {

@@ -5,7 +5,7 @@ use crate::shown::Shown;
 use crate::table::Kind;
 use fdm_loop_msgs::{ControlCommand, Header};
 use models::units::Seconds;
-use runtime::{Args, Node, topics};
+use runtime::{Args, Node, Reason, topics};
 use std::time::Duration;
 
 /// Longest wait for all counters.
@@ -60,4 +60,45 @@ pub(crate) async fn the_simulator_refuses_bad_permits() {
     let (refused, sent) = (shown.refused_in_all("printer_sim", topic), sequence);
     // One in four is sound and taken.
     assert!(refused < sent * 9 / 10, "{refused} of {sent} refused");
+}
+
+/// Flow that the supervisor permits, and the one that somebody writes under its name.
+const PERMITTED: f64 = 1.02;
+const FORGED: f64 = 1.1;
+
+/// C8, X2: whoever copies session and sequence of the permits is a second publisher all the same.
+pub(crate) async fn the_simulator_believes_no_copied_session() {
+    let _printer = fleet::Fleet::of(vec![("printer_sim", fleet::start_printer())]);
+    let mut node = Node::start_with("peer", Args::default()).unwrap();
+    let mut other = Node::start_with("forger", Args::default()).unwrap();
+    let forger = other.publish_on(&topics::SAFETY_COMMAND).unwrap();
+    let mut clock = node.subscribe(&topics::CLOCK).unwrap();
+    let mut reports = node.subscribe(&topics::DIAGNOSTICS).unwrap();
+    let mut states = node.subscribe(&topics::PRINTER_STATE).unwrap();
+    let permits = node.publish_on(&topics::SAFETY_COMMAND).unwrap();
+    let mut ticks = node.timer(Seconds(0.02));
+    let (mut shown, mut now_s, mut sequence, mut taken) = (Shown::default(), None, 1_u64, false);
+    let topic = topics::SAFETY_COMMAND.name();
+    let limit = tokio::time::sleep(PATIENCE);
+    tokio::pin!(limit);
+    while !taken || shown.refused("printer_sim", topic, Reason::Gate.name()) < 50 {
+        tokio::select! {
+            reading = clock.recv() => now_s = reading.message.clock.seconds(),
+            report = reports.recv() => shown.take(&report.message),
+            state = states.recv() => {
+                let flow = state.message.flow_factor;
+                taken |= (flow - PERMITTED).abs() < 1e-9;
+                assert!(flow < (PERMITTED + FORGED) / 2.0, "a forged permit is in force: flow {flow}");
+            }
+            _ = ticks.next() => if let Some(now_s) = now_s {
+                let act = ControlCommand { mode: ControlCommand::MODE_ACT, ..permit(Kind::Sound, now_s, sequence) };
+                permits.send(ControlCommand { flow_factor: PERMITTED, ..act.clone() });
+                if taken {
+                    forger.send(ControlCommand { flow_factor: FORGED, sequence: sequence + 1, ..act });
+                }
+                sequence += 1;
+            },
+            () = &mut limit => panic!("taken: {taken}; {:?}", shown.nodes()),
+        }
+    }
 }

@@ -7,7 +7,7 @@ use crate::load::wall::{LoadedWall, load};
 use crate::wire::{Machine, MachineOutput};
 use fdm_loop_msgs::{Clock, ControlCommand, LayerHeight, PrintEvent, PrintInfo, PrinterState, SimWire, Time};
 use models::units::Seconds;
-use runtime::{Node, Publisher, Reason, Refused, RuntimeError, Subscription, topics, wire};
+use runtime::{Node, Publisher, Reason, Refused, RuntimeError, Sessions, Subscription, topics, wire};
 
 /// Everything that the machine says.
 struct Outlets {
@@ -24,6 +24,7 @@ struct Shell {
     machine: Machine,
     outlets: Outlets,
     refused: Refused,
+    sessions: Sessions,
     name: String,
     looks: u32,
 }
@@ -35,7 +36,7 @@ pub(super) async fn run(mut node: Node) -> Result<(), LoadError> {
     let outlets = Outlets::new(&mut node)?;
     let refused = Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name());
     let (work, diagnostics, name) = (node.work(), node.diagnostics(), node.name());
-    let mut shell = Shell { machine, outlets, refused, name, looks: 0 };
+    let mut shell = Shell { machine, outlets, refused, sessions: Sessions::default(), name, looks: 0 };
     node.activated().await;
     shell.outlets.info.send(info);
     let mut pace = pace(speed);
@@ -68,7 +69,7 @@ impl Outlets {
 impl Shell {
     fn take_permits(&mut self, permits: &mut Subscription<ControlCommand>) {
         while let Some(received) = permits.try_recv() {
-            let taken = permit(self.machine.now(), &received.message)
+            let taken = permit(self.machine.now(), &received, &self.sessions)
                 .and_then(|permit| self.machine.on_permit(permit).map_err(|_| Reason::Gate));
             if let Err(reason) = taken {
                 self.refused.count(reason);

@@ -6,7 +6,8 @@ use fdm_loop_msgs::{
 };
 use models::command::Scheduled;
 use models::units::Seconds;
-use runtime::{Inlet, Node, Reason, Refused, RuntimeError, topics};
+use runtime::wire::WireError;
+use runtime::{Gid, Inlet, Node, Reason, Refused, RuntimeError, Sessions, topics};
 
 use super::outlets::Totals;
 use crate::convert;
@@ -32,6 +33,7 @@ pub(super) struct Inlets {
     imu: Inlet<ImuBatch>,
     vision: Inlet<DefectReport>,
     schedule: Inlet<MotionTrim>,
+    sessions: Sessions,
     /// Second event of a message that told two things.
     also: Option<Event>,
 }
@@ -70,6 +72,7 @@ impl Inlets {
             schedule: node
                 .inlet(&topics::CONTROL_SCHEDULE, Seconds(f64::INFINITY))?
                 .with_stamps_within(stale.command.oldest_stamp()),
+            sessions: Sessions::default(),
             also: None,
         })
     }
@@ -79,12 +82,13 @@ impl Inlets {
         if let Some(event) = self.also.take() {
             return Heard::Event(event);
         }
+        let sessions = &self.sessions;
         let (taken, stream) = tokio::select! {
             taken = self.hotend.next(convert::hotend) => (taken, Stream::Hotend),
             taken = self.bed.next(convert::bed) => (taken, Stream::Bed),
             taken = self.encoder.next(convert::encoder) => (taken, Stream::Encoder),
             taken = self.printer.next(convert::printer) => (taken, Stream::Printer),
-            taken = self.command.next(convert::command) => {
+            taken = self.command.next_of(|message, publisher| command(sessions, message, publisher)) => {
                 (both(taken, &mut self.also), Stream::Command)
             }
             taken = self.estimate.next(convert::estimate) => {
@@ -92,7 +96,7 @@ impl Inlets {
             }
             taken = self.imu.next(convert::imu) => (taken, Stream::Imu),
             taken = self.vision.next(convert::vision) => (taken, Stream::Vision),
-            taken = self.schedule.next(convert::scheduled) => match taken {
+            taken = self.schedule.next_of(|message, publisher| scheduled(sessions, message, publisher)) => match taken {
                 Ok(scheduled) => return Heard::Scheduled(scheduled),
                 Err(reason) => (Err(reason), Stream::Command),
             },
@@ -129,10 +133,63 @@ impl Inlets {
     }
 }
 
+/// A controller is who sends its commands, not who knows its session.
+fn command(
+    sessions: &Sessions,
+    message: &ControlCommand,
+    publisher: Gid,
+) -> Result<(Seconds, [Event; 2]), WireError> {
+    let session_id = sessions.of(publisher, message.session_id);
+    convert::command(&ControlCommand { session_id, ..message.clone() })
+}
+
+/// So is who sends its schedule.
+fn scheduled(
+    sessions: &Sessions,
+    message: &MotionTrim,
+    publisher: Gid,
+) -> Result<(Seconds, Scheduled), WireError> {
+    let session_id = sessions.of(publisher, message.session_id);
+    convert::scheduled(&MotionTrim { session_id, ..message.clone() })
+}
+
 /// The first of two events; the second waits.
 fn both(taken: Result<[Event; 2], Reason>, also: &mut Option<Event>) -> Result<Event, Reason> {
     taken.map(|[first, second]| {
         *also = Some(second);
         first
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use models::command::{Command, Trims};
+    use runtime::wire::command_to_wire;
+
+    /// C8, X2: the same session from two processes is two controllers.
+    #[test]
+    fn a_copied_session_is_another_one() {
+        let (sessions, now) = (Sessions::default(), Seconds(1.0));
+        let wish = Command { session: 7, sequence: 1, validity: Seconds(1.0), trims: Trims::NEUTRAL };
+        let of = |process: u8| match command(&sessions, &command_to_wire(now, &wish), Gid([process; 16])) {
+            Ok((_, [_, Event::Command(command)])) => command.session,
+            other => panic!("{other:?}"),
+        };
+        let of_schedule = |process: u8| {
+            let message = MotionTrim {
+                session_id: 7,
+                validity_s: 1.0,
+                segment: 1,
+                flow_factor: 1.0,
+                speed_factor: 1.0,
+                advance_index: 1.0,
+                ..MotionTrim::default()
+            };
+            scheduled(&sessions, &message, Gid([process; 16])).unwrap().1.session
+        };
+        assert_ne!(of(1), of(2));
+        assert_eq!(of(1), of_schedule(1), "beside its own commands");
+        assert_ne!(of(1), of_schedule(2));
+    }
 }
