@@ -115,3 +115,22 @@ fn a_word_is_said_again_while_a_road_lasts() {
     // Time that jumps back is no reason to be silent.
     assert!(predictor.on_event(at(3.0)).is_some());
 }
+
+/// A move over a way without a speed never arrives: it is no part of the path. The sound one takes 0.2 s.
+#[test]
+fn a_move_without_speed_foretells_nothing() {
+    let mut predictor = predictor();
+    _ = predictor.on_event(target(215.0));
+    let Event::Move(still) = road([0.0, 0.0], [10.0, 0.0], 0.45) else { panic!("a road is a move") };
+    let profile = Trapezoid { entry_m_s: 0.0, cruise_m_s: 0.0, exit_m_s: 0.0, ..still.profile };
+    for segment in [Segment { profile, ..still }, still, Segment { profile, ..still }] {
+        _ = predictor.on_event(Event::Move(segment));
+        for time_s in [5.0, 7.0, 9.0] {
+            let said = predictor.on_event(Event::Target(Seconds(time_s), Celsius(215.0))).unwrap();
+            assert!(
+                said.turn.is_none_or(|turn| turn.lead.0.is_finite() && turn.way_m.is_finite()),
+                "{said:?}"
+            );
+        }
+    }
+}

@@ -136,6 +136,7 @@ fn lay(points: &[[f64; 2]], speed_m_s: f64, pieces: &mut Vec<Piece>) {
                 duration_s: length_m / speed_m_s,
                 along_m_s2: 0.0,
                 deposit: place > 0,
+                layer: None,
                 fill: false,
             });
         }

@@ -136,8 +136,9 @@ fn count(number: usize) -> f64 {
     number as f64
 }
 
+/// Square of the reach that a point lies in.
 #[expect(clippy::cast_possible_truncation, reason = "coordinates of a bed over tenths of a millimetre")]
-fn cell(point_m: [f64; 2], params: &TurnParams) -> (i64, i64) {
+pub(super) fn cell(point_m: [f64; 2], params: &TurnParams) -> (i64, i64) {
     let [x, y] = point_m.map(|part_m| (part_m / params.memory_reach_m).floor() as i64);
     (x, y)
 }

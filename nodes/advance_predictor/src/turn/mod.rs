@@ -13,6 +13,7 @@ mod samples;
 #[cfg(test)]
 pub(crate) mod tests;
 pub mod training;
+mod walls;
 mod watcher;
 
 pub use file::TurnNetwork;

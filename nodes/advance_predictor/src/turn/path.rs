@@ -20,20 +20,23 @@ pub struct Piece {
     pub along_m_s2: f64,
     /// A road is laid.
     pub deposit: bool,
+    /// Layer that it belongs to, where the file tells.
+    pub layer: Option<u32>,
     /// The road fills an area: infill, skins, support.
     pub fill: bool,
 }
 
 impl Piece {
-    /// A move as a piece; `None` where the tool stands still in the layer.
+    /// A move as a piece; `None` where the tool stands still in the layer, or has no speed: it would never arrive.
     #[must_use]
     pub fn of(segment: &Segment) -> Option<Self> {
         let way = [0, 1].map(|axis| segment.end_m[axis] - segment.start_m[axis]);
         let length_m = way[0].hypot(way[1]);
-        if length_m.is_nan() || length_m <= 0.0 {
+        let profile = &segment.profile;
+        // A NaN is no way and no speed.
+        if !(length_m > 0.0 && profile.cruise_m_s > 0.0) {
             return None;
         }
-        let profile = &segment.profile;
         Some(Self {
             end_m: [segment.end_m[0], segment.end_m[1]],
             direction: way.map(|part| part / length_m),
@@ -42,6 +45,7 @@ impl Piece {
             duration_s: profile.duration().0,
             along_m_s2: (profile.exit_m_s.powi(2) - profile.entry_m_s.powi(2)) / (2.0 * length_m),
             deposit: segment.kind == MoveKind::Deposit,
+            layer: segment.layer,
             fill: matches!(segment.role, Role::Infill | Role::Solid | Role::TopSolid | Role::Support),
         })
     }

@@ -9,7 +9,7 @@ use crate::compensation::tests::{params, text};
 use crate::network::chance::Stream;
 use std::collections::BTreeMap;
 
-fn piece(from_mm: [f64; 2], to_mm: [f64; 2]) -> Piece {
+pub(super) fn piece(from_mm: [f64; 2], to_mm: [f64; 2]) -> Piece {
     let way = [0, 1].map(|axis| 1e-3 * (to_mm[axis] - from_mm[axis]));
     let length_m = way[0].hypot(way[1]);
     Piece {
@@ -20,6 +20,7 @@ fn piece(from_mm: [f64; 2], to_mm: [f64; 2]) -> Piece {
         duration_s: length_m / 0.02,
         along_m_s2: 0.0,
         deposit: true,
+        layer: None,
         fill: false,
     }
 }
@@ -46,6 +47,30 @@ fn a_turn_that_the_buffer_shows_is_certain() {
     }
     assert!(watcher.foresee(&network(), f64::NAN).is_none());
     assert!(Watcher::new(params().turn).foresee(&network(), 0.0).is_none());
+}
+
+/// A road that fills 20 mm and meets the wall there turns; the first time, without any memory of it. Without the wall, and
+/// as far from it as the horizon and more, it goes on.
+#[test]
+fn a_road_that_fills_turns_at_the_wall() {
+    let expected = |wall_mm: Option<f64>| {
+        let mut watcher = Watcher::new(params().turn);
+        let square = [[0.0, -9.0], [0.0, 9.0]].map(|point| [point[0] - 1.0, point[1]]);
+        let right = wall_mm.map(|x_mm| [[x_mm, -9.0], [x_mm, 9.0]]);
+        let fill: Vec<[f64; 2]> = (0..=40).map(|step| [0.5 * f64::from(step), 0.0]).collect();
+        let path = pieces(&square).into_iter().chain(right.into_iter().flat_map(|side| pieces(&side)));
+        let roads = pieces(&fill).into_iter().map(|piece| Piece { fill: true, ..piece });
+        path.chain(roads).for_each(|piece| {
+            if watcher.known() > 4 {
+                watcher.begin_next();
+            }
+            watcher.push(piece);
+        });
+        // 2 mm of the horizon of 4 mm are hidden.
+        watcher.foresee(&network(), 5e-4).unwrap().probability >= network().threshold()
+    };
+    assert!(expected(Some(20.3)) && expected(Some(21.2)));
+    assert!(!expected(None) && !expected(Some(26.0)));
 }
 
 /// Labels of the golden path of the model book: turns of 90 and 36 degrees are turns, 5.8 degrees is none.

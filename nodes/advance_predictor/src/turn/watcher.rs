@@ -1,9 +1,11 @@
-//! Follows the path and foresees turns: by the buffer where it shows them, by memory and habit behind its end.
+//! Follows the path and foresees turns: by the buffer where it shows them, by memory, habit and the layer's walls behind
+//! its end.
 
 use super::file::TurnNetwork;
-use super::memory::{Memory, Recalled};
+use super::memory::{BEYOND_M, Memory, Recalled};
 use super::params::TurnParams;
 use super::path::Piece;
+use super::walls::Walls;
 use models::units::Seconds;
 use std::collections::VecDeque;
 
@@ -11,8 +13,10 @@ use std::collections::VecDeque;
 pub(super) const CONTEXT: usize = 8;
 /// Turns whose distances are inputs.
 const INTERVALS: usize = 3;
+/// Turns whose mean bend is carried on towards a wall.
+const BEND: usize = 3;
 /// Inputs of the network.
-pub(super) const INPUTS: usize = 2 * CONTEXT + INTERVALS + 15;
+pub(super) const INPUTS: usize = 2 * CONTEXT + INTERVALS + 18;
 
 /// What the answer rests on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,6 +51,7 @@ pub struct Watcher {
     /// Pieces of the tail from the current one on.
     known: usize,
     memory: Memory,
+    walls: Walls,
     /// Ways between the newest turns, newest last; the first is the way since the last turn `[m]`.
     intervals_m: VecDeque<f64>,
 }
@@ -60,6 +65,7 @@ impl Watcher {
             tail: VecDeque::new(),
             known: 0,
             memory: Memory::new(),
+            walls: Walls::default(),
             intervals_m: VecDeque::from([0.0]),
         }
     }
@@ -76,6 +82,7 @@ impl Watcher {
             *since_m += piece.length_m;
         }
         self.memory.add(piece, &self.params);
+        self.walls.add(&piece, &self.params);
         self.tail.push_back(piece);
         self.known += 1;
         self.forget();
@@ -217,6 +224,7 @@ impl Watcher {
         let sum: f64 = inputs[..CONTEXT].iter().sum();
         let most = inputs[..CONTEXT].iter().fold(0.0_f64, |most, turn_rad| most.max(turn_rad.abs()));
         let last = newest.first().copied();
+        let walls_m = self.walls_m(&newest, hidden_m);
         let along = self.ahead().next().map_or(0.0, |current| current.along_m_s2);
         let rest = [
             hidden_m / horizon_m,
@@ -234,8 +242,23 @@ impl Watcher {
             (1.0 - recalled.turned) * recalled.matched.sqrt(),
             1e3 * recalled.margin_m,
             recalled.misfit,
+            1e3 * (hidden_m - walls_m[0]),
+            1e3 * (hidden_m - walls_m[1]),
+            walls_m.iter().filter(|way_m| **way_m < hidden_m).map(|_| 1.0).sum(),
         ];
         inputs[2 * CONTEXT + INTERVALS..].copy_from_slice(&rest);
         (inputs, recalled)
+    }
+
+    /// Ways from the end of the buffer to the next wall of the layer, straight on and bent on as the newest pieces are, no
+    /// farther than [`BEYOND_M`] behind the hidden way; where the path does not fill an area there is none `[m]`.
+    fn walls_m(&self, newest: &[&Piece], hidden_m: f64) -> [f64; 2] {
+        let far_m = hidden_m + BEYOND_M;
+        let Some(last) = newest.first().filter(|last| last.fill) else { return [far_m; 2] };
+        let bend = &newest[..newest.len().min(BEND + 1)];
+        let bent_rad: f64 = bend.windows(2).map(|pair| pair[1].turn_into(pair[0])).sum();
+        let bent_m: f64 = bend.iter().map(|piece| piece.length_m).sum();
+        [0.0, bent_rad / bent_m]
+            .map(|curvature_1_m| self.walls.way_m(last, (curvature_1_m, far_m), &self.params))
     }
 }

@@ -9,6 +9,7 @@ use crate::process;
 use advance_predictor::compensation::Source;
 use advance_predictor::compensation::calibration::{Calibrated, Pattern, calibrate, calibrate_by};
 use advance_predictor::network::chance::Stream;
+use anyhow::bail;
 use clap::{Args, ValueEnum};
 use models::advance::{Condition, DriveKind, VirtualLine};
 use models::extruder::StaticLaw;
@@ -110,6 +111,7 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
     let drive = args.printed.drive.into();
     let (polymer, at) = (args.printed.polymer(), args.place.condition());
     setup.check(&polymer, &args.place)?;
+    check_drive(args.printer, drive)?;
     let (predictor, networks) = args.printed.predictor(&setup, config)?;
     let foretold = predictor.predict(&polymer, &at)?;
     let unknown = || anyhow::anyhow!("polymer '{polymer}' is unknown");
@@ -157,6 +159,17 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
         agree: difference_s.abs() <= half_width_s.hypot(foretold.half_width.0),
         lines,
     })
+}
+
+/// Refuses the other drive where the simulated printer prints: its K is ten times that one's.
+fn check_drive(printer: Printer, drive: DriveKind) -> anyhow::Result<()> {
+    if printer != Printer::Line && drive != DriveKind::Bowden {
+        bail!(
+            "--drive {}: the simulated printer has a bowden drive; --printer line has either",
+            drive.name()
+        );
+    }
+    Ok(())
 }
 
 /// The simulated printer with nobody beside it.
@@ -209,4 +222,19 @@ fn text(figures: &Figures) -> String {
         ));
     }
     lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_simulated_printer_is_not_taken_for_another_drive() {
+        for printer in [Printer::Simulated, Printer::Plant] {
+            let error = check_drive(printer, DriveKind::Direct).unwrap_err().to_string();
+            assert!(error.starts_with("--drive direct: the simulated printer has a bowden drive"), "{error}");
+            assert!(check_drive(printer, DriveKind::Bowden).is_ok());
+        }
+        assert!(check_drive(Printer::Line, DriveKind::Direct).is_ok());
+    }
 }

@@ -4,7 +4,6 @@ use super::{DriveName, Settings, Setup};
 use crate::config::ConfigDir;
 use crate::output;
 use advance_predictor::compensation::data::{DataSet, Line};
-use anyhow::Context;
 use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -29,10 +28,11 @@ pub struct DataArgs {
 /// A file that cannot be written.
 pub fn run(args: &DataArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
+    args.out.as_deref().map_or(Ok(()), output::check_writable)?;
     let set = Setup::load(&config)?.lines(&Settings::load(&config)?, args.drive.into());
     let text = text(&set);
     match &args.out {
-        Some(path) => std::fs::write(path, text).with_context(|| path.display().to_string()),
+        Some(path) => output::write_whole(path, &text),
         None => output::line(&text),
     }
 }

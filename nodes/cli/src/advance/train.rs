@@ -6,7 +6,7 @@ use super::{Settings, Setup};
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
 use advance_predictor::compensation::Ensemble;
-use advance_predictor::compensation::assess::{Errors, Figures, assess};
+use advance_predictor::compensation::assess::{Errors, Figures, Widths, assess};
 use advance_predictor::compensation::measured::Measured;
 use advance_predictor::compensation::training::{Material, train};
 use anyhow::Context;
@@ -63,15 +63,25 @@ pub fn run(args: &TrainArgs) -> anyhow::Result<()> {
     let (settings, setup) = (Settings::load(&config)?, Setup::load(&config)?);
     let measured = args.measured.as_deref().map(|path| read(path, &setup)).transpose()?.unwrap_or_default();
     let out = args.out.clone().unwrap_or_else(|| config.file("models"));
+    check_folder(&out)?;
+    args.gcode.as_deref().map(turns::listed).transpose()?;
     let (trained, files) = trained(args, (&config, &settings, &setup), &measured)?;
     // All networks or none: what was asked for in one command belongs together.
-    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     let files: Vec<_> = files.into_iter().map(|(name, text)| (out.join(name), text)).collect();
     output::write_all_whole(&files)?;
     if !json.is_stdout() {
         output::line(&text(&trained))?;
     }
     json.write(&trained)
+}
+
+/// Tells before the fits, which take a while, that their files could not be written.
+fn check_folder(out: &Path) -> anyhow::Result<()> {
+    let told = || out.display().to_string();
+    std::fs::create_dir_all(out).with_context(told)?;
+    let tried = out.join(format!(".fdm.{}.part", std::process::id()));
+    std::fs::write(&tried, "").with_context(told)?;
+    std::fs::remove_file(&tried).with_context(told)
 }
 
 /// Name and text of a network's file.
@@ -156,14 +166,23 @@ fn text(trained: &Trained) -> String {
             "  trends       {broken} of {} pairs broken, order at 230 degC broken at {} of {}",
             trends.pairs, trends.order_broken, trends.ordered
         ));
-        let widths = &figures.widths;
-        lines.push(format!(
-            "  width RMS    none {:.4}, best constant {:.4}, foretold {:.4}, as a law over the feed {:.4}, over {} conditions held out",
-            widths.none, widths.best, widths.foretold, widths.foretold_law, widths.count
-        ));
+        lines.push(widths(&figures.widths));
     }
     lines.extend(trained.turns.iter().map(FileFigures::text));
     lines.join("\n")
+}
+
+/// In words and as a share of what is left without any advance: where the lag is not linear no constant comes to zero.
+fn widths(widths: &Widths) -> String {
+    let share = |rms: f64| format!("{rms:.4} ({:.3} x none)", rms / widths.none);
+    format!(
+        "  width RMS    none {:.4}, best constant {}, foretold constant {}, foretold law over the feed {}, over {} conditions held out",
+        widths.none,
+        share(widths.best),
+        share(widths.foretold),
+        share(widths.foretold_law),
+        widths.count
+    )
 }
 
 fn errors(errors: &Errors) -> String {
@@ -176,4 +195,37 @@ fn errors(errors: &Errors) -> String {
         1e2 * errors.within_10_percent,
         1e2 * errors.covered
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::folder;
+    use super::*;
+
+    /// Whoever reads that the foretold constant misses a limit sees that the best constant does too, and that a law does not.
+    #[test]
+    fn widths_are_told_beside_what_a_constant_can_reach() {
+        let figures = Widths { count: 12, none: 0.2, best: 0.01, foretold: 0.012, foretold_law: 0.003 };
+        let told = widths(&figures);
+        for part in [
+            "best constant 0.0100 (0.050 x none)",
+            "foretold constant 0.0120 (0.060 x none)",
+            "law over the feed 0.0030 (0.015 x none)",
+        ] {
+            assert!(told.contains(part), "{told}");
+        }
+    }
+
+    /// A file stands where the folder is to be: told before anything is trained, and nothing is left behind elsewhere.
+    #[test]
+    fn a_folder_that_cannot_be_written_is_told_at_once() {
+        let folder = folder("train_out");
+        let taken = folder.join("taken");
+        std::fs::write(&taken, "x").unwrap();
+        let error = check_folder(&taken.join("networks")).unwrap_err().to_string();
+        assert_eq!(error, taken.join("networks").display().to_string());
+        check_folder(&folder.join("new/networks")).unwrap();
+        assert_eq!(std::fs::read_dir(folder.join("new/networks")).unwrap().count(), 0);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -11,6 +11,7 @@ use advance_predictor::turn::{Piece, TurnNetwork};
 use anyhow::{Context, bail};
 use models::motion::{Job, MotionParams, Step};
 use serde::Serialize;
+use std::path::PathBuf;
 
 /// The planner knows no fewer moves.
 const LOOKAHEAD_MIN: usize = 2;
@@ -94,8 +95,11 @@ pub(super) fn train_and_judge(
     Ok((figures, ("turn.json".to_owned(), text)))
 }
 
-/// The paths of all files, in the order of their names.
-fn read(folder: &std::path::Path, motion: &MotionParams, buffers: &[u32]) -> anyhow::Result<Vec<File>> {
+/// The G-code files of a folder, in the order of their names.
+///
+/// # Errors
+/// A folder that cannot be read or has none.
+pub(super) fn listed(folder: &std::path::Path) -> anyhow::Result<Vec<PathBuf>> {
     let listing = std::fs::read_dir(folder).with_context(|| folder.display().to_string())?;
     let mut paths: Vec<_> = listing.flatten().map(|entry| entry.path()).collect();
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "gcode"));
@@ -103,7 +107,13 @@ fn read(folder: &std::path::Path, motion: &MotionParams, buffers: &[u32]) -> any
     if paths.is_empty() {
         bail!("{}: no *.gcode", folder.display());
     }
-    let file = |path: &std::path::PathBuf| -> anyhow::Result<File> {
+    Ok(paths)
+}
+
+/// The paths of all files, in the order of their names.
+fn read(folder: &std::path::Path, motion: &MotionParams, buffers: &[u32]) -> anyhow::Result<Vec<File>> {
+    let paths = listed(folder)?;
+    let file = |path: &PathBuf| -> anyhow::Result<File> {
         let bytes = runtime::input::bytes(path, BYTES_MAX).with_context(|| path.display().to_string())?;
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let paths = buffers.iter().map(|buffered| planned(&bytes, motion, *buffered)).collect();
@@ -125,9 +135,20 @@ pub(crate) fn planned(bytes: &[u8], motion: &MotionParams, buffered: u32) -> Pat
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::setup;
+    use super::super::tests::{folder, setup};
     use super::*;
     use advance_predictor::turn::training::described;
+
+    /// Told before any network is fitted.
+    #[test]
+    fn a_folder_without_gcode_is_refused_by_name() {
+        let folder = folder("no_gcode");
+        std::fs::write(folder.join("notes.txt"), "G1 X1").unwrap();
+        let error = listed(&folder).unwrap_err().to_string();
+        assert_eq!(error, format!("{}: no *.gcode", folder.display()));
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(listed(&folder).unwrap_err().to_string(), folder.display().to_string());
+    }
 
     /// `fdm advance train --gcode tests/data/gcode` trains with the set that the committed file was made with.
     #[test]
