@@ -174,6 +174,32 @@ def parameters(domain: int) -> str:
     return f"{len(listed)} parameters"
 
 
+def unconfigured(domain: int) -> str:
+    """A node that was never configured checks what is set as at its start, and describes what an option has set."""
+    peer, told = Peer(domain), 0
+    started = (
+        ("thermistor", THERMISTOR, "hotend.sigma_k", 11.0, "must be in [0, 10]", 0.5),
+        ("safety_supervisor", SUPERVISOR, "modes.ramp_s", 7.0, "must be in [0.05, 2]", 0.5),
+    )
+    for name, files, parameter, wrong, rule, right in started:
+        words = ["-p", "autostart:=false", "-p", f"{parameter}:=0.2", "-p", f"other:{parameter}:=99.0"]
+        node = Node(name, files, *words, ROS_DOMAIN_ID=domain)
+        service = lambda what, kind: peer.service(f"/printer/{name}/{what}", f"rcl_interfaces/{kind}")
+        life = Life(peer, f"/printer/{name}")
+        set_one, get = service("set_parameters", "SetParameters"), service("get_parameters", "GetParameters")
+        value = lambda: get(names=[parameter]).values[0].double_value
+        check(life.state() == UNCONFIGURED and value() == 0.2, f"{name}: {value()}")
+        refused = set_one(parameters=[double(parameter, wrong)]).results[0]
+        check(not refused.successful and rule in refused.reason, f"{name}: {refused}")
+        check(value() == 0.2 and set_one(parameters=[double(parameter, right)]).results[0].successful, f"{name}: set")
+        described = service("describe_parameters", "DescribeParameters")(names=[parameter]).descriptors[0]
+        check(described.description.startswith("[") and described.floating_point_range, f"{name}: {described}")
+        check(life.to(1) and life.to(3) and life.state() == ACTIVE and value() == right, f"{name} works with it")
+        check(node.end() == 0, f"{name}: an orderly end")
+        told += 1
+    return f"{told} nodes"
+
+
 def described(domain: int) -> str:
     """All that the node with most parameters says of them comes in one answer each: one above 64 KiB would not come."""
     peer = Peer(domain)
@@ -184,7 +210,8 @@ def described(domain: int) -> str:
     service = lambda name, kind: peer.service(f"/printer/printer_sim/{name}", f"rcl_interfaces/{kind}")
     names = service("list_parameters", "ListParameters")(prefixes=[], depth=0).result.names
     told = service("describe_parameters", "DescribeParameters")(names=names).descriptors
-    check([one.name for one in told] == names, f"described: {[one.name for one in told]}")
+    bare = [one.name for one in told if not one.description]
+    check([one.name for one in told] == names and not bare, f"not described: {bare}")
     values = service("get_parameters", "GetParameters")(names=names).values
     check(all(value.type for value in values), "a value of each")
     return f"{len(names)} parameters, {sum(len(one.description) for one in told)} letters"
@@ -242,6 +269,7 @@ CHECKS = {
     "lifecycle": lifecycle,
     "deactivation": deactivation,
     "parameters": parameters,
+    "unconfigured": unconfigured,
     "described": described,
     "live": live,
     "logs": logs,

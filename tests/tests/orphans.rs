@@ -1,21 +1,22 @@
-//! No node outlives the `fdm up` that started it, not even one that is killed: nobody would start it again.
+//! No node outlives the `fdm up` that started it, not even one that is killed: nobody would start it again; and what was
+//! stopped ends in order.
 #![allow(clippy::unwrap_used, reason = "helpers of tests: a failure is the test's failure")]
 
-use rustix::process::{Pid, test_kill_process};
+use rustix::process::{Pid, Signal, kill_process_group, test_kill_process};
 use std::io::{BufRead, BufReader};
-use std::path::Path;
-use std::process::{Command, Stdio};
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Longest time until the last node has ended: every node promises 2 s.
 const LIMIT: Duration = Duration::from_secs(4);
 
-#[test]
-fn nodes_end_with_the_command_that_started_them() {
+/// `fdm up` in a folder of its own; its process group is its own too.
+fn up(folder: &Path) -> Child {
     let root = std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap();
-    let fdm = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
-    let folder = std::env::temp_dir().join(format!("fdm_orphans_{}", std::process::id()));
-    let mut child = Command::new(fdm)
+    Command::new(fdm())
         .current_dir(root)
         .args(["up", "--gcode", "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode", "--bag"])
         .arg(folder.join("bag"))
@@ -23,8 +24,53 @@ fn nodes_end_with_the_command_that_started_them() {
         .env_remove("RUST_LOG")
         .stdin(Stdio::null())
         .stderr(Stdio::piped())
+        .process_group(0)
         .spawn()
-        .unwrap();
+        .unwrap()
+}
+
+fn fdm() -> PathBuf {
+    std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm")
+}
+
+fn folder(test: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("fdm_orphans_{test}_{}", std::process::id()))
+}
+
+/// One after another: each brings up a whole graph.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// The whole graph stopped and continued, as `kill -STOP` of its group and `fg` do: the middleware does not outlive that, so
+/// the print is lost; `fdm` says so, ends all others in order, and the bag is closed.
+#[test]
+fn a_group_that_was_stopped_ends_in_order_when_it_goes_on() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = folder("stopped");
+    let mut child = up(&folder);
+    let group = Pid::from_child(&child);
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+    // "0.0 % at 0 s: ...", and again ten seconds later: it prints, and is recorded.
+    lines.by_ref().filter(|line| line.contains(" % at ")).nth(1).unwrap();
+    kill_process_group(group, Signal::STOP).unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    kill_process_group(group, Signal::CONT).unwrap();
+    let said: Vec<String> = lines.collect();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{said:#?}");
+    assert!(said.last().unwrap().contains("was lost"), "{said:#?}");
+    let info =
+        Command::new(fdm()).args(["bag", "info", "--json", "-"]).arg(folder.join("bag")).output().unwrap();
+    let told: serde_json::Value = serde_json::from_slice(&info.stdout).unwrap();
+    let states: Vec<_> = told["files"].as_array().unwrap().iter().map(|file| &file["state"]).collect();
+    assert!(!states.is_empty() && states.iter().all(|state| *state == "closed"), "{told}");
+    assert!(told["messages"].as_u64().unwrap() > 100, "{told}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn nodes_end_with_the_command_that_started_them() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = folder("killed");
+    let mut child = up(&folder);
     // "10 node processes: bag_recorder 123, ..."
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
     let list = lines.find(|line| line.contains("node processes:")).unwrap();

@@ -93,11 +93,12 @@ struct Setup {
 
 impl Setup {
     fn read(node: &Node) -> Result<Self, NodeError> {
+        node.check_parameters(|parameters| {
+            _ = parameters.block::<Physics>("advance_physics")?;
+            parameters.without(&["advance_physics"]).parse::<Params>().map(drop)
+        })?;
         let parameters = node.raw_parameters();
         let params: Params = parameters.without(&["advance_physics"]).parse()?;
-        node.check_parameters(|parameters| {
-            parameters.without(&["advance_physics"]).parse::<Params>().map(drop)
-        });
         let physics: Physics = parameters.block("advance_physics")?;
         let ensemble = network(params.models.of(params.drive), |text| Ensemble::parse(text, params.drive))?;
         let network = network(&params.models.turn, TurnNetwork::parse)?;

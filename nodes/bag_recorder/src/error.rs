@@ -35,6 +35,14 @@ pub enum RecorderError {
     /// A finished file that is not what was written.
     #[error("{}: damaged: `fdm recover` saves what can be read of it", .0.display())]
     Damaged(PathBuf),
+    /// A file that holds what a copy would lose.
+    #[error("{}: holds {what}, which would be lost: bags of ROS 2 alone are mended", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What it holds.
+        what: String,
+    },
     /// The folder is another recorder's.
     #[error("{}: another recorder is writing to this bag", .0.display())]
     InUse(PathBuf),

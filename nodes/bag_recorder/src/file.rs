@@ -3,7 +3,7 @@
 use crate::contents::{Channel, FileContents};
 use crate::error::RecorderError;
 use mcap::records::{MessageHeader, Metadata};
-use mcap::{Compression, WriteOptions, Writer};
+use mcap::{Attachment, Compression, WriteOptions, Writer};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::BufWriter;
@@ -16,7 +16,7 @@ pub const QOS_KEY: &str = "offered_qos_profiles";
 /// Encoding of the schemas.
 const SCHEMA_ENCODING: &str = "ros2msg";
 /// Encoding of the messages.
-const MESSAGE_ENCODING: &str = "cdr";
+pub const MESSAGE_ENCODING: &str = "cdr";
 /// Bytes gathered for one write to the system.
 const BUFFER: usize = 256 * 1024;
 
@@ -38,6 +38,17 @@ pub struct Stamp {
     pub publish_ns: u64,
     /// Number of the message by its publisher, modulo 2^32.
     pub sequence: u32,
+}
+
+/// A channel as a file describes it, beside what [`Channel`] says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Described {
+    /// Name, encoding and text of its schema.
+    pub schema: Option<(String, String, Vec<u8>)>,
+    /// Encoding of its messages.
+    pub encoding: String,
+    /// All that the channel says of itself.
+    pub metadata: BTreeMap<String, String>,
 }
 
 /// A file being written.
@@ -86,26 +97,51 @@ impl BagFile {
         stamp: Stamp,
         payload: &[u8],
     ) -> Result<(), RecorderError> {
-        let failed = || RecorderError::mcap("write to", &self.path);
-        let channel_id = match self.ids.get(channel) {
+        let id = match self.ids.get(channel) {
             Some(id) => *id,
             None => {
-                let schema_id = self
-                    .writer
-                    .add_schema(&channel.type_name, SCHEMA_ENCODING, schema.as_bytes())
-                    .map_err(failed())?;
-                let metadata = BTreeMap::from([(QOS_KEY.to_owned(), channel.offered_qos.clone())]);
-                let id = self
-                    .writer
-                    .add_channel(schema_id, &channel.topic, MESSAGE_ENCODING, &metadata)
-                    .map_err(failed())?;
+                let described = Described {
+                    schema: Some((
+                        channel.type_name.clone(),
+                        SCHEMA_ENCODING.to_owned(),
+                        schema.as_bytes().to_vec(),
+                    )),
+                    encoding: MESSAGE_ENCODING.to_owned(),
+                    metadata: BTreeMap::from([(QOS_KEY.to_owned(), channel.offered_qos.clone())]),
+                };
+                let id = self.describe(channel, &described)?;
                 self.ids.insert(channel.clone(), id);
                 id
             }
         };
+        self.append(id, channel, stamp, payload)
+    }
+
+    /// Number of a channel as a file describes it; written where it is not known yet.
+    pub fn describe(&mut self, channel: &Channel, described: &Described) -> Result<u16, RecorderError> {
+        let Described { schema, encoding, metadata } = described;
+        let schema_id = match schema {
+            // A channel without a schema.
+            None => Ok(0),
+            Some((name, encoding, data)) => self.writer.add_schema(name, encoding, data),
+        };
+        schema_id
+            .and_then(|schema| self.writer.add_channel(schema, &channel.topic, encoding, metadata))
+            .map_err(RecorderError::mcap("write to", &self.path))
+    }
+
+    /// Appends a message of a channel with this number.
+    pub fn append(
+        &mut self,
+        channel_id: u16,
+        channel: &Channel,
+        stamp: Stamp,
+        payload: &[u8],
+    ) -> Result<(), RecorderError> {
         let Stamp { log_ns, publish_ns, sequence } = stamp;
         let header = MessageHeader { channel_id, sequence, log_time: log_ns, publish_time: publish_ns };
-        self.writer.write_to_known_channel(&header, payload).map_err(failed())?;
+        let written = self.writer.write_to_known_channel(&header, payload);
+        written.map_err(RecorderError::mcap("write to", &self.path))?;
         self.contents.add(channel, log_ns);
         self.bytes += u64::try_from(payload.len() + RECORD).unwrap_or(u64::MAX);
         Ok(())
@@ -126,6 +162,11 @@ impl BagFile {
     /// Appends a metadata record.
     pub fn note(&mut self, note: &Metadata) -> Result<(), RecorderError> {
         self.writer.write_metadata(note).map_err(RecorderError::mcap("write to", &self.path))
+    }
+
+    /// Appends an attachment.
+    pub fn attach(&mut self, attachment: &Attachment<'_>) -> Result<(), RecorderError> {
+        self.writer.attach(attachment).map_err(RecorderError::mcap("write to", &self.path))
     }
 
     /// Hands everything to the system: it survives the end of this process from here on.

@@ -135,6 +135,23 @@ impl Folder {
         self.describe(&state)
     }
 
+    /// Takes a finished file in that need not be described anew.
+    pub fn know(&self, file: FileContents) {
+        self.state().contents.add(file);
+    }
+
+    /// What another program says of the bag keeps its words: `metadata.yaml` where no recorder of ours has counted.
+    ///
+    /// # Errors
+    /// A disk that refuses.
+    pub fn keep_description(&self) -> Result<(), RecorderError> {
+        let (told, kept) = (self.path("metadata.yaml"), self.path("metadata.yaml.before"));
+        if self.path("counts.json").exists() || kept.exists() || !told.exists() {
+            return Ok(());
+        }
+        std::fs::copy(&told, &kept).map(drop).map_err(RecorderError::file("keep", &kept))
+    }
+
     /// Names the file that is being written, or `None` at the end, and describes the folder anew.
     pub fn set_active(&self, active: Option<String>) -> Result<(), RecorderError> {
         let mut state = self.state();

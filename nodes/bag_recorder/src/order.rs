@@ -2,7 +2,8 @@
 //!
 //! Readers refuse an unindexed file whose times fall. Messages of several topics reach the recorder in nearly the order
 //! of their receipt: one that is a little late gets the time of the one before it. Where time itself jumped back (the
-//! simulation began anew), a new file begins.
+//! simulation began anew), a new file begins; where it jumps to and fro, as with two who drive the clock, not with every
+//! jump.
 
 use models::units::Seconds;
 
@@ -26,31 +27,41 @@ pub fn nanoseconds(time: Seconds) -> u64 {
     nanos
 }
 
+/// So many jumps begin a file whatever lies between them.
+const FREE_JUMPS: u32 = 8;
+/// Messages between two further ones.
+const APART: u64 = 4096;
+
 /// Watches the log times of a file.
 #[derive(Debug, Clone, Copy)]
 pub struct Order {
     newest_ns: u64,
     late_max_ns: u64,
+    jumps: u32,
+    /// Messages since the last jump that began a file.
+    since: u64,
 }
 
 impl Order {
     /// No message yet; one that is later than `late_max` behind the newest is a jump of time.
     #[must_use]
     pub fn new(late_max: Seconds) -> Self {
-        Self { newest_ns: 0, late_max_ns: nanoseconds(late_max) }
+        Self { newest_ns: 0, late_max_ns: nanoseconds(late_max), jumps: 0, since: 0 }
     }
 
     /// Places the next message.
     pub fn place(&mut self, received: Seconds) -> Place {
         let received_ns = nanoseconds(received);
         let late_ns = self.newest_ns.saturating_sub(received_ns);
+        self.since += 1;
         if late_ns == 0 {
             self.newest_ns = received_ns;
             Place::InOrder(received_ns)
-        } else if late_ns <= self.late_max_ns {
+        } else if late_ns <= self.late_max_ns || self.jumps >= FREE_JUMPS && self.since <= APART {
             Place::Raised(self.newest_ns)
         } else {
             self.newest_ns = received_ns;
+            (self.jumps, self.since) = (self.jumps.saturating_add(1), 0);
             Place::NewFile(received_ns)
         }
     }
@@ -69,6 +80,21 @@ mod tests {
         assert_eq!(order.place(Seconds(2.0)), Place::InOrder(2_000_000_000));
         assert_eq!(order.place(Seconds(0.25)), Place::NewFile(250_000_000));
         assert_eq!(order.place(Seconds(0.5)), Place::InOrder(500_000_000));
+    }
+
+    /// Two who drive the clock: with every message it jumps. The first jumps begin a file each, then thousands of messages
+    /// lie between two; once it stands, a jump is one again.
+    #[test]
+    fn a_flood_of_jumps_is_no_flood_of_files() {
+        let mut order = Order::new(Seconds(0.5));
+        let is_file = |place: Place| matches!(place, Place::NewFile(_));
+        let files = |order: &mut Order, count: u32| {
+            (0..count).filter(|i| is_file(order.place(Seconds(if i % 2 == 0 { 100.0 } else { 1.0 })))).count()
+        };
+        assert_eq!(files(&mut order, 16), 8);
+        assert_eq!(files(&mut order, 41_000), 10);
+        assert!((0..5000).all(|_| !is_file(order.place(Seconds(200.0)))));
+        assert_eq!(order.place(Seconds(3.0)), Place::NewFile(3_000_000_000));
     }
 
     #[test]

@@ -2,18 +2,23 @@
 
 use crate::contents::{Channel, FileContents};
 use crate::error::RecorderError;
-use crate::file::{BagFile, Form, QOS_KEY, Stamp};
+use crate::file::{BagFile, Form, QOS_KEY};
 use crate::folder::Folder;
 use crate::tally::Tally;
-use crate::walk::{Walk, Walked};
-use mcap::records::Record;
+use crate::walk::Walked;
 use mcap::sans_io::{SummaryReadEvent, SummaryReader};
 use mcap::{McapError, Summary};
 use runtime::input;
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+mod copy;
+
+pub use copy::look;
+use copy::{Copied, copy_records};
 
 /// What a finished file holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -100,57 +105,25 @@ pub struct Recovered {
     pub walked: Walked,
 }
 
-/// Makes a finished file out of what a kill left; `None` where it was stopped. Where that was damaged before its end, it is
-/// kept beside, with the ending `.torn`.
+/// Makes a finished file out of what a kill left; `None` where it was stopped. Where that was damaged or changed before its end, it
+/// is kept beside, with the ending `.torn`.
 ///
 /// # Errors
-/// A file that cannot be read at all, or a disk that refuses.
+/// A file that cannot be read at all, or a disk that refuses; the file is then where it was.
 pub fn recover(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<Recovered>, RecorderError> {
     let active = folder.layout().active(number);
-    let recovered = finished_from(folder, number, &folder.path(&active), stop)?;
-    match &recovered {
-        None => {}
-        Some(Recovered { walked, .. }) if walked.damages == 0 => folder.remove(&active)?,
-        Some(_) => {
-            let (active, torn) = (folder.path(&active), torn(folder, number)?);
-            std::fs::rename(&active, torn).map_err(RecorderError::file("rename", &active))?;
-        }
+    let recovered = finished_from(folder, number, &folder.path(&active), Walked::is_damaged, stop)?;
+    if recovered.is_some() {
+        folder.remove(&active)?;
     }
     Ok(recovered)
-}
-
-/// Goes through every record of a finished file.
-///
-/// # Errors
-/// A file that cannot be read, or is none of a bag.
-pub fn check(folder: &Folder, number: u32) -> Result<Walked, RecorderError> {
-    let path = folder.path(&folder.layout().finished(number));
-    let mut walk = open(&path)?;
-    loop {
-        let unsound = match walk.next_record().map_err(RecorderError::file("read", &path))? {
-            None => return Ok(walk.finish()),
-            Some((opcode, fields)) => mcap::parse_record(opcode, fields).is_err(),
-        };
-        if unsound {
-            walk.reject();
-        }
-    }
-}
-
-/// Where a damaged file is kept. What was kept from an earlier damage is not given up for this one.
-fn torn(folder: &Folder, number: u32) -> Result<PathBuf, RecorderError> {
-    let torn = folder.path(&format!("{}.torn", folder.layout().finished(number)));
-    if torn.exists() {
-        return Err(RecorderError::file("keep", &torn)(std::io::ErrorKind::AlreadyExists.into()));
-    }
-    Ok(torn)
 }
 
 /// As [`recover`] for a finished file that was cut off or damaged since: it is kept beside, with the ending `.torn`, as more
 /// of it may be read by other means.
 ///
 /// # Errors
-/// As [`recover`]; the file is then where it was.
+/// As [`recover`].
 pub fn salvage(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option<Recovered>, RecorderError> {
     let finished = folder.path(&folder.layout().finished(number));
     let mut head = [0; mcap::MAGIC.len()];
@@ -159,26 +132,29 @@ pub fn salvage(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<Option
     if head != mcap::MAGIC {
         return Err(RecorderError::mcap("read", &finished)(McapError::BadMagic));
     }
-    let torn = torn(folder, number)?;
-    std::fs::rename(&finished, &torn).map_err(RecorderError::file("rename", &finished))?;
-    let recovered = finished_from(folder, number, &torn, stop);
-    if !matches!(recovered, Ok(Some(_))) {
-        std::fs::rename(&torn, &finished).map_err(RecorderError::file("rename", &torn))?;
-    }
-    recovered
+    finished_from(folder, number, &finished, |_| true, stop)
 }
 
-/// Copies the whole records of `source` into a finished file; `None` where it was stopped.
+/// Copies the whole records of `source` into a finished file; `None` where it was stopped. Where `is_kept`, the source has
+/// its second name before the new file has its own: whenever this ends, neither is lost.
 fn finished_from(
     folder: &Folder,
     number: u32,
     source: &Path,
+    is_kept: impl Fn(&Walked) -> bool,
     stop: &AtomicBool,
 ) -> Result<Option<Recovered>, RecorderError> {
     let half_made = folder.layout().recovering(number);
     let target = folder.path(&half_made);
     let mut copy = BagFile::create(&target, Form::Indexed, number, folder.layout().finished(number))?;
-    match copy_records(source, &mut copy, stop) {
+    let copied = copy_records(source, &mut copy, stop).and_then(|copied| match copied {
+        Copied::All(walked) if is_kept(&walked) => {
+            keep(source, &folder.path(&format!("{}.torn", folder.layout().finished(number))))?;
+            Ok(Copied::All(walked))
+        }
+        other => Ok(other),
+    });
+    match copied {
         Ok(Copied::All(walked)) => {
             let contents = copy.finish()?;
             let messages = contents.total();
@@ -191,6 +167,19 @@ fn finished_from(
             stopped.map(|_| None)
         }
     }
+}
+
+/// Gives a damaged file a second name. What was kept from an earlier damage is not given up for this one.
+fn keep(source: &Path, torn: &Path) -> Result<(), RecorderError> {
+    let failed = |error| RecorderError::file("keep", torn)(error);
+    let file = |path: &Path| std::fs::metadata(path).map(|found| (found.dev(), found.ino()));
+    if torn.exists() {
+        // A kill came between the second name and the end of a recovery.
+        let same = file(torn).map_err(failed)? == file(source).map_err(failed)?;
+        return if same { Ok(()) } else { Err(failed(std::io::ErrorKind::AlreadyExists.into())) };
+    }
+    // Not every disk knows second names.
+    std::fs::hard_link(source, torn).or_else(|_| std::fs::copy(source, torn).map(drop)).map_err(failed)
 }
 
 /// Writes a finished file anew in compressed chunks with an index; false where it was stopped. The plain one stands until
@@ -214,71 +203,6 @@ pub fn compact(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<bool, 
     }
     let contents = copy.finish()?;
     folder.add(contents)?;
-    Ok(true)
-}
-
-/// How a copy ended.
-enum Copied {
-    All(Walked),
-    Stopped,
-}
-
-/// Schemas and channels by their numbers in the file that is read.
-#[derive(Default)]
-struct Seen {
-    schemas: BTreeMap<u16, (String, String)>,
-    channels: BTreeMap<u16, (Channel, String)>,
-}
-
-/// Opens a file for a walk through its records.
-fn open(path: &Path) -> Result<Walk, RecorderError> {
-    let walk = Walk::open(path).map_err(RecorderError::file("read", path))?;
-    walk.ok_or(McapError::BadMagic).map_err(RecorderError::mcap("read", path))
-}
-
-/// Copies every record that can be read.
-fn copy_records(source: &Path, copy: &mut BagFile, stop: &AtomicBool) -> Result<Copied, RecorderError> {
-    let mut walk = open(source)?;
-    let mut seen = Seen::default();
-    loop {
-        if stop.load(Ordering::Relaxed) {
-            return Ok(Copied::Stopped);
-        }
-        let taken = match walk.next_record().map_err(RecorderError::file("read", source))? {
-            None => return Ok(Copied::All(walk.finish())),
-            Some((opcode, fields)) => match mcap::parse_record(opcode, fields) {
-                Ok(record) => copy_record(record, &mut seen, copy)?,
-                Err(_broken) => false,
-            },
-        };
-        if !taken {
-            walk.reject();
-        }
-    }
-}
-
-/// Copies a message or a note, and remembers what messages refer to. The rest of a file is made anew. False for a message
-/// of which nothing says what it is.
-fn copy_record(record: Record<'_>, seen: &mut Seen, copy: &mut BagFile) -> Result<bool, RecorderError> {
-    match record {
-        Record::Schema { header, data } => {
-            let text = String::from_utf8_lossy(&data).into_owned();
-            seen.schemas.insert(header.id, (header.name, text));
-        }
-        Record::Channel(channel) => {
-            let (type_name, schema) = seen.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-            let key = channel_of(&channel.topic, type_name, &channel.metadata);
-            seen.channels.insert(channel.id, (key, schema));
-        }
-        Record::Message { header, data } => {
-            let Some((channel, schema)) = seen.channels.get(&header.channel_id) else { return Ok(false) };
-            let stamp =
-                Stamp { log_ns: header.log_time, publish_ns: header.publish_time, sequence: header.sequence };
-            copy.write(channel, schema, stamp, &data)?;
-        }
-        Record::Metadata(note) => copy.note(&note)?,
-        _ => {}
-    }
     Ok(true)
 }
 

@@ -105,7 +105,7 @@ impl Walk {
     /// What was found, once there is no next record.
     #[must_use]
     pub fn finish(self) -> Walked {
-        self.walked
+        Walked { compression: self.chunk.unknown().map(str::to_owned), ..self.walked }
     }
 
     fn advance(&mut self) -> io::Result<Option<(u8, Held)>> {

@@ -251,3 +251,37 @@ impl ConfigDir {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::up::recipes::NODES;
+    use std::collections::BTreeSet;
+
+    /// What `ros2 param describe` says: something of every parameter of every node, whatever material and host.
+    #[test]
+    fn every_parameter_of_every_node_is_described() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+        let config = ConfigDir::find(Some(&root)).unwrap();
+        let (mut named, mut undescribed) = (0, BTreeSet::new());
+        let mut look = |node: &str, files: &[PathBuf]| {
+            let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
+            let parameters = Parameters::read(files, &[], &path).unwrap();
+            named += parameters.text().lines().count();
+            undescribed.extend(parameters.undescribed().into_iter().map(|name| format!("{node}: {name}")));
+        };
+        for material in ["PLA", "PETG", "ABS"] {
+            for node in NODES.into_iter().chain(["printer_bridge"]) {
+                look(node, &config.files_of(node, material));
+            }
+        }
+        for host in config.names_in("hosts") {
+            look("printer_sim", &[config.file(&format!("hosts/{host}.yaml"))]);
+        }
+        for (node, files) in crate::wire::up::FILES {
+            look(node, &files.iter().map(|file| config.file(file)).collect::<Vec<_>>());
+        }
+        assert!(named > 2500, "{named}");
+        assert_eq!(undescribed, BTreeSet::new());
+    }
+}

@@ -138,6 +138,7 @@ pub fn main() -> ExitCode {
                 || error.is::<replay::Differs>()
                 || error.is::<bench::Missed>()
                 || error.is::<bag::recover::Unreadable>()
+                || error.is::<bag::play::NothingSent>()
                 || error.is::<wire::up::Unfinished>();
             ExitCode::from(if failed { FAILED } else { USAGE })
         }

@@ -166,8 +166,16 @@ pub fn check_apart(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
 /// The file, and what the system says; a file that the command line names as something else too.
 pub fn check_writable(path: &Path) -> anyhow::Result<()> {
     check_named_once(path)?;
+    let is_new = !path.exists();
     let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
-    file.map(drop).with_context(|| path.display().to_string())
+    file.map(drop).with_context(|| path.display().to_string())?;
+    // Whoever interrupts the work finds no empty file; a link that leads nowhere stays one.
+    match is_new {
+        true => std::fs::canonicalize(path)
+            .and_then(std::fs::remove_file)
+            .with_context(|| path.display().to_string()),
+        false => Ok(()),
+    }
 }
 
 /// Whether who reads the output has gone, as `head` does after ten lines: nothing is wrong with the command.
@@ -238,6 +246,26 @@ mod tests {
         assert_eq!(std::fs::read_to_string(&first).unwrap(), "new");
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), before);
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    /// What is asked before the work leaves nothing behind, should the work be interrupted, and changes nothing.
+    #[test]
+    fn a_check_leaves_no_file() {
+        let folder = folder("check");
+        let (new, link, old) = (folder.join("new.json"), folder.join("link.json"), folder.join("other"));
+        std::os::unix::fs::symlink(folder.join("target.json"), &link).unwrap();
+        let names = || {
+            let entries = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
+            entries.collect::<std::collections::BTreeSet<_>>()
+        };
+        let before = names();
+        for path in [&new, &link, &old] {
+            check_writable(path).unwrap();
+        }
+        assert_eq!(names(), before);
+        assert!(std::fs::read(&old).unwrap() == b"x" && link.is_symlink());
+        assert!(check_writable(&folder.join("nowhere/new.json")).is_err());
+        std::fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]

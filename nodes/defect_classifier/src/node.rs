@@ -2,7 +2,7 @@
 
 use fdm_loop_msgs::{BeadWidth, CompressedImage, DefectReport, LayerQuality, PrintEvent};
 use models::units::Seconds;
-use runtime::params::ParamFileError;
+use runtime::params::{ParamFileError, Parameters};
 use runtime::{Diagnostics, Node, Publisher, RuntimeError, topics};
 use std::path::{Path, PathBuf};
 
@@ -118,17 +118,16 @@ impl Setup {
     }
 
     fn of(node: &Node) -> Result<Self, NodeError> {
+        node.check_parameters(|parameters| {
+            nominal(parameters)?;
+            parameters.without(&SHARED).parse::<Params>().map(drop)
+        })?;
         let parameters = node.raw_parameters();
         let params: Params = parameters.without(&SHARED).parse()?;
-        node.check_parameters(|parameters| parameters.without(&SHARED).parse::<Params>().map(drop));
         let models = Models {
             network: Network::parse(&read(&params.models.network)?)?,
             edge: EdgeModel::parse(&read(&params.models.edge)?)?,
-            nominal: Nominal {
-                quality: parameters.block("quality")?,
-                printer: parameters.block("printer")?,
-                material: parameters.block("material")?,
-            },
+            nominal: nominal(parameters)?,
         };
         Ok(Self { params, models })
     }
@@ -137,6 +136,15 @@ impl Setup {
     fn classifier(&self) -> Result<Classifier, FusionError> {
         Classifier::new(self.params.clone(), self.models.clone())
     }
+}
+
+/// What the printer and its material are taken for.
+fn nominal(parameters: &Parameters) -> Result<Nominal, ParamFileError> {
+    Ok(Nominal {
+        quality: parameters.block("quality")?,
+        printer: parameters.block("printer")?,
+        material: parameters.block("material")?,
+    })
 }
 
 fn read(path: &Path) -> Result<String, NodeError> {

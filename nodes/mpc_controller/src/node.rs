@@ -220,7 +220,7 @@ struct Setup {
 impl Setup {
     fn read(node: &Node) -> Result<Self, RuntimeError> {
         let session = node.session();
-        node.check_parameters(move |parameters| Self::of(parameters, session).map(drop));
+        node.check_parameters(move |parameters| Self::of(parameters, session).map(drop))?;
         Ok(Self::of(node.raw_parameters(), session)?)
     }
 

@@ -4,7 +4,7 @@ use fdm_loop_msgs::{PrintEvent, PrinterState, TemperatureReport};
 use models::units::Seconds;
 use runtime::serial::{PortEvent, SerialLine};
 use runtime::wire::status_to_wire;
-use runtime::{Diagnostics, Frames, Level, Node, Publisher, Refused, RuntimeError, topics};
+use runtime::{Diagnostics, FrameParams, Frames, Level, Node, Publisher, Refused, RuntimeError, topics};
 
 use crate::commands::Access;
 use crate::convert;
@@ -25,9 +25,12 @@ const FRAMES: &str = "frames";
 /// # Errors
 /// [`RuntimeError`] where it cannot start, or its reader has ended.
 pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
-    let frames = node.raw_parameters().optional(FRAMES)?;
+    node.check_parameters(|parameters| {
+        _ = parameters.optional::<FrameParams>(FRAMES)?;
+        parameters.without(&[FRAMES]).parse::<Params>().map(drop)
+    })?;
+    let frames: Option<FrameParams> = node.raw_parameters().optional(FRAMES)?;
     let params: Params = node.raw_parameters().without(&[FRAMES]).parse()?;
-    node.check_parameters(|parameters| parameters.without(&[FRAMES]).parse::<Params>().map(drop));
     if node.clock().is_simulated() {
         return Err(RuntimeError::SimulatedTime { what: "a bridge to a real printer" });
     }

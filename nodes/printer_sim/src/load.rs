@@ -11,8 +11,8 @@ use models::material::Material;
 use models::motion::MotionParams;
 use models::params::ParamError;
 use models::printer::Printer;
-use runtime::RuntimeError;
 use runtime::params::{ParamFileError, Parameters, from_yaml, sha256_hex};
+use runtime::{FrameParams, RuntimeError};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -63,6 +63,23 @@ pub struct Loaded {
 /// File, line and value of one that is unknown.
 pub fn process(parameters: &Parameters) -> Result<ProcessKind, LoadError> {
     Ok(parameters.block::<Chosen>("run")?.process)
+}
+
+/// Checks the parameters without the files that they name.
+///
+/// # Errors
+/// File, line, field, value and range of what is refused.
+pub fn check(parameters: &Parameters) -> Result<(), ParamFileError> {
+    match parameters.block::<Chosen>("run")?.process {
+        ProcessKind::Wire => wall::machine_params(parameters).map(drop),
+        ProcessKind::Fdm => {
+            _ = parameters.block::<RunParams>("run")?;
+            _ = parameters.block::<MotionParams>("printer_motion")?;
+            _ = parameters.optional::<FrameParams>("frames")?;
+            let (printer, material) = (parameters.block("printer")?, parameters.block("material")?);
+            simulator_params(parameters, &printer, &material).map(drop)
+        }
+    }
 }
 
 /// Reads everything that the parameters name.

@@ -69,6 +69,7 @@ struct Shell {
 /// # Errors
 /// What is refused of parameters and files, or an endpoint that cannot be made.
 pub async fn run(node: Node) -> Result<(), LoadError> {
+    node.check_parameters(load::check)?;
     match load::process(node.raw_parameters())? {
         ProcessKind::Fdm => extrude(node).await,
         ProcessKind::Wire => wall::run(node).await,

@@ -1,6 +1,7 @@
 //! ROS 2 arguments: what `ros2 run` and `launch_ros` pass to a node.
 //!
-//! `--ros-args -r from:=to | -r __node:=name | -r __ns:=/ns | -p name:=value | --params-file FILE | --log-level LEVEL --`
+//! `--ros-args -r [node:]from:=to | -r [node:]__node:=name | -r [node:]__ns:=/ns | -p [node:]name:=value | --params-file
+//! FILE | --log-level [logger:=]LEVEL | --enclave PATH | --log-config-file FILE | --(en|dis)able-*-logs --`
 
 use std::path::PathBuf;
 
@@ -11,14 +12,20 @@ pub struct Args {
     pub node: Option<String>,
     /// Namespace of the node (`-r __ns:=`).
     pub namespace: Option<String>,
-    /// Name remappings in order (`-r from:=to`).
+    /// Name remappings in order (`-r from:=to`); `node:` in front of any remapping: for the node of this name alone.
     pub remaps: Vec<(String, String)>,
-    /// Parameter overrides in order (`-p name:=value`).
+    /// Parameter overrides in order (`-p name:=value`); `node:` in front as in a parameter file.
     pub parameters: Vec<(String, String)>,
     /// Parameter files in order; a later one wins.
     pub params_files: Vec<PathBuf>,
     /// Log levels in order: logger (`None`: all) and level.
     pub log_levels: Vec<(Option<String>, LogLevel)>,
+    /// Nothing is written to standard error.
+    pub no_stdout_logs: bool,
+    /// Nothing is published on `/rosout`.
+    pub no_rosout_logs: bool,
+    /// What was accepted and means nothing here.
+    pub remarks: Vec<String>,
     /// Arguments outside of `--ros-args ... --`: the node's own.
     pub rest: Vec<String>,
 }
@@ -64,7 +71,9 @@ impl LogLevel {
 #[non_exhaustive]
 pub enum ArgsError {
     /// An argument that is not known after `--ros-args`.
-    #[error("unknown argument '{0}' after --ros-args (known: -r, -p, --params-file, --log-level, --)")]
+    #[error(
+        "unknown argument '{0}' after --ros-args (known: -r, -p, --params-file, --log-level, --log-config-file, -e, --enable-rosout-logs, --)"
+    )]
     Unknown(String),
     /// An argument outside of `--ros-args` that this node does not take.
     #[error("unknown argument '{0}': this node takes only '--ros-args ...'")]
@@ -148,8 +157,7 @@ impl Args {
             "-p" | "--param" => {
                 let (name, value) = pair(word, &value()?)?;
                 if name.len() > NAME_MAX {
-                    let (option, value) =
-                        (word.to_owned(), format!("{}...", name.chars().take(40).collect::<String>()));
+                    let (option, value) = (word.to_owned(), short(&name));
                     return Err(ArgsError::Malformed {
                         option,
                         value,
@@ -162,19 +170,74 @@ impl Args {
             "--log-level" => self.log_levels.push(log_level(word, &value()?)?),
             // Outputs that are always on here; launch files may still name them.
             "--enable-rosout-logs" | "--enable-stdout-logs" => {}
-            other => return Err(ArgsError::Unknown(other.to_owned())),
+            "--disable-rosout-logs" => self.no_rosout_logs = true,
+            "--disable-stdout-logs" => self.no_stdout_logs = true,
+            // A library for logs beside those two: there is none.
+            "--enable-external-lib-logs" | "--disable-external-lib-logs" => {}
+            "--log-config-file" => {
+                let file = value()?;
+                self.remarks.push(format!(
+                    "--log-config-file {}: is not read, as with the ROS default logger; levels: --log-level or RUST_LOG",
+                    short(&file)
+                ));
+            }
+            "-e" | "--enclave" => self.enclave(word, value()?)?,
+            other => return Err(ArgsError::Unknown(short(other))),
         }
         Ok(())
     }
 
-    /// Sorts a remapping into node name, namespace or name. A `node:` prefix on those two is not needed: one node a
-    /// process.
+    /// The place of keys and certificates: there is no security for it to name.
+    fn enclave(&mut self, word: &str, enclave: String) -> Result<(), ArgsError> {
+        if !enclave.starts_with('/') {
+            let (option, value) = (word.to_owned(), short(&enclave));
+            return Err(ArgsError::Malformed { option, value, expected: "an absolute name, as /printer" });
+        }
+        self.remarks.push(format!("{word} {}: has no effect, DDS security is not built in", short(&enclave)));
+        Ok(())
+    }
+
+    /// Sorts a remapping into node name, namespace or name. What is for one node alone waits until its name is known.
     fn remap(&mut self, from: String, to: String) {
-        match from.rsplit(':').next().unwrap_or(&from) {
+        match from.as_str() {
             "__node" | "__name" => self.node = Some(to),
             "__ns" => self.namespace = Some(to),
             _ => self.remaps.push((from, to)),
         }
+    }
+}
+
+/// Longest text of a person that is said again `[character]`.
+const SAID: usize = 120;
+
+/// A text as it is said again in one line: not its whole megabyte.
+pub(crate) fn short(text: &str) -> String {
+    match text.char_indices().nth(SAID) {
+        None => text.to_owned(),
+        Some((end, _)) => format!("{}... ({} bytes)", &text[..end], text.len()),
+    }
+}
+
+/// Longest word of a parser that is passed on `[character]`: it may list all names that there are.
+const PARSED: usize = 1000;
+
+/// Beginning and end of what a parser says, which may hold a whole value: the rule stands at the end.
+pub(crate) fn ends(text: &str) -> String {
+    let count = text.chars().count();
+    if count <= PARSED {
+        return text.to_owned();
+    }
+    let front: String = text.chars().take(PARSED / 2).collect();
+    let back: String = text.chars().skip(count - PARSED / 2).collect();
+    format!("{front} ... {back}")
+}
+
+/// A name of a rule without the node that stands in front; `None` where that is another one.
+pub(crate) fn of_node<'a>(rule: &'a str, is_meant: impl Fn(&str) -> bool) -> Option<&'a str> {
+    // `rostopic://` and `rosservice://` begin a name.
+    match rule.split_once(':').filter(|(_, rest)| !rest.starts_with("//")) {
+        None => Some(rule),
+        Some((node, name)) => is_meant(node).then_some(name),
     }
 }
 
@@ -184,7 +247,7 @@ fn pair(option: &str, text: &str) -> Result<(String, String), ArgsError> {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
         _ => Err(ArgsError::Malformed {
             option: option.to_owned(),
-            value: text.to_owned(),
+            value: short(text),
             expected: "name:=value",
         }),
     }
@@ -198,7 +261,7 @@ fn log_level(option: &str, text: &str) -> Result<(Option<String>, LogLevel), Arg
     };
     let level = LogLevel::parse(level).ok_or_else(|| ArgsError::Malformed {
         option: option.to_owned(),
-        value: text.to_owned(),
+        value: short(text),
         expected: "debug, info, warn, error or fatal",
     })?;
     Ok((logger, level))

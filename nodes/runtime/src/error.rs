@@ -36,6 +36,9 @@ pub enum RuntimeError {
         /// Who refuses.
         what: &'static str,
     },
+    /// A shell was asked how it checks its parameters, and is not to go on.
+    #[error("asked for the check of the parameters alone")]
+    Asked,
     /// A system call failed.
     #[error("{what}")]
     System {

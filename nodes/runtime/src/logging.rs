@@ -93,8 +93,8 @@ pub(crate) fn start(args: &Args, node: &str) {
     let started = tracing_subscriber::registry()
         .with(filter(args, &logger(node)))
         .with(Throttle)
-        .with(console)
-        .with(Rosout)
+        .with((!args.no_stdout_logs).then_some(console))
+        .with((!args.no_rosout_logs).then_some(Rosout))
         .try_init();
     if started.is_ok() {
         _ = DROPPED.set(dropped);

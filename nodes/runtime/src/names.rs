@@ -1,11 +1,20 @@
 //! From a name as declared to the one on the graph: namespace, `~` and remappings.
 
-use crate::args::Args;
+use crate::args::{Args, of_node};
 use crate::error::RuntimeError;
 use ros2_client::{Name, NodeName};
 
 /// Namespace where none is asked for: every printer has its own.
 const DEFAULT_NAMESPACE: &str = "/printer";
+
+/// What a rule calls the node's own name and namespace.
+const OWN: [&str; 3] = ["__node", "__name", "__ns"];
+
+/// The name or namespace that a rule for this node alone gives it.
+fn own<'a>(args: &'a Args, node: &str, what: &str) -> Option<&'a str> {
+    let fits = |from: &str| from.contains(':') && of_node(from, |other| other == node) == Some(what);
+    args.remaps.iter().find(|(from, _)| fits(from)).map(|(_, to)| to.as_str())
+}
 
 /// Name of the node and the remappings in force.
 #[derive(Debug, Clone)]
@@ -17,14 +26,21 @@ pub(crate) struct Names {
 impl Names {
     /// Checks the node's name and all remappings.
     pub(crate) fn new(default_node: &str, args: &Args) -> Result<Self, RuntimeError> {
-        let namespace = args.namespace.as_deref().unwrap_or(DEFAULT_NAMESPACE);
-        let base = args.node.as_deref().unwrap_or(default_node);
+        // A rule for one node knows it by its own name; all others by the one that it gets.
+        let base = args.node.as_deref().or_else(|| own(args, default_node, "__node"));
+        let base = base.or_else(|| own(args, default_node, "__name")).unwrap_or(default_node);
+        let namespace = args.namespace.as_deref().or_else(|| own(args, base, "__ns"));
+        let namespace = namespace.unwrap_or(DEFAULT_NAMESPACE);
         let node = NodeName::new(namespace, base).map_err(|reason| RuntimeError::Name {
             name: format!("{namespace}/{base}"),
             reason: reason.to_string(),
         })?;
         let mut names = Self { node, remaps: Vec::new() };
         for (from, to) in &args.remaps {
+            let Some(from) = of_node(from, |node| node == names.base()) else { continue };
+            if OWN.contains(&from) {
+                continue;
+            }
             let pair = (names.expand(from), names.expand(to));
             names.check(&pair.0)?;
             names.check(&pair.1)?;
@@ -95,6 +111,17 @@ mod tests {
         let names = names("--ros-args -r events:=/all/events -r /clock:=sim_clock").unwrap();
         assert_eq!(names.resolve("/printer/events"), "/all/events");
         assert_eq!(names.resolve("/clock"), "/printer/sim_clock");
+    }
+
+    /// `-r node:from:=to`, as one launch file for several nodes has it: each takes its own.
+    #[test]
+    fn a_remapping_may_be_for_one_node_alone() {
+        let line = "--ros-args -r thermistor:__node:=warm -r imu:__node:=moved -r warm:__ns:=/a -r imu:__ns:=/b \
+                    -r warm:events:=said -r imu:events:=heard -r thermistor:clock:=other";
+        let names = names(line).unwrap();
+        assert_eq!(names.qualified(), "/a/warm");
+        assert_eq!(names.resolve("events"), "/a/said");
+        assert_eq!(names.resolve("clock"), "/a/clock", "the node is called warm");
     }
 
     #[test]

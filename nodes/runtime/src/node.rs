@@ -2,6 +2,7 @@
 
 mod background;
 mod endpoints;
+mod middleware;
 
 use crate::args::Args;
 use crate::clock::{Clock, Timer};
@@ -17,10 +18,10 @@ use crate::participants::Participants;
 use crate::self_loop::SelfLoop;
 use crate::shutdown::{self, Shutdown, ShutdownSender};
 use crate::{bounds, logging};
+use middleware::{once, random_session, watch_middleware};
 use models::units::Seconds;
 use ros2_client::{Context, NodeOptions};
 use serde::de::DeserializeOwned;
-use std::hash::{BuildHasher, Hasher};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::task::{AbortHandle, JoinSet};
@@ -76,31 +77,6 @@ fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A random number that tells one run of a node from the next.
-fn random_session() -> u64 {
-    // The standard library seeds its hash maps from the operating system's random source.
-    std::collections::hash_map::RandomState::new().build_hasher().finish()
-}
-
-/// Watches over this process's middleware: what happens where it is deaf is told, and where it is overcrowded the process
-/// leaves the graph.
-fn watch_middleware(
-    participants: Participants,
-    session: u64,
-    on_silence: impl FnOnce() + Send + 'static,
-    leave: ShutdownSender,
-) -> Result<SelfLoop, RuntimeError> {
-    let on_crowd = move |count| {
-        if bounds::leave_the_crowd() {
-            tracing::error!(
-                "{count} participants in the domain: leaving, to come back without those that are none"
-            );
-            leave.demand();
-        }
-    };
-    SelfLoop::start(participants, session, on_silence, on_crowd)
-}
-
 impl Node {
     /// Starts the node from the arguments and the environment of this process. Needs a tokio executor.
     ///
@@ -115,14 +91,20 @@ impl Node {
     /// # Errors
     /// [`RuntimeError`]
     pub fn start_with(name: &str, args: Args) -> Result<Self, RuntimeError> {
-        Self::start_or(name, args, || {
+        let on_deaf = || {
             tracing::error!("hears nothing through DDS any more: ending the process to be started again");
             bounds::end_deaf();
+        };
+        Self::start_by(name, args, on_deaf, || {
+            tracing::error!("was stopped and continued: ending the process to be started again");
+            logging::write_last_lines();
+            std::process::abort();
         })
     }
 
-    /// As [`Node::start_with`], for a process that nobody starts again: where the node hears nothing any more, `on_deaf` is
-    /// called once, from another thread, and the node is to be replaced by a new one.
+    /// As [`Node::start_with`], for a process that nobody starts again: where the node hears nothing any more, or may not
+    /// since the process was stopped and continued, `on_deaf` is called once, from any thread, and the node is to be
+    /// replaced by a new one.
     ///
     /// # Errors
     /// [`RuntimeError`]
@@ -131,8 +113,19 @@ impl Node {
         args: Args,
         on_deaf: impl FnOnce() + Send + 'static,
     ) -> Result<Self, RuntimeError> {
+        let (deaf, continued) = once(on_deaf);
+        Self::start_by(name, args, deaf, continued)
+    }
+
+    fn start_by(
+        name: &str,
+        args: Args,
+        on_deaf: impl FnOnce() + Send + 'static,
+        on_continued: impl FnOnce() + Send + 'static,
+    ) -> Result<Self, RuntimeError> {
         let names = Names::new(name, &args);
         logging::start(&args, &names.as_ref().map_or_else(|_| name.to_owned(), Names::qualified));
+        args.remarks.iter().for_each(|remark| tracing::warn!("{remark}"));
         let (names, environment) = (names?, Environment::from_env()?);
         let path = NodePath { qualified: names.qualified(), base: names.base().to_owned() };
         let parameters = Parameters::read(&args.params_files, &args.parameters, &path)?;
@@ -150,7 +143,7 @@ impl Node {
             .new_node(names.node().clone(), options)
             .map_err(|error| RuntimeError::create(format!("node {}", path.qualified), &error))?;
         shutdown::follow_signals(shutdown_sender.clone())?;
-        shutdown::abort_when_continued(shutdown.clone())?;
+        shutdown::when_continued(shutdown.clone(), on_continued)?;
         let core = Core {
             tasks: Mutex::new(JoinSet::new()),
             self_loop,
@@ -181,19 +174,27 @@ impl Node {
     /// # Errors
     /// [`RuntimeError::Parameters`] with file, line, field, value and range.
     pub fn parameters<T: DeserializeOwned + 'static>(&self) -> Result<T, RuntimeError> {
-        self.check_parameters(|parameters| parameters.parse::<T>().map(drop));
+        self.check_parameters(|parameters| parameters.parse::<T>().map(drop))?;
         self.parameters.parse().map_err(|error| {
             self.refuse();
             RuntimeError::Parameters(error)
         })
     }
 
-    /// How the node parses its parameters, where it does so by itself: what somebody asks to set is checked by it.
+    /// How the node parses its parameters, where it does so by itself: what somebody asks to set is checked by it. Comes
+    /// before all else in a shell: one that is not configured yet is asked for this alone.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Asked`] where nothing but this was wanted.
     pub fn check_parameters(
         &self,
         check: impl Fn(&Parameters) -> Result<(), ParamFileError> + Send + 'static,
-    ) {
+    ) -> Result<(), RuntimeError> {
         self.core.store.tell_check(check);
+        match &self.stage {
+            Some(stage) if stage.is_question() => Err(RuntimeError::Asked),
+            _ => Ok(()),
+        }
     }
 
     /// Declares which parameters may change while the node is active, and follows their changes. All others may change
@@ -210,6 +211,9 @@ impl Node {
 
     /// A shell refuses what its parameters name, by an error of its own: the process ends as after a refused parameter.
     pub fn refuse(&self) {
+        if self.stage.as_ref().is_some_and(Stage::is_question) {
+            return;
+        }
         lock(&self.core.refused).store(true, Ordering::Relaxed);
     }
 

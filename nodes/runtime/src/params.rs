@@ -20,7 +20,8 @@ mod tree;
 mod values;
 mod yaml;
 
-use comments::Comments;
+use crate::args::{ends, short};
+use comments::Descriptions;
 use own::{AUTOSTART, OWN, START_AFTER, USE_SIM_TIME, flag, names};
 
 use serde::de::DeserializeOwned;
@@ -28,8 +29,7 @@ use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use tree::{Origin, Tree};
+use tree::Tree;
 
 /// Why parameters were refused; one line that says where, what and why.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -74,7 +74,7 @@ pub struct NodePath {
 #[derive(Debug, Clone, Default)]
 pub struct Parameters {
     tree: Tree,
-    comments: Comments,
+    descriptions: Descriptions,
     use_sim_time: bool,
     autostart: bool,
     start_after: Vec<String>,
@@ -91,23 +91,23 @@ impl Parameters {
         overrides: &[(String, String)],
         node: &NodePath,
     ) -> Result<Self, ParamFileError> {
-        let (mut merged, mut comments) = (Tree::default(), Comments::default());
+        let (mut merged, mut descriptions) = (Tree::default(), Descriptions::default());
         for file in files {
             let text = crate::input::text(file).map_err(|error| ParamFileError::Unreadable {
                 file: file.clone(),
                 reason: error.to_string(),
             })?;
-            comments.read(&Arc::from(file.display().to_string()), &text);
             tree::merge_file(&mut merged, &text, file, node)?;
+            descriptions.read(&file.display().to_string(), &text, &merged);
         }
         for (name, value) in overrides {
-            tree::merge_override(&mut merged, name, value)?;
+            tree::merge_override(&mut merged, (name, value), node)?;
         }
         let use_sim_time = flag(&mut merged, USE_SIM_TIME, false)?;
         let autostart = flag(&mut merged, AUTOSTART, true)?;
         let start_after = names(&mut merged, START_AFTER)?;
         let last_file = files.last().cloned();
-        Ok(Self { tree: merged, comments, use_sim_time, autostart, start_after, last_file })
+        Ok(Self { tree: merged, descriptions, use_sim_time, autostart, start_after, last_file })
     }
 
     /// Whether the node's time comes from `/clock`.
@@ -126,12 +126,11 @@ impl Parameters {
         &self.start_after
     }
 
-    /// Comment beside a value of a file.
-    fn comment(&self, name: &str) -> &str {
-        match self.tree.origin(name) {
-            Some(Origin::File(file, line)) => self.comments.of(file, *line).unwrap_or_default(),
-            _ => "",
-        }
+    /// Names of the parameters of which their files say nothing.
+    #[must_use]
+    pub fn undescribed(&self) -> Vec<String> {
+        let unsaid = |name: &String| self.descriptions.of(name).text.is_empty();
+        self.tree.leaves().into_iter().filter(unsaid).collect()
     }
 
     /// Parses the parameters into a checked struct.
@@ -149,7 +148,8 @@ impl Parameters {
         serde_path_to_error::deserialize(&json).map_err(|error| {
             let path = error.path().to_string();
             let path = if path == "." { String::new() } else { path };
-            self.explain(&path, &error.inner().to_string())
+            // It says a refused value again as a whole.
+            self.explain(&path, &ends(&error.inner().to_string()))
         })
     }
 
@@ -221,7 +221,7 @@ impl Parameters {
         };
         let message = match (path.is_empty(), value) {
             (true, _) => said.to_owned(),
-            (false, Some(value)) => format!("{path} = {value}: {said}"),
+            (false, Some(value)) => format!("{path} = {}: {said}", short(&value)),
             (false, None) => format!("{path}: {said}"),
         };
         ParamFileError::Refused { at, message }

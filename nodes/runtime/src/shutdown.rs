@@ -110,10 +110,13 @@ pub(crate) async fn unless_continued() {
     }
 }
 
-/// Ends the process where it goes on after a stop. The interrupted poll has ended event loops of RustDDS 0.15.1, now
+/// Tells once where the process goes on after a stop. The interrupted poll has ended event loops of RustDDS 0.15.1, now
 /// and then those of discovery alone: the self loop still turns, while the others forget the node half a minute later.
-/// Who started the process starts it again. (SIGCONT follows a SIGTERM too, to wake who is stopped: that end is orderly.)
-pub(crate) fn abort_when_continued(shutdown: Shutdown) -> Result<(), RuntimeError> {
+/// Who started the process starts it again; who is started by nobody takes a new node. (SIGCONT follows a SIGTERM too, to wake who is stopped: that end is orderly.)
+pub(crate) fn when_continued(
+    shutdown: Shutdown,
+    on_continued: impl FnOnce() + Send + 'static,
+) -> Result<(), RuntimeError> {
     let system = |source| RuntimeError::System { what: "cannot listen to signals", source };
     let mut continued = signal(SignalKind::from_raw(Signal::CONT.as_raw())).map_err(system)?;
     signal_hook::flag::register(Signal::CONT.as_raw(), Arc::clone(&CONTINUED)).map_err(system)?;
@@ -122,12 +125,10 @@ pub(crate) fn abort_when_continued(shutdown: Shutdown) -> Result<(), RuntimeErro
     tokio::spawn(async move {
         while continued.recv().await.is_some() {
             tokio::time::sleep(TOGETHER).await;
-            if !shutdown.is_demanded() {
-                tracing::error!("was stopped and continued: ending the process to be started again");
-                logging::write_last_lines();
-                std::process::abort();
-            }
             CONTINUED.store(false, Ordering::Relaxed);
+            if !shutdown.is_demanded() {
+                return on_continued();
+            }
         }
     });
     Ok(())

@@ -23,10 +23,13 @@ use outlets::{Outlets, Totals};
 /// # Errors
 /// [`RuntimeError`] where it cannot start.
 pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
+    node.check_parameters(|parameters| {
+        _ = parameters.optional::<PathBuf>(LATCH_FILE)?;
+        parameters.without(&[LATCH_FILE]).parse::<Params>().map(drop)
+    })?;
     let parameters = node.raw_parameters();
     let latch_file: Option<PathBuf> = parameters.optional(LATCH_FILE)?;
     let params: Params = parameters.without(&[LATCH_FILE]).parse()?;
-    node.check_parameters(|parameters| parameters.without(&[LATCH_FILE]).parse::<Params>().map(drop));
     let latch = LatchFile::open(latch_file.filter(|path| !path.as_os_str().is_empty()));
     let mut inlets = Inlets::open(&mut node, &params)?;
     let mut operators = Operators::serve(&mut node)?;

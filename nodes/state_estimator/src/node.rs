@@ -142,7 +142,7 @@ struct Setup {
 
 impl Setup {
     fn read(node: &Node) -> Result<Self, RuntimeError> {
-        node.check_parameters(|parameters| Self::of(parameters).map(drop));
+        node.check_parameters(|parameters| Self::of(parameters).map(drop))?;
         Ok(Self::of(node.raw_parameters())?)
     }
 

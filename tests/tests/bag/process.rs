@@ -3,6 +3,7 @@
 use crate::{Counts, counts};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Lines};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
@@ -22,7 +23,7 @@ impl Domain {
     }
 
     /// A command in this domain.
-    fn command(self, program: &Path) -> Command {
+    pub(crate) fn command(self, program: &Path) -> Command {
         let mut command = Command::new(program);
         command.env("ROS_DOMAIN_ID", self.0.to_string()).env_remove("RUST_LOG");
         command
@@ -45,8 +46,20 @@ pub(crate) struct Bag {
     path: PathBuf,
 }
 
+/// A program of this build.
+pub(crate) fn program(name: &str) -> PathBuf {
+    let test = std::env::current_exe().unwrap();
+    let program = test.parent().unwrap().parent().unwrap().join(name);
+    assert!(
+        program.exists(),
+        "{} is missing: build it first with cargo build --workspace --bins",
+        program.display()
+    );
+    program
+}
+
 /// Root of the repository.
-fn root() -> PathBuf {
+pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_path_buf()
 }
 
@@ -67,6 +80,25 @@ impl Bag {
     pub(crate) fn reported(&self) -> Value {
         let text = std::fs::read_to_string(self.path.join("counts.json")).unwrap();
         serde_json::from_str(&text).unwrap()
+    }
+
+    /// Its folder.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Payloads of the finished files by topic, in their order.
+    pub(crate) fn payloads(&self) -> BTreeMap<String, Vec<Vec<u8>>> {
+        let mut payloads = BTreeMap::<_, Vec<_>>::new();
+        for number in 0.. {
+            let Ok(bytes) = std::fs::read(self.path.join(self.file(number))) else { return payloads };
+            for message in mcap::MessageStream::new(&bytes).unwrap() {
+                let message = message.unwrap();
+                let topic = message.channel.topic.clone();
+                payloads.entry(topic).or_default().push(message.data.into_owned());
+            }
+        }
+        payloads
     }
 
     /// What the Python readers find.
@@ -122,15 +154,16 @@ impl Recorder {
         })
     }
 
+    /// Waits until it writes to the bag: it listens then.
+    pub(crate) fn listens(&mut self, bag: &Bag) {
+        while !bag.path.join("metadata.yaml").is_file() {
+            assert_eq!(self.0.0.try_wait().unwrap(), None, "the recorder ended");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
     fn start_by(bag: &Bag, command: impl FnOnce(&Path) -> Command) -> Self {
-        let test = std::env::current_exe().unwrap();
-        let program = test.parent().unwrap().parent().unwrap().join("bag_recorder");
-        assert!(
-            program.exists(),
-            "{} is missing: build it first with cargo build -p bag_recorder",
-            program.display()
-        );
-        let child = command(&program)
+        let child = command(&program("bag_recorder"))
             .args(["--ros-args", "--params-file"])
             .arg(root().join("config/bag_recorder.param.yaml"))
             .args(["-p", &format!("bag_dir:={}", bag.path.display()), "-p", "sync_period_s:=0.1"])

@@ -1,4 +1,5 @@
 use super::*;
+use crate::file::Stamp;
 use crate::layout::Layout;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -1,5 +1,6 @@
 //! The records of one chunk.
 
+use mcap::McapError;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -12,6 +13,7 @@ const CHUNK_MAX: usize = 256 * 1024 * 1024;
 pub(super) struct Chunk {
     bytes: Vec<u8>,
     records: VecDeque<(u8, Range<usize>)>,
+    unknown: Option<String>,
 }
 
 impl Chunk {
@@ -49,10 +51,19 @@ impl Chunk {
                     self.bytes.extend_from_slice(data);
                     self.records.push_back((opcode, start..self.bytes.len()));
                 }
+                Err(McapError::UnsupportedCompression(name)) => {
+                    self.unknown = Some(name);
+                    return false;
+                }
                 Err(_broken) => return false,
             }
         }
         true
+    }
+
+    /// Name of a compression that is not known, once one was met.
+    pub(super) fn unknown(&self) -> Option<&str> {
+        self.unknown.as_deref()
     }
 
     /// The next record: operation and place of its fields.

@@ -39,6 +39,8 @@ pub struct Walked {
     pub lost_bytes: u64,
     /// Where the first of these places begins `[byte]`.
     pub first_damage: Option<u64>,
+    /// Name of a compression of chunks that cannot be read.
+    pub compression: Option<String>,
 }
 
 impl Walked {
@@ -52,6 +54,7 @@ impl Walked {
             damages: 0,
             lost_bytes: 0,
             first_damage: None,
+            compression: None,
         }
     }
 
@@ -67,6 +70,12 @@ impl Walked {
     pub fn is_sound(&self) -> bool {
         let all = self.lost_messages().is_none_or(|lost| lost == 0);
         self.ended == Ended::Closed && self.sum != Sum::Differs && self.damages == 0 && all
+    }
+
+    /// Something before the end could not be read, or is not what was written.
+    #[must_use]
+    pub fn is_damaged(&self) -> bool {
+        self.damages > 0 || self.sum == Sum::Differs
     }
 
     /// Messages that were not read; `None` where the file does not say how many it has.
@@ -90,6 +99,12 @@ impl Walked {
             Some(lost) => format!("{lost} of its {} messages are lost", self.stated.unwrap_or_default()),
             None => "how many messages are lost it does not say".to_owned(),
         };
+        if let Some(name) = &self.compression {
+            let lost_bytes = self.lost_bytes;
+            return Some(format!(
+                "has chunks compressed by '{name}', not by lz4 or zstd: {lost_bytes} bytes could not be read, {lost}"
+            ));
+        }
         Some(format!(
             "is damaged in {places}, from byte {first} on: {} bytes could not be read, {lost}; what stands behind was read",
             self.lost_bytes

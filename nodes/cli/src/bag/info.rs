@@ -9,6 +9,7 @@ use bag_recorder::file::NOTE;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 /// What is told of a bag.
 #[derive(Debug, Default, Serialize)]
@@ -113,6 +114,9 @@ fn figures(args: &InfoArgs) -> anyhow::Result<Figures> {
         count.in_file = 0;
         let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let (state, torn) = match scan(file, &mut count)? {
+            Ended::NoBag if args.bag.is_file() => {
+                bail!("{}: no MCAP file; give a .mcap file or the folder of a bag", file.display())
+            }
             Ended::NoBag => bail!("{}: no MCAP file", file.display()),
             Ended::Whole(_) => ("closed", None),
             Ended::Torn(torn) => {
@@ -137,6 +141,10 @@ fn figures(args: &InfoArgs) -> anyhow::Result<Figures> {
     }
     figures.bag = args.bag.display().to_string();
     figures.bytes = bag.bytes();
+    if let Some(folder) = folder_of(&args.bag) {
+        let folder = folder.display();
+        figures.remarks.push(format!("one file of the bag {folder}: `fdm bag info {folder}` tells of all"));
+    }
     if let Some(counts) = &bag.counts {
         let closed: u64 =
             figures.files.iter().filter(|file| file.state == "closed").map(|file| file.messages).sum();
@@ -162,6 +170,12 @@ fn figures(args: &InfoArgs) -> anyhow::Result<Figures> {
         ));
     }
     Ok(figures)
+}
+
+/// The folder of the bag that a file is a part of.
+fn folder_of(file: &Path) -> Option<PathBuf> {
+    let folder = std::path::absolute(file).ok()?.parent()?.to_path_buf();
+    (file.is_file() && folder.join("metadata.yaml").is_file()).then_some(folder)
 }
 
 fn page(figures: &Figures) -> String {
@@ -195,4 +209,28 @@ fn page(figures: &Figures) -> String {
         _ = writeln!(page, "  ! {remark}");
     }
     page
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Who gives one file of a bag, or what is none, is told of the folder.
+    #[test]
+    fn a_file_leads_to_its_bag() {
+        let folder = std::env::temp_dir().join(format!("fdm_info_{}", std::process::id()));
+        _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        let mcap = folder.join("a_0.mcap");
+        mcap::Writer::new(std::fs::File::create(&mcap).unwrap()).unwrap().finish().unwrap();
+        let told = |bag: &Path| figures(&InfoArgs { bag: bag.to_path_buf(), json: None });
+        assert!(told(&mcap).unwrap().remarks.is_empty(), "a file on its own");
+        std::fs::write(folder.join("metadata.yaml"), "rosbag2_bagfile_information:").unwrap();
+        let remarks = told(&mcap).unwrap().remarks;
+        assert!(remarks[0].contains(&format!("`fdm bag info {}`", folder.display())), "{remarks:?}");
+        assert!(told(&folder).unwrap().remarks.is_empty(), "the bag itself");
+        let error = told(&folder.join("metadata.yaml")).unwrap_err().to_string();
+        assert!(error.ends_with("give a .mcap file or the folder of a bag"), "{error}");
+        std::fs::remove_dir_all(folder).unwrap();
+    }
 }

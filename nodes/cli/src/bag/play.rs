@@ -1,22 +1,19 @@
 //! `fdm play`: publishes a bag over DDS, byte by byte as it was recorded.
 
 use crate::output::{self, Json};
-use crate::report::bag::Bag;
-use crate::report::scan::{Raw, Visitor, scan_what_is_there};
-use anyhow::bail;
 use clap::Args;
 use models::units::Seconds;
-use runtime::qos::{Durability, End, Reliability};
-use runtime::{Args as NodeArgs, ClockDriver, Node, RawPublisher, topics};
+use runtime::{Args as NodeArgs, ClockDriver, Node, RawPublisher};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 use tokio::time::{Instant, sleep_until};
 
+mod reel;
 mod roles;
 
-use roles::{INPUTS, OBEYED};
+use reel::Reel;
 
 /// Publishes the messages of a bag on its topics.
 #[derive(Debug, Args)]
@@ -54,8 +51,6 @@ pub struct PlayArgs {
 
 /// Simulated time between two readings of /clock `[ns]`.
 const CLOCK_NS: u64 = 10_000_000;
-/// Depth of a topic whose quality of service the bag does not say.
-const DEPTH: usize = 10;
 
 /// What is told of a play.
 #[derive(Debug, Default, Serialize)]
@@ -68,7 +63,21 @@ struct Figures {
     /// How late the latest message was `[s]`.
     late_max_s: f64,
     topics: BTreeMap<String, u64>,
+    /// What is not played, and why.
+    remarks: Vec<String>,
 }
+
+/// Not one message of a bag could be sent: exit code 1.
+#[derive(Debug)]
+pub struct NothingSent(String);
+
+impl std::fmt::Display for NothingSent {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for NothingSent {}
 
 /// Runs the command.
 ///
@@ -89,122 +98,13 @@ pub fn run(args: &PlayArgs) -> anyhow::Result<()> {
             "{bag}: {published} messages in {duration_s:.1} s, {dropped} dropped, {late_max_s:.3} s late at most"
         ))?;
     }
-    json.write(&figures)
-}
-
-/// A message of a reel: log time, number of its channel, where its bytes lie.
-struct Frame {
-    log_ns: u64,
-    channel: usize,
-    payload: Vec<u8>,
-}
-
-struct Channel {
-    topic: String,
-    type_name: String,
-    offered: End,
-}
-
-/// What is to be played.
-#[derive(Default)]
-struct Reel {
-    channels: Vec<Channel>,
-    frames: Vec<Frame>,
-    named: Vec<String>,
-    inputs: bool,
-    commands: bool,
-    clock: bool,
-}
-
-impl Reel {
-    fn read(bag: &Path, args: &PlayArgs) -> anyhow::Result<Self> {
-        let mut reel = Self {
-            named: args.topics.clone(),
-            inputs: args.inputs,
-            commands: args.commands,
-            clock: args.clock,
-            ..Self::default()
-        };
-        for file in Bag::find(bag)?.files {
-            scan_what_is_there(&file, &mut reel)?;
+    json.write(&figures)?;
+    match figures {
+        Figures { published: 0, dropped, bag, .. } if dropped > 0 => {
+            Err(NothingSent(format!("{bag}: all {dropped} messages were dropped")).into())
         }
-        let start_ns = reel.frames.first().map_or(0, |frame| frame.log_ns);
-        // A cast of a float saturates.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let from_ns = start_ns.saturating_add((args.start * 1e9) as u64);
-        reel.begin_at(from_ns);
-        if reel.frames.is_empty() {
-            bail!("{}: nothing to play", bag.display());
-        }
-        Ok(reel)
+        _ => Ok(()),
     }
-
-    /// Leaves out what lies before, but for the newest word of each latched topic: who joins then hears it too.
-    fn begin_at(&mut self, from_ns: u64) {
-        let mut latched: BTreeMap<usize, Frame> = BTreeMap::new();
-        let mut rest = Vec::new();
-        for frame in std::mem::take(&mut self.frames) {
-            if frame.log_ns >= from_ns {
-                rest.push(frame);
-            } else if self.channels[frame.channel].offered.durability == Durability::TransientLocal {
-                latched.insert(frame.channel, Frame { log_ns: from_ns, ..frame });
-            }
-        }
-        if !rest.is_empty() {
-            self.frames = latched.into_values().chain(rest).collect();
-        }
-    }
-
-    /// Whether a topic is played.
-    fn plays(&self, topic: &str) -> bool {
-        let ends =
-            |name: &str| topic == name || topic.strip_suffix(name).is_some_and(|front| front.ends_with('/'));
-        if topic == topics::CLOCK.name() && self.clock
-            || !self.commands && OBEYED.iter().any(|name| ends(name))
-        {
-            return false;
-        }
-        // Whatever the namespace, and `/printer` is one.
-        let is_input = || INPUTS.iter().any(|part| topic.contains(&format!("/{part}")));
-        (self.named.is_empty() || self.named.iter().any(|name| ends(name))) && (!self.inputs || is_input())
-    }
-}
-
-/// The quality of service as bags write it.
-fn offered(text: &str) -> End {
-    let value =
-        |key: &str| text.lines().find_map(|line| line.trim().trim_start_matches("- ").strip_prefix(key));
-    let says = |key: &str, word: &str| value(key).is_some_and(|value| value.trim() == word);
-    End {
-        reliability: if says("reliability:", "best_effort") {
-            Reliability::BestEffort
-        } else {
-            Reliability::Reliable
-        },
-        durability: if says("durability:", "transient_local") {
-            Durability::TransientLocal
-        } else {
-            Durability::Volatile
-        },
-        depth: value("depth:").and_then(|depth| depth.trim().parse().ok()).unwrap_or(DEPTH).clamp(1, 1000),
-    }
-}
-
-impl Visitor for Reel {
-    fn message(&mut self, raw: &Raw<'_>) {
-        if raw.encoding != "cdr" || !self.plays(raw.topic) {
-            return;
-        }
-        let same = |channel: &Channel| channel.topic == raw.topic && channel.type_name == raw.type_name;
-        let channel = self.channels.iter().position(same).unwrap_or_else(|| {
-            let (topic, type_name) = (raw.topic.to_owned(), raw.type_name.to_owned());
-            self.channels.push(Channel { topic, type_name, offered: offered(raw.offered_qos) });
-            self.channels.len() - 1
-        });
-        self.frames.push(Frame { log_ns: raw.log_ns, channel, payload: raw.payload.to_vec() });
-    }
-
-    fn note(&mut self, _: &str, _: &BTreeMap<String, String>) {}
 }
 
 async fn play(args: &PlayArgs, reel: &Reel) -> anyhow::Result<Figures> {
@@ -232,6 +132,7 @@ async fn play(args: &PlayArgs, reel: &Reel) -> anyhow::Result<Figures> {
         messages: reel.frames.len() as u64,
         duration_s: begin.elapsed().as_secs_f64(),
         late_max_s: late_max.as_secs_f64(),
+        remarks: reel.remarks.clone(),
         ..Figures::default()
     };
     for (channel, publisher) in reel.channels.iter().zip(&publishers) {
@@ -252,25 +153,23 @@ async fn once(
     mut driver: Option<&mut ClockDriver>,
 ) -> Duration {
     let begin = Instant::now();
-    let first_ns = reel.frames.first().map_or(0, |frame| frame.log_ns);
-    let at = |log_ns: u64| {
-        let after_ns = log_ns.saturating_sub(first_ns);
-        #[allow(clippy::cast_precision_loss, reason = "a time of a bag")]
-        let after_s = after_ns as f64 * 1e-9 / rate;
-        begin + Duration::from_secs_f64(after_s)
-    };
+    let at = |at_ns: u64| begin + Duration::from_nanos(at_ns).div_f64(rate);
     let mut late_max = Duration::ZERO;
-    let mut clock_ns = first_ns;
+    // Stretch that is played, and the next reading of its clock.
+    let mut clock: Option<(usize, u64)> = None;
     for frame in &reel.frames {
         if let Some(driver) = &mut driver {
+            let newest = clock.filter(|(stretch, _)| *stretch == frame.stretch);
+            let mut clock_ns = newest.map_or(frame.log_ns, |(_, clock_ns)| clock_ns);
             while clock_ns <= frame.log_ns {
-                sleep_until(at(clock_ns)).await;
+                sleep_until(at(frame.at_ns - (frame.log_ns - clock_ns))).await;
                 driver.set(seconds(clock_ns));
                 clock_ns += CLOCK_NS;
             }
+            clock = Some((frame.stretch, clock_ns));
         }
-        sleep_until(at(frame.log_ns)).await;
-        late_max = late_max.max(at(frame.log_ns).elapsed());
+        sleep_until(at(frame.at_ns)).await;
+        late_max = late_max.max(at(frame.at_ns).elapsed());
         publishers[frame.channel].send(&frame.payload);
     }
     late_max

@@ -95,6 +95,18 @@ pub(crate) fn messages(bag: &Path) -> anyhow::Result<u64> {
     }
 }
 
+/// Recovers a bag in which a kill left a file that is not closed; `None` where there is none.
+pub(crate) fn leftover(bag: &Path) -> anyhow::Result<Option<u64>> {
+    let Ok(mut entries) = std::fs::read_dir(bag) else { return Ok(None) };
+    let is_open =
+        |entry: &std::fs::DirEntry| entry.path().extension().is_some_and(|ending| ending == "active");
+    if entries.any(|entry| entry.is_ok_and(|entry| is_open(&entry))) {
+        messages(bag).map(Some)
+    } else {
+        Ok(None)
+    }
+}
+
 fn recover(bag: &Path) -> anyhow::Result<Figures> {
     let failed = || bag.display().to_string();
     if !std::fs::metadata(bag).with_context(failed)?.is_dir() {
@@ -102,14 +114,20 @@ fn recover(bag: &Path) -> anyhow::Result<Figures> {
     }
     let folder = Folder::open(bag, &name_of(bag)?, Arc::new(Tally::new(0)))?;
     let survey = folder.survey()?;
-    let mut figures = Figures { bag: bag.display().to_string(), ..Figures::default() };
-    let go_on = AtomicBool::new(false);
     let mut numbers: Vec<(u32, bool)> = survey.finished.iter().map(|number| (*number, false)).collect();
     numbers.extend(survey.leftover.iter().map(|number| (*number, true)));
     numbers.sort_unstable();
-    for (number, left) in numbers {
+    // Everything is looked at before anything is changed.
+    let found: Vec<Found> =
+        numbers.into_iter().map(|(number, left)| look(&folder, number, left)).collect::<Result<_, _>>()?;
+    let mut figures = Figures { bag: bag.display().to_string(), ..Figures::default() };
+    let changes = found.iter().any(|found| !matches!(found.state, State::Sound(_)));
+    if changes {
+        folder.keep_description()?;
+    }
+    for Found { number, state } in found {
         let name = folder.layout().finished(number);
-        let file = match one(&folder, number, left, &go_on) {
+        let file = match mend(&folder, number, state) {
             Ok(file) => File { name, ..file },
             Err(error) => {
                 let cause = error.source().map_or_else(String::new, |cause| format!(": {cause}"));
@@ -121,39 +139,75 @@ fn recover(bag: &Path) -> anyhow::Result<Figures> {
         figures.messages += file.messages.unwrap_or(0);
         figures.files.push(file);
     }
-    // What the bag says of a file that could not be read stands.
-    if figures.files.iter().all(|file| file.outcome != "unreadable") {
+    // What the bag says of a file that could not be read stands, and what another program says of a sound one.
+    let read = figures.files.iter().all(|file| file.outcome != "unreadable");
+    if read && (changes || !folder.path("metadata.yaml").exists() || folder.path("counts.json").exists()) {
         folder.set_active(None)?;
     }
     Ok(figures)
 }
 
-/// Mends one file.
-fn one(folder: &Folder, number: u32, left: bool, go_on: &AtomicBool) -> Result<File, RecorderError> {
+/// A file of a bag as it is found.
+struct Found {
+    number: u32,
+    state: State,
+}
+
+enum State {
+    /// Whole, with an index: its messages.
+    Sound(u64),
+    /// Whole, without an index: its messages.
+    Plain(u64),
+    /// Finished, and cut off or changed since.
+    Unsound,
+    /// What a kill left.
+    Leftover,
+}
+
+/// Looks at every record of a file: a summary knows nothing of what has become of the data since.
+///
+/// # Errors
+/// A file that holds what mending would lose.
+fn look(folder: &Folder, number: u32, left: bool) -> Result<Found, RecorderError> {
+    let layout = folder.layout();
+    let path = folder.path(&if left { layout.active(number) } else { layout.finished(number) });
+    let is_sound = match recovery::look(&path) {
+        Err(foreign @ RecorderError::Foreign { .. }) => return Err(foreign),
+        looked => looked.is_ok_and(|walked| walked.is_sound()),
+    };
     if left {
-        let made = recovery::recover(folder, number, go_on)?;
-        return Ok(saved(made.as_ref(), |walked| walked.damages > 0));
+        return Ok(Found { number, state: State::Leftover });
     }
-    // Every record is looked at: a summary knows nothing of what has become of the data since.
-    let is_sound = recovery::check(folder, number).is_ok_and(|walked| walked.is_sound());
     let read = recovery::read_finished(folder, number).ok().filter(|_| is_sound);
     let Some(Finished { contents, indexed }) = read else {
-        let made = recovery::salvage(folder, number, go_on)?;
-        return Ok(saved(made.as_ref(), |_| true));
+        return Ok(Found { number, state: State::Unsound });
     };
+    let messages = contents.total();
+    folder.know(contents);
+    Ok(Found { number, state: if indexed { State::Sound(messages) } else { State::Plain(messages) } })
+}
+
+/// Mends one file.
+fn mend(folder: &Folder, number: u32, state: State) -> Result<File, RecorderError> {
+    let go_on = AtomicBool::new(false);
     let whole = |outcome, messages| File {
         messages: Some(messages),
         lost_messages: Some(0),
         outcome,
         ..File::default()
     };
-    let messages = contents.total();
-    folder.add(contents)?;
-    if indexed {
-        return Ok(whole("sound", messages));
+    match state {
+        State::Leftover => {
+            let made = recovery::recover(folder, number, &go_on)?;
+            Ok(saved(made.as_ref(), Walked::is_damaged))
+        }
+        State::Unsound => Ok(saved(recovery::salvage(folder, number, &go_on)?.as_ref(), |_| true)),
+        State::Sound(messages) => Ok(whole("sound", messages)),
+        State::Plain(messages) => {
+            recovery::compact(folder, number, &go_on)?;
+            Ok(whole("compacted", messages))
+        }
     }
-    recovery::compact(folder, number, go_on)?;
-    Ok(whole("compacted", messages))
 }
 
 /// A file that was made anew; `is_kept` says whether the old one is there still.
@@ -178,17 +232,45 @@ fn saved(made: Option<&Recovered>, is_kept: impl Fn(&Walked) -> bool) -> File {
     }
 }
 
-/// What the files of a bag begin with; the folder may have been renamed.
+/// What the files of a bag begin with; the folder may have been renamed. Files of a second bag would be passed over, and
+/// be missing in what is said of this one.
 fn name_of(bag: &Path) -> anyhow::Result<String> {
-    for entry in std::fs::read_dir(bag).with_context(|| bag.display().to_string())? {
-        let name = entry?.file_name().to_string_lossy().into_owned();
+    let mut own: Option<String> = None;
+    let mut strangers = Vec::new();
+    let told = || bag.display().to_string();
+    let mut names = std::fs::read_dir(bag)
+        .and_then(|entries| entries.map(|entry| Ok(entry?.file_name())).collect::<Result<Vec<_>, _>>())
+        .with_context(told)?;
+    names.sort();
+    for name in names {
+        let name = name.to_string_lossy().into_owned();
         let stem = name.strip_suffix(".active").unwrap_or(&name).strip_suffix(".mcap");
-        let parts = stem.and_then(|stem| stem.rsplit_once('_'));
-        if let Some((bag, number)) = parts
-            && number.parse::<u32>().is_ok()
-        {
-            return Ok(bag.to_owned());
+        let numbered = stem
+            .and_then(|stem| stem.rsplit_once('_'))
+            .filter(|(_, digits)| digits.parse::<u32>().is_ok_and(|number| number.to_string() == *digits));
+        match numbered {
+            Some((prefix, _)) if own.as_deref().is_none_or(|own| own == prefix) => {
+                own = Some(prefix.to_owned())
+            }
+            Some(_) => strangers.push(name),
+            None if stem.is_some() || STORED.iter().any(|ending| name.ends_with(ending)) => {
+                strangers.push(name)
+            }
+            None => {}
         }
     }
-    bail!("{}: no .mcap file of a recorder in this folder", bag.display())
+    let Some(own) = own else { bail!("{}: no .mcap file of a recorder in this folder", bag.display()) };
+    match strangers.first() {
+        Some(other) => bail!(
+            "{}: holds {other} beside the files of {own}: one bag a folder; move it elsewhere",
+            bag.display()
+        ),
+        None => Ok(own),
+    }
 }
+
+/// Endings of files that hold messages in other forms.
+const STORED: [&str; 3] = [".db3", ".db3.zstd", ".mcap.zstd"];
+
+#[cfg(test)]
+mod tests;

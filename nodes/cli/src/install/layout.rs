@@ -17,6 +17,11 @@ const IN_A_CLONE: &str = ": config/models/";
 /// The setup file of a package, as ament calls it; one text suits all three shells.
 const SETUP: &str = include_str!("local_setup.sh");
 
+/// Names of all programs.
+pub(super) fn programs() -> impl Iterator<Item = &'static str> {
+    NODES.into_iter().chain(MORE_PROGRAMS)
+}
+
 /// One file below the prefix.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct File {
@@ -98,17 +103,8 @@ impl Layout {
     }
 
     fn programs(&mut self, folder: &Path) -> anyhow::Result<()> {
-        let names: Vec<&str> = NODES.into_iter().chain(MORE_PROGRAMS).collect();
-        let missing: Vec<&str> = names.iter().copied().filter(|name| !folder.join(name).is_file()).collect();
-        if !missing.is_empty() {
-            bail!(
-                "missing in {}: {}: build all programs with `cargo build --release --workspace --bins`",
-                folder.display(),
-                missing.join(", ")
-            );
-        }
         let library = PathBuf::from("lib").join(PACKAGE);
-        for name in names {
+        for name in programs() {
             let contents = Contents::Copy { from: folder.join(name), program: true };
             self.0.push(File { path: library.join(name), contents });
         }

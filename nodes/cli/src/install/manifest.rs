@@ -52,6 +52,12 @@ impl Manifest {
         self.0.get(path).map(String::as_str)
     }
 
+    /// The list of some of its paths alone.
+    pub(super) fn only(&self, paths: &[PathBuf]) -> Self {
+        let of = |path: &PathBuf| Some((path.clone(), self.0.get(path)?.clone()));
+        Self(paths.iter().filter_map(of).collect())
+    }
+
     /// Whether nothing is listed.
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()

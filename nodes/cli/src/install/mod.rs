@@ -10,6 +10,7 @@
 //! What is put there is written down with its checksum: `cd PREFIX && sha256sum -c share/fdm_loop/manifest.sha256`.
 //! What is not written down there is somebody else's: it is neither replaced nor removed.
 
+mod bare;
 mod layout;
 mod manifest;
 mod place;
@@ -17,6 +18,7 @@ mod place;
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
 use anyhow::{Context, bail};
+use bare::Bare;
 use clap::Args;
 use layout::Layout;
 use place::Target;
@@ -104,7 +106,8 @@ fn checked_prefix(args: &InstallArgs) -> anyhow::Result<PathBuf> {
 }
 
 fn install(args: &InstallArgs, target: &Target, prefix: PathBuf) -> anyhow::Result<Done> {
-    let layout = Layout::new(&source(args)?, &programs(args)?, &prefix)?;
+    let programs = Bare::of(&programs(args)?)?;
+    let layout = Layout::new(&source(args)?, programs.folder(), &prefix)?;
     let installed: Vec<PathBuf> = layout.files().iter().map(|file| file.path.clone()).collect();
     let before = target.manifest()?;
     target.refuse_foreign(&layout, &before)?;
@@ -140,7 +143,11 @@ fn uninstall(args: &InstallArgs, target: &Target, prefix: PathBuf) -> anyhow::Re
         before.paths().cloned().partition(|path| changed.contains(path));
     if !args.dry_run {
         target.remove(&removed)?;
-        target.remove(&[PathBuf::from(MANIFEST)])?;
+        // What stays is known as ours still.
+        match kept.is_empty() {
+            true => target.remove(&[PathBuf::from(MANIFEST)])?,
+            false => target.list(&before.only(&kept))?,
+        }
     }
     Ok(Done { prefix, installed: Vec::new(), removed, kept, bytes: 0, dry_run: args.dry_run })
 }

@@ -110,7 +110,7 @@ impl Target {
             list.insert(file.path.clone(), sha256_hex(&contents));
         }
         // The list first: what was half written is known as ours by the next start.
-        self.put(Path::new(MANIFEST), list.text().as_bytes(), TEXT)?;
+        self.list(&list)?;
         for file in layout.files() {
             match &file.contents {
                 Contents::Link { to, .. } => self.link(&file.path, to)?,
@@ -119,6 +119,14 @@ impl Target {
             }
         }
         Ok(size)
+    }
+
+    /// Writes down what is installed.
+    ///
+    /// # Errors
+    /// A list that cannot be written.
+    pub(super) fn list(&self, list: &Manifest) -> anyhow::Result<()> {
+        self.put(Path::new(MANIFEST), list.text().as_bytes(), TEXT)
     }
 
     /// Removes files, and folders that are empty then.

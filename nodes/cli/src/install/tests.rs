@@ -125,8 +125,13 @@ fn what_is_not_ours_is_neither_replaced_nor_taken_away() {
     std::fs::write(&edited, "mine").unwrap();
     assert!(scene.refused(|_| ()).contains("1 files were changed since they were installed, first"));
     perform(&InstallArgs { uninstall: true, ..scene.args() }).unwrap();
-    assert_eq!(tree(&prefix), BTreeSet::from([edited.clone()]));
-    std::fs::remove_file(&edited).unwrap();
+    // It is known as ours still: a second time, and for who installs anew.
+    assert_eq!(tree(&prefix), BTreeSet::from([edited.clone(), prefix.join(MANIFEST)]));
+    assert_eq!(perform(&InstallArgs { uninstall: true, ..scene.args() }).unwrap().kept.len(), 1);
+    assert!(scene.refused(|_| ()).contains("1 files were changed since they were installed, first"));
+    perform(&InstallArgs { uninstall: true, overwrite: true, ..scene.args() }).unwrap();
+    assert_eq!(tree(&prefix), BTreeSet::new());
+    std::fs::create_dir_all(prefix.join("share")).unwrap();
     perform(&scene.args()).unwrap();
     std::fs::write(&edited, "mine").unwrap();
     perform(&InstallArgs { overwrite: true, ..scene.args() }).unwrap();
@@ -161,6 +166,22 @@ fn what_is_asked_wrongly_is_told_before_anything_is_written() {
         assert!(said.contains(part), "{said}");
     }
     assert!(!scene.prefix().exists());
+}
+
+/// What only a debugger reads is left out of a program, and what is no program is copied as it is.
+#[test]
+fn programs_are_installed_without_their_debug_information() {
+    let scene = Scene::new("bare");
+    let test = std::env::current_exe().unwrap();
+    let from = scene.folder.join("programs/imu");
+    std::fs::copy(&test, &from).unwrap();
+    perform(&scene.args()).unwrap();
+    let size = |path: &Path| std::fs::metadata(path).unwrap().len();
+    let installed = scene.prefix().join("lib/fdm_loop/imu");
+    assert!(size(&installed) < size(&from), "{} of {}", size(&installed), size(&from));
+    let listed = std::process::Command::new(&installed).arg("--list").output().unwrap();
+    assert!(String::from_utf8_lossy(&listed.stdout).contains("programs_are_installed_without"), "it runs");
+    assert_eq!(std::fs::read(scene.prefix().join("lib/fdm_loop/camera")).unwrap(), b"camera");
 }
 
 /// For a package: written below another folder, and speaking of where it will lie.

@@ -87,6 +87,9 @@ pub(super) async fn bring_up(watch: &mut Watch, fleet: &mut Fleet, logs: &Path) 
             () = watch.ears.node.shutdown() => return Ok(false),
         };
         watch.tend(fleet, now);
+        if watch.ears.are_deaf() {
+            bail!("fdm was stopped, or hears nothing any more, while the graph came up: start it again");
+        }
         let elapsed_s = (now - from).0;
         if elapsed_s > GIVE_UP_S {
             bail!("not up within {GIVE_UP_S} s: {}", late(&charges));

@@ -11,6 +11,7 @@ mod suspension;
 pub mod watch;
 pub mod words;
 
+use crate::bag::recover;
 use crate::config::ConfigDir;
 use crate::job::GcodeFile;
 use crate::output::{self, Json};
@@ -180,9 +181,21 @@ async fn one(plan: &Plan, quiet: bool) -> anyhow::Result<(Print, Ended)> {
         Ok(false) | Err(_) => Ended::Interrupted,
     };
     watch.stop(&mut fleet).await;
+    close(&plan.bag);
     up?;
     let print = Print::new(plan, &pids, &watch, ended);
     Ok((print, ended))
+}
+
+/// What a recorder that was ended by force has left becomes a bag that every reader opens.
+fn close(bag: &Path) {
+    match recover::leftover(bag) {
+        Ok(None) => {}
+        Ok(Some(messages)) => {
+            output::note(&format!("{}: {messages} messages recovered after a kill", bag.display()));
+        }
+        Err(error) => output::note(&format!("the bag is not closed: {error:#}")),
+    }
 }
 
 /// A folder that is not there yet, so that no bag is ever overwritten.

@@ -69,6 +69,13 @@ struct Member {
     overrides: Vec<(&'static str, String)>,
 }
 
+/// The nodes of a wall and their parameter files.
+pub(crate) const FILES: [(&str, &[&str]); 3] = [
+    ("safety_supervisor", &["safety_supervisor.param.yaml", "wire/safety_supervisor.param.yaml"]),
+    ("mpc_controller", &["wire/mpc_controller.param.yaml", "wire/controller.yaml", "wire/process.yaml"]),
+    ("printer_sim", &["wire/printer_sim.param.yaml", "plants/wire.yaml", "wire/process.yaml"]),
+];
+
 /// Runs the command.
 ///
 /// # Errors
@@ -122,20 +129,17 @@ fn members(args: &UpArgs, bag: Option<&Path>) -> Vec<Member> {
         files: &["bag_recorder.param.yaml"],
         overrides: vec![("bag_dir", quoted(bag)), ("use_sim_time", "true".into())],
     });
+    let [supervisor, controller, machine] = FILES;
     let nodes = [
         Member {
-            name: "safety_supervisor",
-            files: &["safety_supervisor.param.yaml", "wire/safety_supervisor.param.yaml"],
+            name: supervisor.0,
+            files: supervisor.1,
             overrides: vec![("start_mode", args.mode.clone()), ("use_sim_time", "true".into())],
         },
+        Member { name: controller.0, files: controller.1, overrides: vec![("use_sim_time", "true".into())] },
         Member {
-            name: "mpc_controller",
-            files: &["wire/mpc_controller.param.yaml", "wire/controller.yaml", "wire/process.yaml"],
-            overrides: vec![("use_sim_time", "true".into())],
-        },
-        Member {
-            name: "printer_sim",
-            files: &["wire/printer_sim.param.yaml", "plants/wire.yaml", "wire/process.yaml"],
+            name: machine.0,
+            files: machine.1,
             overrides: vec![
                 ("run.layers", args.layers.to_string()),
                 ("run.seed", args.seed.to_string()),

@@ -3,6 +3,7 @@
 use models::command::{Command, Trims};
 use models::units::Seconds;
 use models::wire::Process;
+use runtime::params::Parameters;
 use runtime::wire::command_to_wire;
 use runtime::{Diagnostics, Node, ParamFileError, Reason, Refused, RuntimeError, topics};
 
@@ -19,12 +20,17 @@ struct Setup {
 
 impl Setup {
     fn read(node: &Node) -> Result<Self, RuntimeError> {
-        let parameters = node.raw_parameters();
+        let session = node.session();
+        node.check_parameters(move |parameters| Self::of(parameters, session).map(drop))?;
+        Ok(Self::of(node.raw_parameters(), session)?)
+    }
+
+    fn of(parameters: &Parameters, session: u64) -> Result<Self, ParamFileError> {
         Ok(Self {
             params: parameters.without(&["wire_controller", "wire_process"]).parse()?,
             profile: parameters.block("wire_controller")?,
             process: parameters.block("wire_process")?,
-            session: node.session(),
+            session,
         })
     }
 

@@ -3,7 +3,7 @@
 use super::{LoadError, bare_info};
 use crate::wire::{Machine, MachineParams, WireRun};
 use fdm_loop_msgs::PrintInfo;
-use runtime::params::Parameters;
+use runtime::params::{ParamFileError, Parameters};
 
 /// A wire machine ready to run.
 pub struct LoadedWall {
@@ -19,7 +19,7 @@ pub struct LoadedWall {
 ///
 /// # Errors
 /// File, line, field, value and range of what is refused.
-pub fn machine_params(parameters: &Parameters) -> Result<(MachineParams, WireRun), LoadError> {
+pub fn machine_params(parameters: &Parameters) -> Result<(MachineParams, WireRun), ParamFileError> {
     let run: WireRun = parameters.block("run")?;
     let params = MachineParams {
         plant: parameters.block("wire_plant")?,

@@ -9,7 +9,9 @@ use crate::error::chain;
 use crate::node::Node;
 use crate::shutdown::Shutdown;
 use std::error::Error;
+use std::future::poll_fn;
 use std::pin::Pin;
+use std::task::Poll;
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot};
 
@@ -83,6 +85,9 @@ struct Driver<'n, F> {
 
 impl<'a, F: Fn(Node) -> Work<'a>> Driver<'_, F> {
     async fn run(mut self, mut autostart: bool) -> End {
+        if !autostart {
+            self.ask_for_check().await;
+        }
         loop {
             if autostart {
                 self.life.begin(Step::Configure);
@@ -112,6 +117,18 @@ impl<'a, F: Fn(Node) -> Work<'a>> Driver<'_, F> {
             }
             autostart = false;
         }
+    }
+
+    /// Has the shell say how it checks its parameters, before it is configured for the first time: what is set until then
+    /// is checked as well. It ends at that; what it says of its parameters now, its configuration will say.
+    async fn ask_for_check(&self) {
+        let mut shell = (self.main)(self.node.asked(Stage::question()));
+        poll_fn(|context| {
+            // One that does not end there waits for something: it is not to go on.
+            _ = shell.as_mut().poll(context);
+            Poll::Ready(())
+        })
+        .await;
     }
 
     /// Waits for those that this node is to start after; false where the process is to end before.

@@ -11,12 +11,23 @@ pub(crate) struct Stage {
     go: Arc<Notify>,
     pub(crate) stop: ShutdownSender,
     pub(crate) stopped: Shutdown,
+    question: bool,
 }
 
 impl Stage {
     pub(crate) fn new() -> Self {
         let (stop, stopped) = Shutdown::channel();
-        Self { ready: Arc::default(), go: Arc::default(), stop, stopped }
+        Self { ready: Arc::default(), go: Arc::default(), stop, stopped, question: false }
+    }
+
+    /// For a shell that only says how it checks its parameters.
+    pub(crate) fn question() -> Self {
+        Self { question: true, ..Self::new() }
+    }
+
+    /// Whether the shell is not to go on.
+    pub(crate) fn is_question(&self) -> bool {
+        self.question
     }
 
     /// The shell: everything is loaded and open. Waits for the leave to work.

@@ -70,8 +70,13 @@ impl Node {
     pub(crate) fn staged(&self, stage: Stage) -> Self {
         self.core.diagnostics.forget_shell();
         let first = !self.core.staged.swap(true, Ordering::Relaxed);
+        Self { session: if first { self.session } else { random_session() }, ..self.asked(stage) }
+    }
+
+    /// A node for a shell that is asked something, and that is nobody's configuration.
+    pub(crate) fn asked(&self, stage: Stage) -> Self {
         Self {
-            session: if first { self.session } else { random_session() },
+            session: self.session,
             core: Arc::clone(&self.core),
             parameters: self.core.store.parameters(),
             gate: self.gate.clone(),

@@ -15,6 +15,16 @@ pub(super) const START_AFTER: &str = "start_after";
 /// All of them.
 pub(super) const OWN: [&str; 3] = [AUTOSTART, START_AFTER, USE_SIM_TIME];
 
+/// What is said of one of them.
+pub(super) fn description(name: &str) -> &'static str {
+    match name {
+        AUTOSTART => "whether the node configures and activates itself when its process starts",
+        START_AFTER => "names of the nodes that have to be active before this one activates itself",
+        USE_SIM_TIME => "time from /clock instead of the host's monotonic clock",
+        _ => "",
+    }
+}
+
 /// Takes a boolean out of the root.
 pub(super) fn flag(merged: &mut Tree, name: &str, default: bool) -> Result<bool, ParamFileError> {
     match merged.take(name) {
@@ -36,5 +46,6 @@ pub(super) fn names(merged: &mut Tree, name: &str) -> Result<Vec<String>, ParamF
 
 /// A value of the wrong kind.
 fn refused(origin: &Origin, (name, value): (&str, &Value), rule: &str) -> ParamFileError {
+    let value = crate::args::short(&value.to_string());
     ParamFileError::Refused { at: origin.to_string(), message: format!("{name} = {value}: must be {rule}") }
 }

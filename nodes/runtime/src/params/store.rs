@@ -4,10 +4,11 @@
 //! inactive all may, and it is configured anew with them. What is asked for is always checked by the node's own struct,
 //! so that a wrong value is refused with its allowed range, and a right one at a wrong time with what to do.
 
-use super::comments::range;
+use super::own;
 use super::tree::{Origin, Tree};
 use super::values::{from_ros, kind_name, to_ros};
 use super::{AUTOSTART, OWN, ParamFileError, Parameters, START_AFTER, USE_SIM_TIME};
+use crate::args::short;
 use fdm_loop_msgs::{
     FloatingPointRange, IntegerRange, ListParametersResult, Parameter, ParameterDescriptor, ParameterValue,
 };
@@ -182,7 +183,7 @@ impl View<'_> {
         let mut changes = Vec::new();
         for Parameter { name, value } in wanted {
             let Some(before) = self.value(name) else {
-                return Err(format!("{name}: there is no such parameter"));
+                return Err(format!("{}: there is no such parameter", short(name)));
             };
             let Some(asked) = from_ros(value) else {
                 return Err(format!("{name}: must be set, and finite"));
@@ -190,7 +191,7 @@ impl View<'_> {
             let (is, was) = (to_ros(&asked).kind, to_ros(&before).kind);
             let numbers = |kind| matches!(kind, ParameterValue::INTEGER | ParameterValue::DOUBLE);
             if is != was && !(numbers(is) && numbers(was)) {
-                let (was, is) = (kind_name(was), kind_name(is));
+                let (was, is, asked) = (kind_name(was), kind_name(is), short(&asked.to_string()));
                 return Err(format!("{name}: is a {was}, and {asked} is a {is}"));
             }
             if OWN.contains(&name.as_str()) {
@@ -225,12 +226,8 @@ impl View<'_> {
 
     /// Why a parameter cannot be changed now.
     fn read_only(&self, name: &str, policy: Policy) -> Option<String> {
-        let place = self
-            .0
-            .parameters
-            .tree
-            .origin(name)
-            .map_or_else(|| "the node's arguments".to_owned(), ToString::to_string);
+        let origin = self.0.parameters.tree.origin(name);
+        let place = origin.map_or_else(|| "the node's arguments".to_owned(), ToString::to_string);
         if OWN.contains(&name) || policy == Policy::Nothing {
             return Some(format!("read-only while the node runs: change {place} and start it again"));
         }
@@ -250,14 +247,15 @@ impl View<'_> {
             let description = "there is no such parameter".to_owned();
             return ParameterDescriptor { name: name.to_owned(), description, ..Default::default() };
         };
-        let comment = self.0.parameters.comment(name);
+        let said = self.0.parameters.descriptions.of(name);
+        let description = if OWN.contains(&name) { own::description(name) } else { said.text.as_str() };
         let kind = to_ros(&value).kind;
-        let bounds = range(comment).filter(|_| value.is_number());
+        let bounds = said.range.filter(|_| value.is_number());
         let read_only = self.read_only(name, policy);
         let mut descriptor = ParameterDescriptor {
             name: name.to_owned(),
             kind,
-            description: comment.to_owned(),
+            description: description.to_owned(),
             read_only: read_only.is_some(),
             additional_constraints: read_only.unwrap_or_default(),
             ..Default::default()

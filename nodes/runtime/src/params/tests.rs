@@ -176,3 +176,35 @@ fn blocks_are_of_the_node_that_they_name() {
         assert!((nested(namespace) - rate_hz).abs() < f64::EPSILON, "{namespace}");
     }
 }
+
+/// `-p node:name:=value`, with the patterns of the files in front: for whom it is meant, and nobody else.
+#[test]
+fn an_override_may_be_for_one_node_alone() {
+    for (name, rate_hz) in [
+        ("rate_hz", 9.0),
+        ("mpc:rate_hz", 9.0),
+        ("/printer/mpc:rate_hz", 9.0),
+        ("/**:rate_hz", 9.0),
+        ("imu:rate_hz", 4.0),
+        ("/left/mpc:rate_hz", 4.0),
+    ] {
+        let params = parse(&[GOOD], &[(name, "9")]).unwrap();
+        assert!((params.rate_hz - rate_hz).abs() < f64::EPSILON, "{name}");
+    }
+    for bad in ["mpc:", "mpc:a:rate_hz"] {
+        let error = parse(&[GOOD], &[(bad, "9")]).unwrap_err().to_string();
+        assert!(error.ends_with("expected name:=value or node:name:=value"), "{error}");
+    }
+}
+
+/// A megabyte where a number should stand is named, not said again; the rule behind it is.
+#[test]
+fn a_refusal_of_a_long_value_is_short() {
+    let long = "x".repeat(1_000_000);
+    let by_file = refusal(&GOOD.replace("rate_hz: 4", &format!("rate_hz: {long}")));
+    assert!(by_file.len() < 1500 && by_file.ends_with("expected f64"), "{by_file:.2000}");
+    for name in ["rate_hz", "limits.flow_max", "names", "use_sim_time"] {
+        let text = parse(&[GOOD], &[(name, &long)]).unwrap_err().to_string();
+        assert!(text.len() < 1500, "{name}: {text:.2000}");
+    }
+}

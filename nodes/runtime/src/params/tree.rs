@@ -2,6 +2,7 @@
 
 use super::yaml::{Parsed, read_yaml, reason};
 use super::{NodePath, ParamFileError, join};
+use crate::args::{of_node, short};
 use serde_json::{Map, Value};
 use std::fmt;
 use std::path::Path;
@@ -249,9 +250,18 @@ fn fits(pattern: &[String], name: &[String]) -> bool {
     }
 }
 
-/// Merges `-p name:=value`; the value is YAML.
-pub(super) fn merge_override(merged: &mut Tree, name: &str, value: &str) -> Result<(), ParamFileError> {
-    let origin = Origin::Override(format!("{name}:={value}"));
+/// Merges `-p name:=value`; the value is YAML. With a node's name in front, as in a file, it is for that one alone.
+pub(super) fn merge_override(
+    merged: &mut Tree,
+    (name, value): (&str, &str),
+    node: &NodePath,
+) -> Result<(), ParamFileError> {
+    let origin = Origin::Override(short(&format!("{name}:={value}")));
+    let Some(name) = of_node(name, |pattern| is_meant(pattern, node)) else { return Ok(()) };
+    if name.is_empty() || name.contains(':') {
+        let reason = "expected name:=value or node:name:=value".to_owned();
+        return Err(ParamFileError::Malformed { at: origin.to_string(), reason });
+    }
     let tree = if value.is_empty() {
         Tree::Leaf(Value::String(String::new()))
     } else {
@@ -259,7 +269,6 @@ pub(super) fn merge_override(merged: &mut Tree, name: &str, value: &str) -> Resu
             .map_err(|error| ParamFileError::Malformed { at: origin.to_string(), reason: reason(&error) })?;
         parsed.overriding(&origin)
     };
-    // A node's name in front, as `ros2 run` allows, is not needed: one node a process.
     merged.set(name, tree, origin);
     Ok(())
 }

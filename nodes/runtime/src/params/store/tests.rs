@@ -169,3 +169,13 @@ fn what_is_set_together_is_checked_together() {
         reason(&[wanted("limits.flow_max", Value::from(1.0)), wanted("limits.flow_min", Value::from(1.0))]);
     assert!(text.contains("flow_min") && !text.contains("read-only"), "{text}");
 }
+
+/// What the runtime itself takes is described as well, and a refusal does not say a whole megabyte again.
+#[test]
+fn every_parameter_of_the_runtime_is_described() {
+    let said = store().look(|view| view.describe(&OWN.map(str::to_owned), Policy::All));
+    assert!(said.iter().all(|descriptor| !descriptor.description.is_empty()), "{said:?}");
+    let long = "x".repeat(1_000_000);
+    assert!(reason(&[wanted("rate_hz", Value::from(long.as_str()))]).len() < 300);
+    assert!(reason(&[wanted(&long, Value::from(1))]).len() < 300);
+}

@@ -1,0 +1,100 @@
+use super::*;
+use bag_recorder::contents::Channel;
+use bag_recorder::file::{BagFile, Form, Stamp};
+use std::collections::BTreeMap;
+
+/// A folder with finished files of these names that goes with its test.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(test: &str, names: &[&str]) -> Self {
+        let path = std::env::temp_dir().join(format!("fdm_recover_{test}_{}", std::process::id()));
+        _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        for name in names {
+            finished(&path.join(name));
+        }
+        Self(path)
+    }
+
+    /// Names and bytes of all files.
+    fn all(&self) -> BTreeMap<String, Vec<u8>> {
+        let entries = std::fs::read_dir(&self.0).unwrap().map(|entry| entry.unwrap());
+        entries
+            .map(|entry| (entry.file_name().into_string().unwrap(), std::fs::read(entry.path()).unwrap()))
+            .collect()
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A whole file with an index.
+fn finished(path: &Path) {
+    let name = path.file_name().unwrap().to_string_lossy().into_owned();
+    let mut file = BagFile::create(&path.with_extension("made"), Form::Indexed, 0, name).unwrap();
+    let (topic, type_name) = ("/a".to_owned(), "std_msgs/msg/Empty".to_owned());
+    let channel = Channel { topic, type_name, offered_qos: String::new() };
+    for number in 0..100 {
+        let stamp = Stamp { log_ns: number, publish_ns: number, sequence: 0 };
+        file.write(&channel, "", stamp, &[7; 500]).unwrap();
+    }
+    file.finish().unwrap();
+}
+
+/// Files of a second bag, or of another form, would be missing in what is said of the first.
+#[test]
+fn a_folder_with_files_of_two_bags_is_refused_and_left_as_it_is() {
+    for other in ["b_0.mcap", "a_007.mcap", "other.mcap", "a_1.db3", "a_1.mcap.zstd"] {
+        let scratch = Scratch::new("two", &["a_0.mcap", other]);
+        let before = scratch.all();
+        let error = recover(&scratch.0).unwrap_err().to_string();
+        assert!(error.contains("one bag a folder"), "{other}: {error}");
+        assert_eq!(scratch.all(), before, "{other}");
+    }
+}
+
+/// A sound bag of another program: not a byte of it changes. A damaged one: what it says of itself is kept beside.
+#[test]
+fn what_another_program_says_of_its_bag_is_kept() {
+    let scratch = Scratch::new("other", &["a_0.mcap", "a_1.mcap"]);
+    std::fs::write(scratch.0.join("metadata.yaml"), "custom_data: {printer: left}").unwrap();
+    let before = scratch.all();
+    assert_eq!(recover(&scratch.0).unwrap().messages, 200);
+    assert_eq!(scratch.all(), before);
+
+    let file = scratch.0.join("a_1.mcap");
+    let length = std::fs::metadata(&file).unwrap().len();
+    std::fs::OpenOptions::new().write(true).open(&file).unwrap().set_len(length / 2).unwrap();
+    recover(&scratch.0).unwrap();
+    let after = scratch.all();
+    assert_eq!(after["metadata.yaml.before"], before["metadata.yaml"]);
+    let told = String::from_utf8_lossy(&after["metadata.yaml"]);
+    assert!(told.contains("a_0.mcap") && told.contains("a_1.mcap"), "{told}");
+    assert_eq!(after["a_0.mcap"], before["a_0.mcap"]);
+}
+
+/// One file of encoding json among the others: the whole bag stays as it is, the damaged file of ours too.
+#[test]
+fn a_bag_with_what_mending_would_lose_is_left_as_it_is() {
+    let scratch = Scratch::new("json", &["a_0.mcap"]);
+    let file = scratch.0.join("a_0.mcap");
+    let length = std::fs::metadata(&file).unwrap().len();
+    std::fs::OpenOptions::new().write(true).open(&file).unwrap().set_len(length / 2).unwrap();
+    let mut writer = mcap::Writer::new(std::fs::File::create(scratch.0.join("a_1.mcap")).unwrap()).unwrap();
+    let channel = writer.add_channel(0, "/j", "json", &BTreeMap::new()).unwrap();
+    let header =
+        mcap::records::MessageHeader { channel_id: channel, sequence: 0, log_time: 1, publish_time: 1 };
+    writer.write_to_known_channel(&header, b"{}").unwrap();
+    writer.finish().unwrap();
+    let before = scratch.all();
+    let error = recover(&scratch.0).unwrap_err().to_string();
+    assert!(
+        error.contains("a_1.mcap: holds messages of /j of encoding 'json', which would be lost"),
+        "{error}"
+    );
+    assert_eq!(scratch.all(), before);
+}
