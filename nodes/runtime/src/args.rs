@@ -233,7 +233,7 @@ pub(crate) fn ends(text: &str) -> String {
 }
 
 /// A name of a rule without the node that stands in front; `None` where that is another one.
-pub(crate) fn of_node<'a>(rule: &'a str, is_meant: impl Fn(&str) -> bool) -> Option<&'a str> {
+pub(crate) fn of_node(rule: &str, is_meant: impl Fn(&str) -> bool) -> Option<&str> {
     // `rostopic://` and `rosservice://` begin a name.
     match rule.split_once(':').filter(|(_, rest)| !rest.starts_with("//")) {
         None => Some(rule),

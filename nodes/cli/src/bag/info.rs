@@ -2,7 +2,7 @@
 
 use super::InfoArgs;
 use crate::output::{self, Json};
-use crate::report::bag::Bag;
+use crate::report::bag::{Bag, Counts};
 use crate::report::scan::{Ended, Raw, Visitor, scan};
 use anyhow::bail;
 use bag_recorder::file::NOTE;
@@ -146,20 +146,7 @@ fn figures(args: &InfoArgs) -> anyhow::Result<Figures> {
         figures.remarks.push(format!("one file of the bag {folder}: `fdm bag info {folder}` tells of all"));
     }
     if let Some(counts) = &bag.counts {
-        let closed: u64 =
-            figures.files.iter().filter(|file| file.state == "closed").map(|file| file.messages).sum();
-        if counts.messages != closed {
-            figures.remarks.push(format!(
-                "the recorder counted {} messages in closed files, not {closed}",
-                counts.messages
-            ));
-        }
-        if counts.run.dropped > 0 {
-            figures.remarks.push(format!("{} messages were dropped: the disk was slow", counts.run.dropped));
-        }
-        if counts.run.missed > 0 {
-            figures.remarks.push(format!("{} messages did not arrive at the recorder", counts.run.missed));
-        }
+        compare(&mut figures, counts);
     }
     figures.whole = figures.files.iter().all(|file| file.state == "closed")
         && bag.counts.is_none_or(|counts| counts.messages == figures.messages);
@@ -170,6 +157,23 @@ fn figures(args: &InfoArgs) -> anyhow::Result<Figures> {
         ));
     }
     Ok(figures)
+}
+
+/// What the recorder's own counts say beside what was found.
+fn compare(figures: &mut Figures, counts: &Counts) {
+    let closed: u64 =
+        figures.files.iter().filter(|file| file.state == "closed").map(|file| file.messages).sum();
+    if counts.messages != closed {
+        figures
+            .remarks
+            .push(format!("the recorder counted {} messages in closed files, not {closed}", counts.messages));
+    }
+    if counts.run.dropped > 0 {
+        figures.remarks.push(format!("{} messages were dropped: the disk was slow", counts.run.dropped));
+    }
+    if counts.run.missed > 0 {
+        figures.remarks.push(format!("{} messages did not arrive at the recorder", counts.run.missed));
+    }
 }
 
 /// The folder of the bag that a file is a part of.
