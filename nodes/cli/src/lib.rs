@@ -132,14 +132,7 @@ pub fn main() -> ExitCode {
         Err(error) if output::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             output::complain(&error);
-            let failed = error.is::<up::PrintFailed>()
-                || error.is::<doctor::Unfit>()
-                || error.is::<faults::LimitsMissed>()
-                || error.is::<replay::Differs>()
-                || error.is::<bench::Missed>()
-                || error.is::<bag::recover::Unreadable>()
-                || error.is::<bag::play::NothingSent>()
-                || error.is::<wire::up::Unfinished>();
+            let failed = error.is::<output::Failed>();
             ExitCode::from(if failed { FAILED } else { USAGE })
         }
     };

@@ -31,6 +31,12 @@ pub fn bar(length: u64, unit: &str) -> ProgressBar {
     bar
 }
 
+/// The command did what was asked, and what came of it is not as it should be: exit code 1, where a mistake of the one who
+/// asks is 2.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Failed(pub String);
+
 /// Where figures for programs go.
 #[derive(Debug, Clone)]
 pub struct Json(Option<PathBuf>);

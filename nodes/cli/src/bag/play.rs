@@ -1,6 +1,6 @@
 //! `fdm play`: publishes a bag over DDS, byte by byte as it was recorded.
 
-use crate::output::{self, Json};
+use crate::output::{self, Failed, Json};
 use clap::Args;
 use models::units::Seconds;
 use runtime::{Args as NodeArgs, ClockDriver, Node, RawPublisher};
@@ -67,18 +67,6 @@ struct Figures {
     remarks: Vec<String>,
 }
 
-/// Not one message of a bag could be sent: exit code 1.
-#[derive(Debug)]
-pub struct NothingSent(String);
-
-impl std::fmt::Display for NothingSent {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for NothingSent {}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -101,7 +89,7 @@ pub fn run(args: &PlayArgs) -> anyhow::Result<()> {
     json.write(&figures)?;
     match figures {
         Figures { published: 0, dropped, bag, .. } if dropped > 0 => {
-            Err(NothingSent(format!("{bag}: all {dropped} messages were dropped")).into())
+            Err(Failed(format!("{bag}: all {dropped} messages were dropped")).into())
         }
         _ => Ok(()),
     }

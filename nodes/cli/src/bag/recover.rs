@@ -1,6 +1,6 @@
 //! `fdm recover`: what a kill left becomes a bag that every reader opens.
 
-use crate::output::{self, Json};
+use crate::output::{self, Failed, Json};
 use anyhow::{Context, bail};
 use bag_recorder::error::RecorderError;
 use bag_recorder::folder::Folder;
@@ -50,18 +50,6 @@ struct File {
     why: String,
 }
 
-/// A file could not be read: exit code 1.
-#[derive(Debug)]
-pub struct Unreadable(String);
-
-impl std::fmt::Display for Unreadable {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl Error for Unreadable {}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -81,7 +69,7 @@ pub fn run(args: &RecoverArgs) -> anyhow::Result<()> {
     }
     json.write(&figures)?;
     match figures.files.iter().find(|file| file.outcome == "unreadable") {
-        Some(file) => Err(Unreadable(format!("{}: {} {}", figures.bag, file.name, file.why)).into()),
+        Some(file) => Err(Failed(format!("{}: {} {}", figures.bag, file.name, file.why)).into()),
         None => Ok(()),
     }
 }

@@ -11,7 +11,7 @@ mod proc;
 mod recorder;
 mod sim;
 
-use crate::output::{self, Json};
+use crate::output::{self, Failed, Json};
 use clap::{Args, Subcommand};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -165,18 +165,6 @@ struct Figures {
     benchmarks: Vec<Benchmark>,
 }
 
-/// A target was missed: exit code 1.
-#[derive(Debug)]
-pub struct Missed(String);
-
-impl std::fmt::Display for Missed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Missed {}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -207,7 +195,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
     match figures.benchmarks.iter().find(|benchmark| benchmark.is_missed()) {
         Some(Benchmark { name, ours, unit, target, at_least, .. }) => {
             let (target, side) = (target.unwrap_or_default(), if *at_least { "less" } else { "more" });
-            Err(Missed(format!("{name}: {ours} {unit}, {side} than {target}")).into())
+            Err(Failed(format!("{name}: {ours} {unit}, {side} than {target}")).into())
         }
         None => Ok(()),
     }

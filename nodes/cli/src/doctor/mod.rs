@@ -10,7 +10,7 @@ mod parameters;
 mod printer;
 mod software;
 
-use crate::output::{self, Json};
+use crate::output::{self, Failed, Json};
 use clap::Args;
 use finding::{Finding, Level};
 use machine::Machine;
@@ -33,20 +33,6 @@ pub struct DoctorArgs {
     pub talk: Option<String>,
 }
 
-/// Something on this machine has to be changed before the graph can run.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Unfit {
-    failures: usize,
-}
-
-impl std::fmt::Display for Unfit {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} check(s) failed: see what to do above", self.failures)
-    }
-}
-
-impl std::error::Error for Unfit {}
-
 /// What was found, for programs.
 #[derive(Debug, serde::Serialize)]
 struct Report<'a> {
@@ -59,7 +45,7 @@ struct Report<'a> {
 /// Runs the command.
 ///
 /// # Errors
-/// [`Unfit`] where a check failed.
+/// [`Failed`] where a check failed.
 pub fn run(args: &DoctorArgs) -> anyhow::Result<()> {
     if let Some(role) = &args.talk {
         return graph::talk(role);
@@ -75,7 +61,11 @@ pub fn run(args: &DoctorArgs) -> anyhow::Result<()> {
         output::line(&format!("{ok} ok, {warnings} to warn of, {failures} failed"))?;
     }
     json.write(&Report { checks: &findings, ok, warnings, failures })?;
-    if failures > 0 { Err(Unfit { failures }.into()) } else { Ok(()) }
+    if failures > 0 {
+        Err(Failed(format!("{failures} check(s) failed: see what to do above")).into())
+    } else {
+        Ok(())
+    }
 }
 
 fn findings(args: &DoctorArgs) -> Vec<Finding> {

@@ -11,7 +11,7 @@ pub mod trial;
 
 use crate::config::{Choice, ConfigDir, Setup};
 use crate::job::GcodeFile;
-use crate::output::{self, Json};
+use crate::output::{self, Failed, Json};
 use crate::sim;
 use anyhow::{Context, bail};
 use catalogue::{Catalogue, FaultSpec, TrialSpec};
@@ -59,14 +59,6 @@ pub struct FaultsArgs {
     json: Option<PathBuf>,
 }
 
-/// A limit was missed or something tripped without a cause.
-#[derive(Debug, thiserror::Error)]
-#[error("limits missed: {missed}; false trips: {false_trips}")]
-pub struct LimitsMissed {
-    missed: String,
-    false_trips: usize,
-}
-
 /// A trial of an ID, ready to run.
 struct Prepared<'a> {
     fault: &'a FaultSpec,
@@ -79,7 +71,7 @@ struct Prepared<'a> {
 /// Runs the command.
 ///
 /// # Errors
-/// One line that says what is wrong and where; [`LimitsMissed`].
+/// One line that says what is wrong and where; [`Failed`] where a limit was missed or something tripped without a cause.
 pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
     let seeds = args.seeds.as_deref().unwrap_or(if args.process { "1..1" } else { "1..20" });
     let seeds = sim::seed_range(seeds)?;
@@ -154,7 +146,7 @@ fn judge(figures: &Figures) -> anyhow::Result<()> {
         .map(|fault| fault.id.as_str())
         .collect();
     let missed = if missed.is_empty() { "none".to_owned() } else { missed.join(", ") };
-    Err(LimitsMissed { missed, false_trips: figures.false_trips }.into())
+    Err(Failed(format!("limits missed: {missed}; false trips: {}", figures.false_trips)).into())
 }
 
 fn chosen<'a>(catalogue: &'a Catalogue, only: &[String]) -> anyhow::Result<Vec<&'a FaultSpec>> {

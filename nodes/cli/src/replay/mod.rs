@@ -15,7 +15,7 @@ pub(crate) use brains::encode;
 pub(crate) use record::VIRTUAL;
 
 use crate::config::ConfigDir;
-use crate::output::{self, Json};
+use crate::output::{self, Failed, Json};
 use anyhow::bail;
 use brains::{Brains, Feeds, Said};
 use clap::Args;
@@ -74,18 +74,6 @@ pub(crate) struct Figures {
     pub(crate) identical: bool,
 }
 
-/// A replay differs from its record: exit code 1.
-#[derive(Debug)]
-pub struct Differs(String);
-
-impl std::fmt::Display for Differs {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Differs {}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -101,7 +89,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     match figures.outputs.iter().find(|output| !output.is_identical()) {
         Some(output) if args.check => {
             let said = format!("{}: {} differs from its record", figures.bag, output.topic);
-            Err(Differs(said).into())
+            Err(Failed(said).into())
         }
         _ => Ok(()),
     }

@@ -14,7 +14,7 @@ pub mod words;
 use crate::bag::recover;
 use crate::config::ConfigDir;
 use crate::job::GcodeFile;
-use crate::output::{self, Json};
+use crate::output::{self, Failed, Json};
 use crate::sim::{ADVANCES, level};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -124,31 +124,18 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
         several => json.write(&serde_json::json!({ "prints": several }))?,
     }
     match prints.iter().find(|print| matches!(print.ended, Ended::Failed | Ended::Lost)) {
-        Some(print) => Err(PrintFailed::of(print).into()),
+        Some(print) => Err(failed(print).into()),
         None => Ok(()),
     }
 }
 
-/// A print did not come to its end: nothing was wrong with the command, exit code 1.
-#[derive(Debug)]
-pub struct PrintFailed(String);
-
-impl PrintFailed {
-    fn of(print: &Print) -> Self {
-        let (control, bag) = (&print.control, &print.bag);
-        let how = if print.ended == Ended::Lost { "was lost" } else { "failed" };
-        let why = print.cause.as_ref().map_or(String::new(), |cause| format!(": {cause}"));
-        Self(format!("the print with control {control} {how}{why}; `fdm report {bag}` shows what happened"))
-    }
+/// A print that did not come to its end: nothing was wrong with the command.
+fn failed(print: &Print) -> Failed {
+    let (control, bag) = (&print.control, &print.bag);
+    let how = if print.ended == Ended::Lost { "was lost" } else { "failed" };
+    let why = print.cause.as_ref().map_or(String::new(), |cause| format!(": {cause}"));
+    Failed(format!("the print with control {control} {how}{why}; `fdm report {bag}` shows what happened"))
 }
-
-impl std::fmt::Display for PrintFailed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for PrintFailed {}
 
 /// All prints, checked before the first one starts.
 fn plans(args: &UpArgs, config: &ConfigDir, material: &str) -> anyhow::Result<Vec<Plan>> {

@@ -3,7 +3,7 @@
 use super::follow::{Built, Follow};
 use crate::config::ConfigDir;
 use crate::options::in_range;
-use crate::output::{self, Json};
+use crate::output::{self, Failed, Json};
 use crate::up::check_new_bag;
 use crate::up::fleet::{Fleet, Recipe};
 use anyhow::{Context, bail};
@@ -57,11 +57,6 @@ fn check_namespace(namespace: &str) -> anyhow::Result<()> {
     }
 }
 
-/// A wall did not come to its end: nothing was wrong with the command, exit code 1.
-#[derive(Debug, thiserror::Error)]
-#[error("the wall was not finished: {0}")]
-pub struct Unfinished(&'static str);
-
 /// One process to be: name of the node, its parameter files, its overrides.
 struct Member {
     name: &'static str,
@@ -107,7 +102,7 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
     if built.is_done() {
         return Ok(());
     }
-    Err(Unfinished(built.ended()).into())
+    Err(Failed(format!("the wall was not finished: {}", built.ended())).into())
 }
 
 async fn build(args: &UpArgs, recipes: Vec<Recipe>, logs: &Path, quiet: bool) -> anyhow::Result<Built> {
