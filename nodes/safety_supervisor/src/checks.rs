@@ -16,6 +16,7 @@ pub mod noise;
 pub mod oscillation;
 pub mod part_fan;
 pub mod range;
+mod roughness;
 pub mod run_out;
 pub mod shift;
 pub mod stale;

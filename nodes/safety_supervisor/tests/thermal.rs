@@ -174,6 +174,22 @@ fn s4_single_spikes_do_not_trip() {
     }
 }
 
+/// Readings twice as rough make the balance twice as rough: nothing is missing, and what is missing still shows.
+#[test]
+fn p2_rough_readings_are_no_missing_power() {
+    let rough = |seed: u64| {
+        let mut heater = Heater::settled(seed, 240.0, 0.96, 4.0);
+        heater.noise_k = 0.3;
+        heater
+    };
+    for seed in 0..seeds() {
+        let mut run = Loop::new(rough(seed));
+        assert_eq!(run.run(1200.0), None, "seed {seed}: {:?} {:?}", run.cause, run.excess_w);
+    }
+    let dead = |heater: &mut Heater| heater.gain = 0.0;
+    assert!(reaction("P2 dead, rough readings", rough, dead, &[Cause::HeaterDeficit]) <= 8.0);
+}
+
 /// Heat-up, fan, flow steps, cool-down and a draught: no trip, whatever the seed.
 #[test]
 fn nominal_printing_never_trips() {

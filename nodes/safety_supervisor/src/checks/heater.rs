@@ -7,14 +7,16 @@
 //! and a shorted switch in time, the slow one, less noisy, a weak heater.
 //!
 //! The balance of a heater that is being warmed up carries the error of its capacity; the bound is wider by a
-//! share of the power that goes into warming, as far as order and measurement agree on its sign.
+//! share of the power that goes into warming, as far as order and measurement agree on its sign. A reading that is
+//! rougher than usual makes the balance rougher, and the bound is wider by that.
 
 use models::units::{Celsius, Seconds};
 
 use super::drift::Balance;
 use super::drive_history::DriveHistory;
-use super::heater_observer::Observer;
+use super::heater_observer::{Observer, Reading};
 use super::heater_start::Start;
+use super::roughness::Roughness;
 use crate::params::HeaterParams;
 
 /// Longest step of the balance: after a longer gap the observer starts anew `[s]`.
@@ -60,6 +62,7 @@ pub struct HeaterCheck {
     skipped: u32,
     /// Samples since the last spike.
     quiet: u32,
+    roughness: Roughness,
     reading_c: f64,
     moved_k: f64,
 }
@@ -78,6 +81,7 @@ impl HeaterCheck {
             start: Some(Start::default()),
             skipped: 0,
             quiet: 0,
+            roughness: Roughness::new(params.usual_noise_k),
             reading_c: f64::NAN,
             moved_k: 0.0,
         }
@@ -140,8 +144,10 @@ impl HeaterCheck {
             return self.begin_anew(now, temp);
         }
         let measured = (self.skipped == 0 || self.skipped > self.params.spike_samples).then_some(temp.0);
-        self.fast.step(&self.params, inputs, measured, dt_s);
-        self.slow.step(&self.params, inputs, measured, dt_s);
+        self.roughness.on_sample(measured);
+        let reading = Reading { measured_c: measured, noise_k: self.roughness.deviation_k() };
+        self.fast.step(&self.params, inputs, reading, dt_s);
+        self.slow.step(&self.params, inputs, reading, dt_s);
         let changed = self.reading_c.to_bits() != temp.0.to_bits();
         self.reading_c = temp.0;
         let rate_k_s = (self.params.balance_w(inputs, temp.0) + self.slow.usual_w) / self.params.capacity_j_k;
@@ -196,6 +202,7 @@ impl HeaterCheck {
         _ = start.on_sample(now, temp, self.params.sensor_lag_s);
         self.start = Some(start);
         self.skipped = 0;
+        self.roughness = Roughness::new(self.params.usual_noise_k);
         (self.fast, self.slow) = (Observer::new(self.params.fast), Observer::new(self.params.slow));
     }
 }

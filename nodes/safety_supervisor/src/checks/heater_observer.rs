@@ -1,4 +1,8 @@
 //! One observer of a heater's balance: a triple pole at `-w` that follows the disturbance, and what it calls a fault.
+//!
+//! White noise of `sigma` `[K]` in readings `dt` apart makes the disturbance noisy by
+//! `C tau sigma sqrt(dt w^5 (3 + 1/(w tau)^2) / 16)` `[W]`: the limits are wider by a multiple of what noise beyond
+//! the usual adds.
 
 use super::drive_history::Means;
 use super::heater::HeaterFault;
@@ -32,6 +36,18 @@ const SETTLED: f64 = 5.0;
 const DOUBT: f64 = 0.6;
 const IN_DOUBT: f64 = 4.0;
 
+/// Standard deviations of the disturbance by which noise beyond the usual widens the limits `[-]`.
+const NOISE_DEVIATIONS: f64 = 4.0;
+
+/// What a thermistor said.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reading {
+    /// Temperature, unless it is left out `[degC]`.
+    pub(super) measured_c: Option<f64>,
+    /// Standard deviation of its noise `[K]`.
+    pub(super) noise_k: f64,
+}
+
 impl Observer {
     pub(super) fn new(params: ObserverParams) -> Self {
         let settling_s = SETTLED / params.pole_1_s;
@@ -54,7 +70,7 @@ impl Observer {
         *self = Self { block_c: begun.block_c, sensor_c: begun.sensor_c, ..Self::new(self.params) };
     }
 
-    pub(super) fn step(&mut self, heater: &HeaterParams, inputs: Means, measured_c: Option<f64>, dt_s: f64) {
+    pub(super) fn step(&mut self, heater: &HeaterParams, inputs: Means, reading: Reading, dt_s: f64) {
         let balance_w = heater.balance_w(inputs, self.block_c);
         let capacity = heater.capacity_j_k;
         self.sensor_c += (self.block_c - self.sensor_c) * (1.0 - (-dt_s / heater.sensor_lag_s).exp());
@@ -62,7 +78,8 @@ impl Observer {
         // Triple pole at -w of the error: gains 3w - 1/tau, 3w^2 tau, w^3 C tau.
         let pole = self.params.pole_1_s;
         // No fault of a heater moves a reading faster: what is further off is noise that came several times in a row.
-        let residual_k = measured_c
+        let residual_k = reading
+            .measured_c
             .map_or(0.0, |measured_c| (measured_c - self.sensor_c).clamp(-heater.spike_k, heater.spike_k));
         self.sensor_c += (3.0 * pole - 1.0 / heater.sensor_lag_s) * residual_k * dt_s;
         self.block_c += 3.0 * pole.powi(2) * heater.sensor_lag_s * residual_k * dt_s;
@@ -88,8 +105,21 @@ impl Observer {
         if self.settling_s > 0.0 {
             return;
         }
+        let warming_slack_w = heater.capacity_error * agreement(self.balance_w, self.warming_w);
+        self.count(warming_slack_w + self.noise_slack_w(heater, reading.noise_k, dt_s));
+    }
+
+    /// By how much noise beyond the usual widens the limits `[W]`.
+    fn noise_slack_w(&self, heater: &HeaterParams, noise_k: f64, dt_s: f64) -> f64 {
+        let (pole, lag_s) = (self.params.pole_1_s, heater.sensor_lag_s);
+        let shape = (dt_s * pole.powi(5) * (3.0 + (pole * lag_s).powi(-2)) / 16.0).sqrt();
+        let beyond_k = (noise_k - heater.usual_noise_k).max(0.0);
+        NOISE_DEVIATIONS * heater.capacity_j_k * lag_s * shape * beyond_k
+    }
+
+    /// Counts the samples in a row that are beyond a limit.
+    fn count(&mut self, slack_w: f64) {
         let excess_w = self.excess_w();
-        let slack_w = heater.capacity_error * agreement(self.balance_w, self.warming_w);
         self.over = if excess_w > self.params.stuck_on_w + slack_w { self.over.saturating_add(1) } else { 0 };
         // No more can be missing than was ordered: an observer that starts while the block cools, its reading ahead of
         // it by the lag, sees a deficit of a heater that is off.

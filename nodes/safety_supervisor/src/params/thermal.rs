@@ -221,6 +221,8 @@ pub struct HeaterParams {
     pub spike_k: f64,
     /// Spikes in a row that are left out `[-]`.
     pub spike_samples: u32,
+    /// Noise of a sound reading, one standard deviation, that the limits of the observers allow for `[K]`.
+    pub usual_noise_k: f64,
     /// For a heater that is dead, loose or shorted.
     pub fast: ObserverParams,
     /// For a heater that is weak.
@@ -255,6 +257,8 @@ pub struct RawHeaterParams {
     pub spike_k: f64,
     /// Spikes in a row that are left out `[-]`.
     pub spike_samples: u32,
+    /// Noise of a sound reading, one standard deviation, that the limits of the observers allow for `[K]`.
+    pub usual_noise_k: f64,
     /// For a heater that is dead, loose or shorted.
     pub fast: ObserverParams,
     /// For a heater that is weak.
@@ -278,6 +282,7 @@ impl TryFrom<RawHeaterParams> for HeaterParams {
             capacity_error: in_range("capacity_error", raw.capacity_error, "-", (0.0, 1.0))?,
             spike_k: positive("spike_k", raw.spike_k, "K")?,
             spike_samples: count("spike_samples", raw.spike_samples, 10)?,
+            usual_noise_k: in_range("usual_noise_k", raw.usual_noise_k, "K", (0.001, 5.0))?,
             fast: raw.fast,
             slow: raw.slow,
         })

@@ -96,6 +96,8 @@ pub(crate) struct Heater {
     /// Coupling of the thermistor to the block; its remainder couples to air.
     pub(crate) coupling: f64,
     pub(crate) frozen: bool,
+    /// Noise of a reading, one standard deviation `[K]`.
+    pub(crate) noise_k: f64,
     /// Added to the next reading.
     pub(crate) spike_k: f64,
     pub(crate) duty: f64,
@@ -127,6 +129,7 @@ impl Heater {
             stuck_on: false,
             coupling: 1.0,
             frozen: false,
+            noise_k: 0.15,
             spike_k: 0.0,
             duty: 0.0,
             reading_c: 25.0,
@@ -175,7 +178,7 @@ impl Heater {
 
         let mut events = Vec::with_capacity(3);
         if self.ticks.is_multiple_of(5) {
-            let noise_k = 0.15 * self.random.normal();
+            let noise_k = self.noise_k * self.random.normal();
             if !self.frozen {
                 self.reading_c = self.sensor_c + noise_k + std::mem::take(&mut self.spike_k);
             }
