@@ -128,6 +128,7 @@ fn severity(decision: &Decision) -> u8 {
         | What::CommandRefused(_)
         | What::Denied(_)
         | What::Impulse
+        | What::PartFanSlow
         | What::StoodStill => PrintEvent::SEVERITY_WARN,
     }
 }
@@ -141,6 +142,7 @@ fn what(what: What) -> String {
         What::Granted(request) => format!("{}_granted", operator_name(request)),
         What::Denied(request) => format!("{}_denied", operator_name(request)),
         What::Impulse => "impulse".to_owned(),
+        What::PartFanSlow => "part_fan_slow".to_owned(),
         What::StoodStill => "stood_still".to_owned(),
     }
 }

@@ -213,6 +213,8 @@ pub enum What {
     Denied(Operator),
     /// An impulse at the tool that no move commands; the camera decides what came of it.
     Impulse,
+    /// The part fan turns slower than told, which takes no correction back.
+    PartFanSlow,
     /// The supervisor itself stood still; the silence of others in the meantime is not counted.
     StoodStill,
 }
@@ -263,6 +265,8 @@ pub struct SafetyState {
     pub clamped_schedule: u64,
     /// Impulses at the tool so far.
     pub impulses: u64,
+    /// Whether the part fan turns slower than told.
+    pub part_fan_slow: bool,
     /// Power balance of the hot end `[W]`, positive for heat that nobody ordered.
     pub hotend_excess_w: f64,
     /// Power balance of the bed `[W]`, positive for heat that nobody ordered.

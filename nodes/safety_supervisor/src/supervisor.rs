@@ -15,6 +15,7 @@ use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
 
 use crate::cause::Cause;
+use crate::checks::part_fan;
 use crate::envelope::{Envelope, Verdict};
 use crate::event::{Decision, Event, Evidence, Output, PrinterReport, SafetyState, Stream, What};
 use crate::modes::{Latch, Modes};
@@ -186,10 +187,7 @@ impl Supervisor {
         }
         self.fall_to_observe();
         let before = self.modes.mode();
-        if self.checks.impulse.take() {
-            let why = "a knock or lost steps: the camera tells which";
-            self.decisions.push(Decision { what: What::Impulse, why, cause: None, before, after: before });
-        }
+        self.flag(now, before);
         self.initialise(now);
         let raised = self.raised(now);
         let job_runs = self.printer.is_some_and(|printer| {
@@ -213,6 +211,19 @@ impl Supervisor {
         self.move_trims(now, Seconds(dt_s));
         self.last_tick = Some(now);
         self.output(now)
+    }
+
+    /// Tells what is worth a look and changes no mode.
+    fn flag(&mut self, now: Seconds, mode: Mode) {
+        let mut tell = |what: What, why: &'static str| {
+            self.decisions.push(Decision { what, why, cause: None, before: mode, after: mode });
+        };
+        if self.checks.impulse.take() {
+            tell(What::Impulse, "a knock or lost steps: the camera tells which");
+        }
+        if self.checks.part_fan.take(now) {
+            tell(What::PartFanSlow, part_fan::SLOW);
+        }
     }
 
     /// Keeps what the cause in force rests on, from when it was found.
@@ -270,6 +281,7 @@ impl Supervisor {
             refused_schedule: self.schedule.refused(),
             clamped_schedule: self.schedule.clamped(),
             impulses: self.checks.impulse.total(),
+            part_fan_slow: self.last_tick.is_some_and(|now| self.checks.part_fan.is_slow(now)),
             hotend_excess_w: self.checks.heater.excess_w(),
             bed_excess_w: self.checks.bed_heater.excess_w(),
             drift_k: self.checks.drift.residual_k(),

@@ -234,6 +234,9 @@ fn p4_p13_fan_and_stop_contact_are_watched() {
     (print.report.fan, print.report.part_fan_speed_1_s) = (1.0, Some(83.0));
     print.run(10.0);
     assert_eq!(print.mode(), Mode::Act);
+    print.report.part_fan_speed_1_s = Some(25.0);
+    print.run(10.0);
+    assert_eq!((print.mode(), print.output.state.part_fan_slow), (Mode::Act, true), "weak: corrections stay");
     print.report.part_fan_speed_1_s = Some(0.0);
     assert!(print.until(Mode::Degraded) <= 10.0);
     assert_eq!(print.output.state.cause, Some(Cause::PartFan));

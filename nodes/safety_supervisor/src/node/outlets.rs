@@ -8,6 +8,7 @@ use runtime::{Diagnostics, Level, Node, Publisher, RuntimeError, topics};
 
 use super::latch_file::LatchFile;
 use crate::cause::Cause;
+use crate::checks::part_fan;
 use crate::convert;
 use crate::event::{Output, SafetyState};
 
@@ -116,7 +117,10 @@ impl Outlets {
             Mode::Degraded | Mode::Paused => Level::Warn,
             Mode::Init | Mode::Observe | Mode::Advise | Mode::Act => Level::Ok,
         };
-        let cause = state.cause.map_or("ok", Cause::text);
+        let (level, cause) = match state.cause {
+            None if state.part_fan_slow => (level.max(Level::Warn), part_fan::SLOW),
+            cause => (level, cause.map_or("ok", Cause::text)),
+        };
         match &self.disk {
             Some(error) => self.diagnostics.report(Level::Error, &format!("latch_file not written: {error}")),
             None => self.diagnostics.report(level, cause),

@@ -118,8 +118,10 @@ pub struct PartFanParams {
     pub full_1_s: f64,
     /// Duty from which it must turn `[-]`.
     pub duty_min: f64,
-    /// Share of the speed of its duty that is enough `[-]`.
+    /// Share of the speed of its duty that is enough; below it a fan is told to be weak `[-]`.
     pub share_min: f64,
+    /// Share below which it as good as stands, a fault; below `share_min` `[-]`.
+    pub share_standing: f64,
     /// How long it may be slower `[s]`.
     pub persist_s: f64,
 }
@@ -131,6 +133,8 @@ impl PartFanParams {
         in_range("part_fan.full_1_s", self.full_1_s, "1/s", (1.0, 2000.0))?;
         in_range("part_fan.duty_min", self.duty_min, "-", (0.01, 1.0))?;
         in_range("part_fan.share_min", self.share_min, "-", (0.05, 0.95))?;
+        in_range("part_fan.share_standing", self.share_standing, "-", (0.01, 0.9))?;
+        ordered(("part_fan.share_standing", self.share_standing), ("part_fan.share_min", self.share_min))?;
         in_range("part_fan.persist_s", self.persist_s, "s", (0.1, 60.0)).map(|_| ())
     }
 }
@@ -159,7 +163,13 @@ mod tests {
     fn numbers_out_of_range_are_refused_by_name() {
         assert!(StopInputParams { reports: 2 }.check().is_ok());
         assert!(StopInputParams { reports: 0 }.check().is_err());
-        let fan = PartFanParams { full_1_s: 83.0, duty_min: 0.3, share_min: 0.6, persist_s: f64::NAN };
+        let fan = PartFanParams {
+            full_1_s: 83.0,
+            duty_min: 0.3,
+            share_min: 0.6,
+            share_standing: 0.2,
+            persist_s: f64::NAN,
+        };
         assert!(fan.check().unwrap_err().to_string().starts_with("part_fan.persist_s = NaN"));
         let step = JumpParams { step_k: 12.0, rate_max_k_s: 4.0, samples: 8, gap_max_s: 0.0 };
         assert!(step.check().is_err());

@@ -94,7 +94,7 @@ impl Checks {
             self.bed_frozen.still().0 >= params.bed_frozen.suspect_s || self.bed_detached.is_falling();
         let bed_fault = self.bed_heater.fault(false).filter(|_| !bed_suspect);
         // Where fan and tachometer do not agree, nobody knows what cools the block.
-        let drifted = self.drift.tripped() && !self.part_fan.tripped(now);
+        let drifted = self.drift.tripped() && !self.part_fan.is_slow(now);
         let drift = safe_off(drifted).or(degrade(self.drift.is_doubtful()));
         [
             (Cause::HotendRange, safe_off(self.hotend_range.tripped())),

@@ -270,6 +270,7 @@ impl Printing {
         for event in &output.events {
             let (fault, action) = match event.what {
                 What::Impulse => ("P8".to_owned(), "flagged".to_owned()),
+                What::PartFanSlow => ("P4".to_owned(), "flagged".to_owned()),
                 _ if event.after == Mode::Paused && self.adopts_pause(now, output.state.cause) => continue,
                 _ if event.before != event.after
                     && (event.after >= Mode::Degraded || event.after == Mode::Observe) =>
