@@ -128,9 +128,11 @@ def participants(peer: Peer, namespaces: tuple[str, ...]) -> dict[str, int]:
 class Service:
     """Calls of a service in the mapping of Cyclone's RMW: identity and number stand in front of the payload."""
 
+    header = True
+
     def __init__(self, peer: Peer, name: str, kind: str) -> None:
-        self.name, self.request = name, DEFINITIONS.service(kind, "Request")
-        response = DEFINITIONS.service(kind, "Response")
+        self.name, self.request = name, DEFINITIONS.service(kind, "Request", self.header)
+        response = DEFINITIONS.service(kind, "Response", self.header)
         qos = Qos(
             Policy.Reliability.Reliable(duration(seconds=1)), Policy.Durability.Volatile, Policy.History.KeepLast(10)
         )
@@ -150,13 +152,23 @@ class Service:
         self.number += 1
         if not fields and "structure_needs_at_least_one_member" in self.request.__annotations__:
             fields = {"structure_needs_at_least_one_member": 0}
-        self.writer.write(self.request(guid=self.guid, sequence_number=self.number, **fields))
+        if self.header:
+            fields |= {"guid": self.guid, "sequence_number": self.number}
+        self.writer.write(self.request(**fields))
 
         def answer():
+            if not self.header:
+                return next(iter(self.reader.take(1)), None)
             mine = (self.guid, self.number)
             return next((r for r in self.reader.take(10) if (r.guid, r.sequence_number) == mine), None)
 
         return until(answer, f"an answer of {self.name}", limit_s)
+
+
+class PlainService(Service):
+    """The same as Fast DDS has it: who asked stands in the protocol's own header, and an answer is of the newest call."""
+
+    header = False
 
 
 class Node:

@@ -46,14 +46,15 @@ class Definitions:
             self.built[name] = self._struct(f"{package}::msg::dds_::{base}_", self.fields(name))
         return self.built[name]
 
-    def service(self, name: str, part: str) -> type:
-        """`Request` or `Response` of a service as Cyclone's RMW has it: the header in front of the payload."""
-        key = f"{name}_{part}"
+    def service(self, name: str, part: str, header: bool = True) -> type:
+        """`Request` or `Response` of a service: as Cyclone's RMW has it with the header in front of the payload."""
+        key = f"{name}_{part}_{header}"
         if key not in self.built:
             package, base = name.split("/")
             text = self.services[name].split("---")[0 if part == "Request" else 1]
             fields = self._parse(text, package) or {"structure_needs_at_least_one_member": types.uint8}
-            fields = {"guid": types.uint64, "sequence_number": types.int64, **fields}
+            if header:
+                fields = {"guid": types.uint64, "sequence_number": types.int64, **fields}
             self.built[key] = self._struct(f"{package}::srv::dds_::{base}_{part}_", fields)
         return self.built[key]
 

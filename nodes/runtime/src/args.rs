@@ -3,6 +3,7 @@
 //! `--ros-args -r [node:]from:=to | -r [node:]__node:=name | -r [node:]__ns:=/ns | -p [node:]name:=value | --params-file
 //! FILE | --log-level [logger:=]LEVEL | --enclave PATH | --log-config-file FILE | --(en|dis)able-*-logs --`
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 /// What was asked for at the start.
@@ -210,8 +211,18 @@ impl Args {
 /// Longest text of a person that is said again `[character]`.
 const SAID: usize = 120;
 
+/// A text in one line: whatever would move the cursor is written as its escape.
+fn one_line(text: &str) -> Cow<'_, str> {
+    let written = |letter: char| match letter.is_control() {
+        true => letter.escape_default().to_string(),
+        false => letter.to_string(),
+    };
+    if text.contains(char::is_control) { text.chars().map(written).collect() } else { Cow::Borrowed(text) }
+}
+
 /// A text as it is said again in one line: not its whole megabyte.
 pub(crate) fn short(text: &str) -> String {
+    let text = &*one_line(text);
     match text.char_indices().nth(SAID) {
         None => text.to_owned(),
         Some((end, _)) => format!("{}... ({} bytes)", &text[..end], text.len()),
@@ -223,6 +234,7 @@ const PARSED: usize = 1000;
 
 /// Beginning and end of what a parser says, which may hold a whole value: the rule stands at the end.
 pub(crate) fn ends(text: &str) -> String {
+    let text = &*one_line(text);
     let count = text.chars().count();
     if count <= PARSED {
         return text.to_owned();

@@ -1,6 +1,6 @@
 //! Environment variables of ROS 2 that the client does not read.
 
-use crate::args::ArgsError;
+use crate::args::{ArgsError, short};
 use ros2_client::ServiceMapping;
 use rustdds::{DomainParticipant, DomainParticipantBuilder};
 use std::net::Ipv4Addr;
@@ -44,6 +44,11 @@ impl Services {
     }
 }
 
+/// Implementations whose mapping of services is known; the first is what an unknown one is taken for.
+const KNOWN_RMW: [&str; 2] = ["rmw_fastrtps_cpp", "rmw_cyclonedds_cpp"];
+/// The older variable for this host only: 1 is yes.
+const LOCALHOST_ONLY: &str = "ROS_LOCALHOST_ONLY";
+
 /// Highest domain whose ports fit into 16 bits.
 const DOMAIN_MAX: u16 = 232;
 
@@ -61,9 +66,36 @@ impl Environment {
     /// # Errors
     /// [`ArgsError::Environment`] for a value that cannot be used.
     pub fn from_variables(get: impl Fn(&str) -> Option<String>) -> Result<Self, ArgsError> {
-        let cyclone = get("RMW_IMPLEMENTATION").as_deref() == Some("rmw_cyclonedds_cpp");
+        let cyclone = get("RMW_IMPLEMENTATION").as_deref() == Some(KNOWN_RMW[1]);
         let services = if cyclone { Services::Cyclone } else { Services::Enhanced };
         Ok(Self { domain_id: domain(&get)?, range: range(&get)?, services })
+    }
+
+    /// What the variables ask for and this system has not, one line each.
+    #[must_use]
+    pub fn remarks(get: impl Fn(&str) -> Option<String>) -> Vec<String> {
+        let set = |name| get(name).filter(|value| !value.is_empty());
+        let mut remarks = Vec::new();
+        if let Some(value) = set("RMW_IMPLEMENTATION").filter(|value| !KNOWN_RMW.contains(&value.as_str())) {
+            let known = KNOWN_RMW.join(" or ");
+            remarks.push(format!(
+                "RMW_IMPLEMENTATION={}: not supported, {known} is; services speak as with {}, topics on DDS",
+                short(&value),
+                KNOWN_RMW[0]
+            ));
+        }
+        for name in ["ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER"] {
+            if let Some(value) = set(name) {
+                remarks.push(format!(
+                    "{name}={}: not supported; nodes are found by multicast and on this host",
+                    short(&value)
+                ));
+            }
+        }
+        if let Some(value) = set(LOCALHOST_ONLY).filter(|value| value != "0" && value != "1") {
+            remarks.push(format!("{LOCALHOST_ONLY}={}: must be 0 or 1; 0 is used", short(&value)));
+        }
+        remarks
     }
 
     /// Joins the domain.
@@ -89,7 +121,7 @@ fn domain(get: &impl Fn(&str) -> Option<String>) -> Result<u16, ArgsError> {
 /// `ROS_LOCALHOST_ONLY=1` wins over the range, as in ROS 2.
 fn range(get: &impl Fn(&str) -> Option<String>) -> Result<Range, ArgsError> {
     const NAME: &str = "ROS_AUTOMATIC_DISCOVERY_RANGE";
-    if get("ROS_LOCALHOST_ONLY").as_deref() == Some("1") {
+    if get(LOCALHOST_ONLY).as_deref() == Some("1") {
         return Ok(Range::Localhost);
     }
     let value = get(NAME).unwrap_or_default();
@@ -131,8 +163,39 @@ mod tests {
     }
 
     #[test]
-    fn cyclone_services_are_chosen_by_the_middleware_variable() {
-        let cyclone = environment(&[("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")]).unwrap();
-        assert_eq!(cyclone.services, Services::Cyclone);
+    fn services_are_written_as_the_middleware_variable_says() {
+        let services = |name: &str| environment(&[("RMW_IMPLEMENTATION", name)]).unwrap().services;
+        assert_eq!(services("rmw_cyclonedds_cpp"), Services::Cyclone);
+        for name in ["rmw_fastrtps_cpp", "", "rmw_zenoh_cpp"] {
+            assert_eq!(services(name), Services::Enhanced, "{name}");
+        }
+        assert_eq!(environment(&[]).unwrap().services, Services::Enhanced);
+    }
+
+    /// One line each, with name, value and what is used instead; nothing of what is supported.
+    #[test]
+    fn what_is_not_supported_is_told() {
+        let remarks = |name: &str, value: &str| {
+            Environment::remarks(|asked| (asked == name).then(|| value.to_owned())).join("|")
+        };
+        for (name, value, told) in [
+            ("RMW_IMPLEMENTATION", "rmw_zenoh_cpp", "rmw_fastrtps_cpp or rmw_cyclonedds_cpp is"),
+            ("ROS_STATIC_PEERS", "10.0.0.7", "found by multicast"),
+            ("ROS_DISCOVERY_SERVER", "10.0.0.7:11811", "found by multicast"),
+            ("ROS_LOCALHOST_ONLY", "7", "must be 0 or 1; 0 is used"),
+        ] {
+            let said = remarks(name, value);
+            assert!(said.starts_with(&format!("{name}={value}: ")) && said.contains(told), "{said}");
+            assert!(!said.contains('|'), "one line: {said}");
+            assert_eq!(remarks(name, ""), "");
+        }
+        for (name, value) in [
+            ("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp"),
+            ("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp"),
+            ("ROS_LOCALHOST_ONLY", "0"),
+            ("ROS_LOCALHOST_ONLY", "1"),
+        ] {
+            assert_eq!(remarks(name, value), "");
+        }
     }
 }

@@ -15,12 +15,12 @@ pub enum RuntimeError {
     #[error(transparent)]
     Parameters(#[from] ParamFileError),
     /// A name is not valid in ROS 2.
-    #[error("name '{name}' is not a valid ROS 2 name: {reason}")]
+    #[error("name '{name}' is not a valid ROS 2 name: {rule}")]
     Name {
         /// The refused name.
         name: String,
-        /// Why.
-        reason: String,
+        /// What names look like.
+        rule: &'static str,
     },
     /// The middleware refused to create an entity.
     #[error("cannot create {what}: {reason}")]

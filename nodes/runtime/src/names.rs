@@ -1,6 +1,6 @@
 //! From a name as declared to the one on the graph: namespace, `~` and remappings.
 
-use crate::args::{Args, of_node};
+use crate::args::{Args, of_node, short};
 use crate::error::RuntimeError;
 use ros2_client::{Name, NodeName};
 
@@ -14,6 +14,16 @@ const OWN: [&str; 3] = ["__node", "__name", "__ns"];
 fn own<'a>(args: &'a Args, node: &str, what: &str) -> Option<&'a str> {
     let fits = |from: &str| from.contains(':') && of_node(from, |other| other == node) == Some(what);
     args.remaps.iter().find(|(from, _)| fits(from)).map(|(_, to)| to.as_str())
+}
+
+/// Whether every part of an absolute name is one: the client itself asks only when a topic is made.
+fn is_valid(absolute: &str) -> bool {
+    let fits = |part: &str| {
+        !part.starts_with(|first: char| first.is_ascii_digit())
+            && !part.is_empty()
+            && part.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+    };
+    absolute.strip_prefix('/').is_some_and(|parts| parts.split('/').all(fits))
 }
 
 /// Name of the node and the remappings in force.
@@ -31,9 +41,11 @@ impl Names {
         let base = base.or_else(|| own(args, default_node, "__name")).unwrap_or(default_node);
         let namespace = args.namespace.as_deref().or_else(|| own(args, base, "__ns"));
         let namespace = namespace.unwrap_or(DEFAULT_NAMESPACE);
-        let node = NodeName::new(namespace, base).map_err(|reason| RuntimeError::Name {
-            name: format!("{namespace}/{base}"),
-            reason: reason.to_string(),
+        let node = NodeName::new(namespace, base).ok().filter(|node| is_valid(&node.fully_qualified_name()));
+        let node = node.ok_or_else(|| RuntimeError::Name {
+            name: short(&format!("{}/{base}", namespace.trim_end_matches('/'))),
+            rule: "a namespace begins with /; each part of it, and the node's name, has letters, digits and _ alone and \
+                   begins with no digit",
         })?;
         let mut names = Self { node, remaps: Vec::new() };
         for (from, to) in &args.remaps {
@@ -72,8 +84,10 @@ impl Names {
 
     /// The client's form of an absolute name.
     pub(crate) fn check(&self, absolute: &str) -> Result<Name, RuntimeError> {
-        Name::parse(absolute)
-            .map_err(|reason| RuntimeError::Name { name: absolute.to_owned(), reason: reason.to_string() })
+        Name::parse(absolute).ok().filter(|_| is_valid(absolute)).ok_or_else(|| RuntimeError::Name {
+            name: short(absolute),
+            rule: "each part between single / has letters, digits and _ alone and begins with no digit",
+        })
     }
 
     /// Makes a name absolute.
@@ -129,5 +143,12 @@ mod tests {
         assert!(names("--ros-args -r __node:=1st").is_err());
         assert!(names("--ros-args -r __ns:=printer").is_err());
         assert!(names("--ros-args -r a:=b//c").is_err());
+        let said = names("--ros-args -r __ns:=/1a").unwrap_err().to_string();
+        assert!(
+            said.starts_with("name '/1a/thermistor' is not a valid ROS 2 name: a namespace begins with /"),
+            "{said}"
+        );
+        let said = names("--ros-args -r a:=/x/1b").unwrap_err().to_string();
+        assert!(said.ends_with("has letters, digits and _ alone and begins with no digit"), "{said}");
     }
 }

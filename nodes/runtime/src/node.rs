@@ -125,7 +125,8 @@ impl Node {
     ) -> Result<Self, RuntimeError> {
         let names = Names::new(name, &args);
         logging::start(&args, &names.as_ref().map_or_else(|_| name.to_owned(), Names::qualified));
-        args.remarks.iter().for_each(|remark| tracing::warn!("{remark}"));
+        let unsupported = Environment::remarks(|name| std::env::var(name).ok());
+        args.remarks.iter().chain(&unsupported).for_each(|remark| tracing::warn!("{remark}"));
         let (names, environment) = (names?, Environment::from_env()?);
         let path = NodePath { qualified: names.qualified(), base: names.base().to_owned() };
         let parameters = Parameters::read(&args.params_files, &args.parameters, &path)?;

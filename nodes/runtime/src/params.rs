@@ -219,12 +219,20 @@ impl Parameters {
             Some((tree, origin)) => (origin.to_string(), tree.leaf_text()),
             None => (self.fallback(path), None),
         };
+        let range = self.allowed(path, said);
+        let path = ends(path);
         let message = match (path.is_empty(), value) {
             (true, _) => said.to_owned(),
-            (false, Some(value)) => format!("{path} = {}: {said}", short(&value)),
+            (false, Some(value)) => format!("{path} = {}: {said}{range}", short(&value)),
             (false, None) => format!("{path}: {said}"),
         };
         ParamFileError::Refused { at, message }
+    }
+
+    /// The range that stands beside a value of the wrong type in its file.
+    fn allowed(&self, path: &str, said: &str) -> String {
+        let range = self.descriptions.of(path).range.filter(|_| said.starts_with("invalid "));
+        range.map_or_else(String::new, |(low, high)| format!("; allowed: [{low}, {high}]"))
     }
 
     /// Where to look when the path itself stands nowhere: the nearest block above, or the last file.

@@ -8,12 +8,14 @@ use crate::node::Node;
 use crate::publisher::Publisher;
 use crate::service::Server;
 use crate::topics;
+use byteorder::LittleEndian;
 use fdm_loop_msgs::{
     DescribeParameters, DescribeParametersResponse, GetParameterTypes, GetParameterTypesResponse,
     GetParameters, GetParametersResponse, Header, ListParameters, ListParametersResponse, Parameter,
     ParameterEvent, PrintEvent, SetParameters, SetParametersAtomically, SetParametersAtomicallyResponse,
     SetParametersResponse, SetParametersResult, State, Time,
 };
+use serde::Serialize;
 
 /// The answering ends.
 pub(crate) struct ParameterServices {
@@ -76,25 +78,25 @@ impl ParameterServices {
         tokio::select! {
             asked = self.list.next() => {
                 let result = store.look(|view| view.list(&asked.request.prefixes, asked.request.depth));
-                self.list.answer(&asked, ListParametersResponse { result })
+                self.list.answer(&asked, fitting(ListParametersResponse { result }, subject))
             }
             asked = self.get.next() => {
                 let values = store.look(|view| view.get(&asked.request.names));
-                self.get.answer(&asked, GetParametersResponse { values })
+                self.get.answer(&asked, fitting(GetParametersResponse { values }, subject))
             }
             asked = self.kinds.next() => {
                 let values = store.look(|view| view.get(&asked.request.names));
                 let types = values.iter().map(|value| value.kind).collect();
-                self.kinds.answer(&asked, GetParameterTypesResponse { types })
+                self.kinds.answer(&asked, fitting(GetParameterTypesResponse { types }, subject))
             }
             asked = self.describe.next() => {
                 let descriptors = store.look(|view| view.describe(&asked.request.names, subject.policy()));
-                self.describe.answer(&asked, DescribeParametersResponse { descriptors })
+                self.describe.answer(&asked, fitting(DescribeParametersResponse { descriptors }, subject))
             }
             asked = self.set.next() => {
                 let each = |wanted| self.changes.set(subject, std::slice::from_ref(wanted));
                 let results = asked.request.parameters.iter().map(each).collect();
-                self.set.answer(&asked, SetParametersResponse { results })
+                self.set.answer(&asked, fitting(SetParametersResponse { results }, subject))
             }
             asked = self.set_together.next() => {
                 let result = self.changes.set(subject, &asked.request.parameters);
@@ -102,6 +104,23 @@ impl ParameterServices {
             }
         };
     }
+}
+
+/// Longest answer that every DDS takes from us `[byte]`: beyond a datagram of 64 KiB Cyclone takes none, and the next ones
+/// do not reach it either.
+const ANSWER_MAX: usize = 64_000;
+
+/// An answer that arrives: in place of one that is too long the empty one, and a line that says so. Nobody waits in vain.
+fn fitting<T: Serialize + Default>(answer: T, subject: &Subject) -> T {
+    let bytes = cdr_encoding::to_vec::<T, LittleEndian>(&answer).map_or(0, |bytes| bytes.len());
+    if bytes <= ANSWER_MAX {
+        return answer;
+    }
+    tracing::warn!(
+        "{}: an answer of {bytes} bytes was asked for, {ANSWER_MAX} at most are sent: it is empty; ask for fewer names at once",
+        subject.node
+    );
+    T::default()
 }
 
 impl Subject {
@@ -154,5 +173,26 @@ impl Changes {
             changed_parameters: changed.into_iter().map(|change| change.parameter).collect(),
             ..ParameterEvent::default()
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::Parameters;
+    use fdm_loop_msgs::ParameterValue;
+
+    /// 2000 values of 48 bytes and more are above 64 000 bytes, 500 are not.
+    #[test]
+    fn an_answer_that_would_not_arrive_is_empty() {
+        let subject = Subject {
+            store: Store::new(Parameters::default()),
+            life: Life::default(),
+            clock: Clock::monotonic(),
+            node: "/printer/thermistor".to_owned(),
+        };
+        let values = |count| GetParametersResponse { values: vec![ParameterValue::default(); count] };
+        assert_eq!(fitting(values(500), &subject).values.len(), 500);
+        assert_eq!(fitting(values(2000), &subject), GetParametersResponse::default());
     }
 }

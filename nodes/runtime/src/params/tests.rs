@@ -100,6 +100,10 @@ fn unknown_missing_and_mistyped_keys_are_named_with_their_line() {
     assert!(missing.starts_with(":4: limits") && missing.contains("missing field `flow_max`"), "{missing}");
     let mistyped = refusal(&GOOD.replace("rate_hz: 4", "rate_hz: fast"));
     assert_eq!(mistyped, ":3: rate_hz = \"fast\": invalid type: string \"fast\", expected f64");
+    // The range that the file says of it is told, also of an option.
+    let text = GOOD.replace("# [Hz]", "# [Hz] in [1, 50]");
+    let mistyped = parse(&[&text], &[("rate_hz", "fast")]).unwrap_err().to_string();
+    assert!(mistyped.ends_with("expected f64; allowed: [1, 50]"), "{mistyped}");
 }
 
 #[test]
@@ -113,7 +117,7 @@ fn text_that_is_no_parameter_file_is_refused_with_its_line() {
     let text = refusal("/**:\n  rate_hz: 4\n");
     assert!(text.starts_with(":2: 'rate_hz' stands outside of ros__parameters"), "{text}");
     let text = refusal("/**:\n  ros__parameters:\n    a: 1\n    a: 2\n");
-    assert!(text.starts_with(":4: "), "{text}");
+    assert_eq!(text, ":3: 'a' stands twice in the same block: lines 3 and 4");
     let text = refusal("/**:\n  ros__parameters: [\n");
     assert!(text.starts_with(':'), "{text}");
     let gone = Parameters::read(&["/no/such.yaml".into()], &[], &node()).unwrap_err().to_string();
@@ -206,5 +210,14 @@ fn a_refusal_of_a_long_value_is_short() {
     for name in ["rate_hz", "limits.flow_max", "names", "use_sim_time"] {
         let text = parse(&[GOOD], &[(name, &long)]).unwrap_err().to_string();
         assert!(text.len() < 1500, "{name}: {text:.2000}");
+    }
+}
+
+/// A line of a log stays one, whatever a name holds.
+#[test]
+fn a_refusal_of_a_name_with_a_newline_is_one_line() {
+    for name in ["rate\n_hz", "limits.flow\u{1b}[31m", "other.a\nb"] {
+        let text = parse(&[GOOD], &[(name, "9")]).unwrap_err().to_string();
+        assert!(!text.contains(char::is_control) && text.contains("\\"), "{text:?}");
     }
 }

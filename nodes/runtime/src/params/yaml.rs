@@ -1,9 +1,10 @@
 //! YAML with the line of each name.
 
 use super::tree::{Origin, Tree};
+use crate::args::short;
 use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
-use serde_saphyr::{NonFiniteFloatPolicy, Spanned};
+use serde_saphyr::{DuplicateKeyPolicy, NonFiniteFloatPolicy, Spanned};
 use std::fmt;
 use std::sync::Arc;
 
@@ -11,6 +12,8 @@ use std::sync::Arc;
 pub(super) fn read_yaml(text: &str) -> Result<Parsed, serde_saphyr::Error> {
     let mut options = serde_saphyr::Options::default();
     options.non_finite_float_policy = NonFiniteFloatPolicy::PassThrough;
+    // A name that stands twice is refused below, in our own words.
+    options.duplicate_keys = DuplicateKeyPolicy::LastWins;
     serde_saphyr::from_str_with_options(text, options)
 }
 
@@ -134,8 +137,11 @@ impl<'de> Visitor<'de> for ParsedVisitor {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Parsed, A::Error> {
         let mut entries: Vec<(Spanned<String>, Parsed)> = Vec::new();
         while let Some(key) = map.next_key::<Spanned<String>>()? {
-            if entries.iter().any(|(known, _)| known.value == key.value) {
-                return Err(de::Error::custom(format!("'{}' stands twice in the same block", key.value)));
+            if let Some((first, _)) = entries.iter().find(|(known, _)| known.value == key.value) {
+                let (name, lines) = (short(&key.value), [first.referenced.line(), key.referenced.line()]);
+                let reason =
+                    format!("'{name}' stands twice in the same block: lines {} and {}", lines[0], lines[1]);
+                return Err(de::Error::custom(reason));
             }
             entries.push((key, map.next_value()?));
         }

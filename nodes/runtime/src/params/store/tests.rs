@@ -179,3 +179,46 @@ fn every_parameter_of_the_runtime_is_described() {
     assert!(reason(&[wanted("rate_hz", Value::from(long.as_str()))]).len() < 300);
     assert!(reason(&[wanted(&long, Value::from(1))]).len() < 300);
 }
+
+/// T5: whatever a client asks for: an answer for each name, and a change that passes the node's own check or none at all.
+#[test]
+fn hostile_requests_are_answered_and_change_nothing_unchecked() {
+    let store = store();
+    let known = ["rate_hz", "limits.flow_max", "limits.samples", "names", "use_sim_time", "autostart"];
+    let odd = ["", ".", "limits", "limits.", ".limits", "rate_hz.x", "names[0]", "a\n\u{1b}[31m", "ä"];
+    let all: Vec<String> =
+        names(&known).into_iter().chain(names(&odd)).chain(["x".repeat(100_000)]).collect();
+    let numbers = [f64::NAN, f64::NEG_INFINITY, -0.0, 1.5, 4.0, 1e308];
+    let mut changes = 0;
+    for (name, kind) in all.iter().flat_map(|name| (0..=11_u8).map(move |kind| (name, kind))) {
+        for (index, number) in numbers.into_iter().enumerate() {
+            let value = ParameterValue {
+                kind: if kind == 11 { 255 } else { kind },
+                bool_value: index % 2 == 0,
+                integer_value: [i64::MIN, -1, 0, 1, 7, i64::MAX][index],
+                double_value: number,
+                string_value: name.clone(),
+                byte_array_value: vec![0, 255],
+                bool_array_value: vec![true; index],
+                integer_array_value: vec![i64::MAX; index],
+                double_array_value: vec![number; index],
+                string_array_value: vec![name.clone(); index],
+            };
+            let policy = [Policy::Nothing, Policy::Declared, Policy::All, Policy::UnderWay][index % 4];
+            let before = store.parameters().text();
+            match store.set(&[Parameter { name: name.clone(), value }], policy) {
+                Ok(changed) => changes += changed.len(),
+                Err(reason) => {
+                    assert!(!reason.is_empty() && reason.len() < 1500, "{reason:.2000}");
+                    assert_eq!(store.parameters().text(), before, "{reason}");
+                }
+            }
+            store.parameters().parse::<Params>().unwrap();
+        }
+        let one = std::slice::from_ref(name);
+        let told = store.look(|view| (view.get(one).len(), view.describe(one, Policy::All).len()));
+        assert_eq!(told, (1, 1));
+        store.look(|view| view.list(one, u64::from(kind).wrapping_sub(1)));
+    }
+    assert!(changes >= 3, "{changes} requests were right");
+}
