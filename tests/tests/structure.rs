@@ -1,6 +1,9 @@
 //! The rules of `nodes/README.md` that a compiler does not hold: who may depend on whom, and that no test is left out.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
+#[path = "structure/version.rs"]
+mod version;
+
 use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, Package};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
