@@ -2,6 +2,8 @@
 //! Real time passes here: DDS has no other.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests
 
+#[path = "bag/foreign.rs"]
+mod foreign;
 #[path = "bag/played.rs"]
 mod played;
 #[path = "bag/process.rs"]
@@ -10,6 +12,7 @@ mod process;
 mod publisher;
 
 use process::{Bag, Domain, Publisher, Recorder};
+use rustix::process::Signal;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -150,6 +153,69 @@ fn a_bag_that_is_played_arrives_as_it_was_recorded() {
     let run = counts(&bag.reported()["run"]);
     assert!(lost as u64 <= run["missed"], "{lost} lost, {run:?}");
     assert!(lost * 2 < held, "{lost} of {held} lost");
+}
+
+/// Stopped and continued twice, by SIGSTOP and by Ctrl-Z: each time it says so and goes on at its place in the bag. What
+/// comes once and reliably is heard in its order; what was on its way when it stopped may be lost, latched words come again.
+#[test]
+fn a_play_that_was_stopped_goes_on_at_its_place() {
+    const TOPIC: &str = "/printer/printer/motion";
+    let (print, bag, domain) = (Bag::new("long"), Bag::new("resumed"), Domain::new(4));
+    played::simulate(&print);
+    let mut recorder = Recorder::start(&bag, domain);
+    recorder.listens(&bag);
+    let play = played::Group::play(&print, domain, "10");
+    for stop in [Signal::STOP, Signal::TSTP] {
+        let bytes = bag.active_bytes();
+        played::until(|| bag.active_bytes() > bytes + 200_000);
+        play.signal(stop);
+        play.stands_still();
+        // Ten seconds of the bag, and more than the watch over the middleware allows.
+        std::thread::sleep(Duration::from_secs(2));
+        play.signal(Signal::CONT);
+    }
+    let (code, told) = play.ended();
+    recorder.stop();
+    let told: Value = serde_json::from_slice(&told).unwrap();
+    assert_eq!(code, Some(0), "{told}");
+    let remarks = told["remarks"].as_array().unwrap();
+    assert!(remarks.len() == 2 && remarks.iter().all(|said| said.to_string().contains("goes on")), "{told}");
+    assert!(told["published"].as_u64() >= told["messages"].as_u64(), "{told}");
+    let (sent, heard) = (print.payloads(), bag.payloads());
+    let (sent, heard) = (&sent[TOPIC], &heard[TOPIC]);
+    let mut rest = sent.iter();
+    assert!(heard.iter().all(|heard| rest.any(|sent| is_of(heard, sent))), "other bytes, or another order");
+    assert!(is_of(heard.last().unwrap(), sent.last().unwrap()), "it did not come to its end");
+    let lost = sent.len() - heard.len();
+    println!("{lost} of {} lost", sent.len());
+    assert!(lost * 50 < sent.len(), "{lost} of {} lost", sent.len());
+}
+
+/// Ctrl-C at a play and at a recorder that was started by `fdm record`: code 0, no process is left, the figures tell how far
+/// it came, the bag is closed and every reader opens it.
+#[test]
+fn ctrl_c_ends_a_play_and_a_recorder_in_order() {
+    let (print, bag, domain) = (Bag::new("printed"), Bag::new("interrupted"), Domain::new(5));
+    played::simulate(&print);
+    let record = played::Group::record(&bag, domain);
+    played::until(|| bag.active_bytes() > 0);
+    let play = played::Group::play(&print, domain, "5");
+    played::until(|| bag.active_bytes() > 200_000);
+    play.signal(Signal::INT);
+    let (code, told) = play.ended();
+    let told: Value = serde_json::from_slice(&told).unwrap();
+    assert_eq!(code, Some(0), "{told}");
+    let published = told["published"].as_u64().unwrap();
+    assert!(published > 0 && published < told["messages"].as_u64().unwrap(), "{told}");
+    // In the midst of its wait for subscribers too.
+    let waiting = played::Group::play(&print, domain, "5");
+    played::until(|| waiting.listens_to(Signal::INT));
+    waiting.signal(Signal::INT);
+    let (code, told) = waiting.ended();
+    assert_eq!(code, Some(0), "{}", String::from_utf8_lossy(&told));
+    record.signal(Signal::INT);
+    assert_eq!(record.ended().0, Some(0));
+    read_by_all(&bag);
 }
 
 /// The publishing process of the tests above: they start this program again with a role.

@@ -99,3 +99,25 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     let modes = figures["modes"].to_string();
     assert!(modes.contains("paused") && modes.contains("safe_off"), "{modes}");
 }
+
+/// A process that was stopped and continued has lost its middleware: who asked is told to ask again, no crash.
+#[test]
+fn a_command_that_was_stopped_says_so_and_ends() {
+    let mut child = command(&["status", "--listen-s", "60"]).stderr(Stdio::piped()).spawn().unwrap();
+    let pid = Pid::from_child(&child);
+    // From here on it can tell that it goes on after a stop.
+    let caught = || {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+        let signals = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap().trim();
+        u64::from_str_radix(signals, 16).unwrap() >> (Signal::CONT.as_raw() - 1) & 1 == 1
+    };
+    while !caught() {
+        std::thread::yield_now();
+    }
+    kill_process(pid, Signal::STOP).unwrap();
+    kill_process(pid, Signal::CONT).unwrap();
+    let mut said = String::new();
+    std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{said}");
+    assert!(said.contains("stopped and continued") && said.contains("start the command again"), "{said}");
+}

@@ -36,19 +36,18 @@ struct State {
 impl Folder {
     /// Opens a folder, or makes it, and locks it.
     pub fn open(path: &Path, name: &str, tally: Arc<Tally>) -> Result<Self, RecorderError> {
+        Self::open_as(path, Layout::new(name), tally)
+    }
+
+    /// As [`Folder::open`] with names that are known.
+    pub fn open_as(path: &Path, layout: Layout, tally: Arc<Tally>) -> Result<Self, RecorderError> {
         std::fs::create_dir_all(path).map_err(RecorderError::file("make", path))?;
         let lock = File::open(path).map_err(RecorderError::file("open", path))?;
         lock.try_lock().map_err(|error| match error {
             TryLockError::WouldBlock => RecorderError::InUse(path.to_path_buf()),
             TryLockError::Error(error) => RecorderError::file("lock", path)(error),
         })?;
-        let shared = Shared {
-            path: path.to_path_buf(),
-            layout: Layout::new(name),
-            tally,
-            state: Mutex::default(),
-            lock,
-        };
+        let shared = Shared { path: path.to_path_buf(), layout, tally, state: Mutex::default(), lock };
         Ok(Self { shared: Arc::new(shared) })
     }
 

@@ -15,6 +15,8 @@ const RECOVERING: &str = ".mcap.recovering";
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layout {
     bag: String,
+    /// The first file has no number.
+    lone: bool,
 }
 
 /// What stands in a folder.
@@ -34,7 +36,28 @@ impl Layout {
     /// Names in the folder `bag` (its last component).
     #[must_use]
     pub fn new(bag: impl Into<String>) -> Self {
-        Self { bag: bag.into() }
+        Self { bag: bag.into(), lone: false }
+    }
+
+    /// Names of a bag whose one file has no number, as some programs write it: it counts as number 0.
+    #[must_use]
+    pub fn lone(file: impl Into<String>) -> Self {
+        Self { bag: file.into(), lone: true }
+    }
+
+    /// Names of the bag that a file belongs to, finished or active; `None` for any other file.
+    #[must_use]
+    pub fn of_file(name: &str) -> Option<Self> {
+        let stem = [ACTIVE, FINISHED].iter().find_map(|ending| name.strip_suffix(ending))?;
+        let numbered = stem.rsplit_once('_').map(|(bag, _)| Self::new(bag));
+        let fits = |layout: &Self| [ACTIVE, FINISHED].iter().any(|end| layout.number(name, end).is_some());
+        Some(numbered.filter(fits).unwrap_or_else(|| Self::lone(stem)))
+    }
+
+    /// What the names of its files begin with.
+    #[must_use]
+    pub fn bag(&self) -> &str {
+        &self.bag
     }
 
     /// Name of a finished file.
@@ -83,13 +106,17 @@ impl Layout {
     }
 
     fn name(&self, number: u32, ending: &str) -> String {
-        format!("{}_{number}{ending}", self.bag)
+        match (self.lone, number) {
+            (true, 0) => format!("{}{ending}", self.bag),
+            _ => format!("{}_{number}{ending}", self.bag),
+        }
     }
 
     /// Number of a file with this ending; a number written otherwise (`007`) is a foreign file.
     fn number(&self, name: &str, ending: &str) -> Option<u32> {
-        let digits = name.strip_prefix(&self.bag)?.strip_prefix('_')?.strip_suffix(ending)?;
-        let number = digits.parse().ok()?;
+        let behind = name.strip_prefix(&self.bag)?.strip_suffix(ending)?;
+        let number =
+            if self.lone && behind.is_empty() { 0 } else { behind.strip_prefix('_')?.parse().ok()? };
         (self.name(number, ending) == name).then_some(number)
     }
 }
@@ -132,6 +159,19 @@ mod tests {
         ]);
         assert_eq!(survey.stale, ["p_0.mcap.active", "p_1.mcap.recovering"]);
         assert_eq!((survey.leftover, survey.next), (vec![1], 2));
+    }
+
+    /// Other programs write one file, without a number.
+    #[test]
+    fn a_file_without_a_number_is_the_first_of_its_bag() {
+        let layout = Layout::of_file("walk.mcap").unwrap();
+        assert_eq!((layout.finished(0), layout.finished(1)), ("walk.mcap".into(), "walk_1.mcap".into()));
+        let survey = layout.survey(["walk.mcap", "walk_0.mcap", "walk.mcap.torn"]);
+        assert_eq!((survey.finished, survey.next), (vec![0], 1));
+        assert_eq!(layout.survey(["walk.mcap.active"]).leftover, [0]);
+        assert_eq!(Layout::of_file("p_3.mcap.active"), Some(Layout::new("p")));
+        assert_eq!(Layout::of_file("p_03.mcap"), Some(Layout::lone("p_03")));
+        assert_eq!(Layout::of_file("p_3.db3"), None);
     }
 
     #[test]

@@ -31,9 +31,10 @@ pub struct GcodeArgs {
 /// # Errors
 /// A file that cannot be read; what is odd inside it is part of the figures.
 pub fn run(args: &GcodeArgs) -> anyhow::Result<()> {
+    let json = Json::new(args.json.as_deref());
+    json.check()?;
     let motion = ConfigDir::find(args.config.as_deref())?.motion()?;
     let survey = survey(&args.file, &motion).with_context(|| args.file.display().to_string())?;
-    let json = Json::new(args.json.as_deref());
     if !json.is_stdout() {
         output::line(&text(&survey))?;
     }

@@ -16,10 +16,12 @@ pub mod kinematics;
 pub mod operate;
 pub mod options;
 pub mod output;
+mod participant;
 pub mod process;
 pub mod replay;
 pub mod report;
 pub mod sim;
+mod suspension;
 pub mod up;
 pub mod wire;
 

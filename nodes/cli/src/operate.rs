@@ -1,13 +1,13 @@
 //! `fdm status`, and what a person asks of the supervisor: `pause`, `resume`, `stop`, `estop`, `acknowledge`, `mode`.
 
 use crate::output::{self, Json};
+use crate::participant;
 use crate::up::words::mode_name;
 use anyhow::{Context, bail};
 use clap::Args;
 use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, SetModeRequest, Trigger, TriggerRequest};
 use models::units::Seconds;
-use runtime::topics::Service;
-use runtime::{Node, topics};
+use runtime::topics::{self, Service};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -67,8 +67,9 @@ struct Status {
 /// # Errors
 /// No graph in this domain; exit code 2.
 pub fn status(args: &StatusArgs) -> anyhow::Result<()> {
-    let seen = executor()?.block_on(listen(args))?;
     let json = Json::new(args.json.as_deref());
+    json.check()?;
+    let seen = executor()?.block_on(listen(args))?;
     if !json.is_stdout() {
         output::line(&text(&seen))?;
     }
@@ -109,7 +110,7 @@ impl Ask {
 pub fn ask(what: Ask, args: &AskArgs) -> anyhow::Result<()> {
     let name = what.service().name();
     let answer = executor()?.block_on(async {
-        let mut node = Node::start_with("fdm", in_namespace(&args.namespace))?;
+        let mut node = participant::join("fdm", in_namespace(&args.namespace))?;
         let client = node.client(what.service())?;
         anyhow::Ok(client.call(TriggerRequest::default(), Seconds(CALL_S)).await)
     })?;
@@ -155,7 +156,7 @@ pub fn set_mode(args: &ModeArgs) -> anyhow::Result<()> {
     };
     let name = topics::SAFETY_SET_MODE.name();
     let answer = executor()?.block_on(async {
-        let mut node = Node::start_with("fdm", in_namespace(&args.namespace))?;
+        let mut node = participant::join("fdm", in_namespace(&args.namespace))?;
         let client = node.client(&topics::SAFETY_SET_MODE)?;
         anyhow::Ok(client.call(SetModeRequest { mode }, Seconds(CALL_S)).await)
     })?;
@@ -175,7 +176,7 @@ fn in_namespace(namespace: &str) -> runtime::Args {
 }
 
 async fn listen(args: &StatusArgs) -> anyhow::Result<Status> {
-    let mut node = Node::start_with("fdm", in_namespace(&args.namespace))?;
+    let mut node = participant::join("fdm", in_namespace(&args.namespace))?;
     let mut beats = node.subscribe(&topics::HEARTBEAT)?;
     let mut states = node.subscribe(&topics::PRINTER_STATE)?;
     let mut safety = node.subscribe(&topics::SAFETY_STATE)?;

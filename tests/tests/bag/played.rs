@@ -1,8 +1,11 @@
-//! `fdm sim --bag` and `fdm play`.
+//! `fdm sim --bag`, `fdm play` and `fdm record`, and signals to their process groups.
 
 use crate::process::{Bag, Domain, program, root};
+use rustix::process::{Pid, Signal, kill_process_group, test_kill_process_group};
 use serde_json::Value;
-use std::process::Command;
+use std::os::unix::process::CommandExt;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// Runs to the end; standard output.
 fn done(command: &mut Command) -> Vec<u8> {
@@ -22,4 +25,60 @@ pub(crate) fn play(bag: &Bag, domain: Domain) -> Value {
     let how = ["--rate", "20", "--commands", "--wait", "5", "--json", "-"];
     let told = done(domain.command(&program("fdm")).arg("play").arg(bag.path()).args(how));
     serde_json::from_slice(&told).unwrap()
+}
+
+/// A command of `fdm` with a process group of its own, as a shell gives it one.
+pub(crate) struct Group(Child);
+
+impl Group {
+    /// Plays a bag, commands and permits too, at a pace.
+    pub(crate) fn play(bag: &Bag, domain: Domain, rate: &str) -> Self {
+        let how = ["--rate", rate, "--commands", "--wait", "5", "--json", "-"];
+        Self::start(domain.command(&program("fdm")).arg("play").arg(bag.path()).args(how))
+    }
+
+    /// Records all.
+    pub(crate) fn record(bag: &Bag, domain: Domain) -> Self {
+        Self::start(domain.command(&program("fdm")).args(["record", "--all", "--bag"]).arg(bag.path()))
+    }
+
+    fn start(command: &mut Command) -> Self {
+        let child = command.current_dir(root()).stdin(Stdio::null()).stdout(Stdio::piped());
+        Self(child.process_group(0).spawn().unwrap())
+    }
+
+    /// What a terminal sends.
+    pub(crate) fn signal(&self, signal: Signal) {
+        kill_process_group(Pid::from_child(&self.0), signal).unwrap();
+    }
+
+    /// Whether the process has taken a signal for its own affair.
+    pub(crate) fn listens_to(&self, signal: Signal) -> bool {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.0.id())).unwrap();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
+        u64::from_str_radix(caught.trim(), 16).unwrap() >> (signal.as_raw() - 1) & 1 == 1
+    }
+
+    /// Waits until the process stands still, as after Ctrl-Z.
+    pub(crate) fn stands_still(&self) {
+        let status = format!("/proc/{}/status", self.0.id());
+        until(|| std::fs::read_to_string(&status).unwrap().contains("State:\tT"));
+    }
+
+    /// Waits for its end; the code, what it wrote, and that nothing of its group is left.
+    pub(crate) fn ended(self) -> (Option<i32>, Vec<u8>) {
+        let group = Pid::from_child(&self.0);
+        let output = self.0.wait_with_output().unwrap();
+        assert!(test_kill_process_group(group).is_err(), "a process of the group is left");
+        (output.status.code(), output.stdout)
+    }
+}
+
+/// Waits for something that happens in the end; a test that waits in vain fails here.
+pub(crate) fn until(happened: impl Fn() -> bool) {
+    let begin = Instant::now();
+    while !happened() {
+        assert!(begin.elapsed() < Duration::from_secs(60), "nothing happens");
+        std::thread::sleep(Duration::from_millis(20));
+    }
 }

@@ -87,6 +87,12 @@ impl Bag {
         &self.path
     }
 
+    /// Bytes of the first file while it is written.
+    pub(crate) fn active_bytes(&self) -> u64 {
+        let file = self.path.join(format!("{}.active", self.file(0)));
+        std::fs::metadata(file).map_or(0, |found| found.len())
+    }
+
     /// Payloads of the finished files by topic, in their order.
     pub(crate) fn payloads(&self) -> BTreeMap<String, Vec<Vec<u8>>> {
         let mut payloads = BTreeMap::<_, Vec<_>>::new();
@@ -108,7 +114,11 @@ impl Bag {
 
     /// Whole records in the file that a killed recorder left.
     pub(crate) fn held_by_active(&self, number: u32) -> Counts {
-        let file = self.path.join(format!("{}.active", self.file(number)));
+        self.held_by(&self.path.join(format!("{}.active", self.file(number))))
+    }
+
+    /// Whole records in a file that was cut off, up to the first that is not.
+    pub(crate) fn held_by(&self, file: &Path) -> Counts {
         counts(&count(&["--active".as_ref(), file.as_os_str()]))
     }
 }
@@ -119,8 +129,8 @@ impl Drop for Bag {
     }
 }
 
-/// Runs the Python readers.
-fn count(arguments: &[&std::ffi::OsStr]) -> Value {
+/// Runs a script of tests/readers; standard output.
+pub(crate) fn python(script: &str, arguments: &[&std::ffi::OsStr]) -> Vec<u8> {
     let python = root().join("target/venv/bin/python");
     assert!(
         python.exists(),
@@ -128,10 +138,15 @@ fn count(arguments: &[&std::ffi::OsStr]) -> Value {
          target/venv/bin/pip install -r tests/requirements.txt",
         python.display()
     );
-    let output =
-        Command::new(python).arg(root().join("tests/readers/count.py")).args(arguments).output().unwrap();
+    let script = root().join("tests/readers").join(script);
+    let output = Command::new(python).arg(script).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    output.stdout
+}
+
+/// Runs the Python readers.
+fn count(arguments: &[&std::ffi::OsStr]) -> Value {
+    serde_json::from_slice(&python("count.py", arguments)).unwrap()
 }
 
 /// The recorder under test.

@@ -10,7 +10,7 @@ fn mistakes_end_with_code_2_and_one_line() {
     let no_move = std::env::temp_dir().join(format!("fdm_no_move_{}.gcode", std::process::id()));
     std::fs::write(&no_move, "; nothing\n").unwrap();
     let no_move = no_move.display().to_string();
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 14] = [
         (&["sim", "nowhere.gcode"], "nowhere.gcode"),
         (&["sim", &file, "--scenario", "nope"], "slip09"),
         (&["sim", &file, "--control", "pid"], "off, encoder or mpc"),
@@ -23,6 +23,8 @@ fn mistakes_end_with_code_2_and_one_line() {
         (&["sim", &file, "--json", "/nowhere/x.json"], "/nowhere/x.json"),
         (&["up", "--gcode", &file, "--control", "off,off"], "twice"),
         (&["up", "--gcode", &file, "--json", "/nowhere/x.json"], "/nowhere/x.json"),
+        (&["gcode", "nowhere.gcode", "--json", "/nowhere/x.json"], "/nowhere/x.json"),
+        (&["status", "--json", "/nowhere/x.json"], "/nowhere/x.json"),
     ];
     for (arguments, told) in cases {
         let output = run(arguments);
@@ -33,6 +35,19 @@ fn mistakes_end_with_code_2_and_one_line() {
         assert!(output.stdout.is_empty());
     }
     std::fs::remove_file(no_move).unwrap();
+}
+
+/// A benchmark takes minutes: that its figures cannot be written is told before it makes anything.
+#[test]
+fn a_benchmark_that_cannot_write_its_figures_begins_nothing() {
+    let bags = std::env::temp_dir().join(format!("fdm_kept_{}", std::process::id()));
+    let kept = bags.display().to_string();
+    let output =
+        run(&["bench", "recorder", "--kills", "1", "--keep", &kept, "--json", "/nowhere/figures.json"]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!bags.exists(), "{told}");
+    assert_eq!((output.status.code(), told.lines().count()), (Some(2), 1), "{told}");
+    assert!(told.contains("/nowhere/figures.json"), "{told}");
 }
 
 /// A parameter out of range names file, line, field, value and range.

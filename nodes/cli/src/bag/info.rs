@@ -1,11 +1,13 @@
 //! `fdm bag info`: every record of a bag is looked at, not its summary alone.
 
 use super::InfoArgs;
+use super::qos::offered;
 use crate::output::{self, Json};
 use crate::report::bag::{Bag, Counts};
 use crate::report::scan::{Ended, Raw, Visitor, scan};
 use anyhow::bail;
 use bag_recorder::file::NOTE;
+use runtime::qos::{Durability, Reliability};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -42,6 +44,9 @@ struct Topic {
     messages: u64,
     reliable: bool,
     latched: bool,
+    /// The bag does not say how it was offered.
+    #[serde(skip)]
+    unknown: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -74,12 +79,13 @@ impl Visitor for Count {
         self.span_ns = Some((first.min(raw.log_ns), last.max(raw.log_ns)));
         let topics = &mut self.figures.topics;
         if !topics.contains_key(raw.topic) {
-            let says = |word| raw.offered_qos.contains(word);
+            let offered = (!raw.offered_qos.is_empty()).then(|| offered(raw.offered_qos));
             let topic = Topic {
                 type_name: raw.type_name.to_owned(),
                 messages: 0,
-                reliable: says("reliability: reliable"),
-                latched: says("durability: transient_local"),
+                reliable: offered.is_some_and(|end| end.reliability == Reliability::Reliable),
+                latched: offered.is_some_and(|end| end.durability == Durability::TransientLocal),
+                unknown: offered.is_none(),
             };
             topics.insert(raw.topic.to_owned(), topic);
         }
@@ -199,10 +205,11 @@ fn page(figures: &Figures) -> String {
         _ = writeln!(page, "  {name:<40} {messages:>10} messages {:>9.1} MiB  {state}", mib(*bytes));
     }
     for (name, topic) in &figures.topics {
-        let kind = match (topic.latched, topic.reliable) {
-            (true, _) => "latched",
-            (false, true) => "reliable",
-            (false, false) => "best effort",
+        let kind = match topic {
+            Topic { unknown: true, .. } => "-",
+            Topic { latched: true, .. } => "latched",
+            Topic { reliable: true, .. } => "reliable",
+            _ => "best effort",
         };
         _ = writeln!(page, "  {name:<48} {:<40} {:>10}  {kind}", topic.type_name, topic.messages);
     }

@@ -2,6 +2,7 @@
 
 mod info;
 pub mod play;
+mod qos;
 pub mod record;
 pub mod recover;
 

@@ -1,18 +1,22 @@
 //! `fdm play`: publishes a bag over DDS, byte by byte as it was recorded.
 
 use crate::output::{self, Failed, Json};
+use crate::suspension::Suspension;
 use clap::Args;
-use models::units::Seconds;
-use runtime::{Args as NodeArgs, ClockDriver, Node, RawPublisher};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
-use tokio::time::{Instant, sleep_until};
+use tokio::time::timeout;
 
+mod deck;
+mod progress;
 mod reel;
 mod roles;
 
+use deck::{Deck, Tally};
+use progress::Progress;
 use reel::Reel;
 
 /// Publishes the messages of a bag on its topics.
@@ -49,8 +53,8 @@ pub struct PlayArgs {
     json: Option<PathBuf>,
 }
 
-/// Simulated time between two readings of /clock `[ns]`.
-const CLOCK_NS: u64 = 10_000_000;
+/// Who goes on after a stop is told so within this time.
+const AWAKE: Duration = Duration::from_secs(1);
 
 /// What is told of a play.
 #[derive(Debug, Default, Serialize)]
@@ -96,76 +100,50 @@ pub fn run(args: &PlayArgs) -> anyhow::Result<()> {
 }
 
 async fn play(args: &PlayArgs, reel: &Reel) -> anyhow::Result<Figures> {
-    let use_sim_time = ("use_sim_time".to_owned(), args.clock.to_string());
-    let node_args = NodeArgs { parameters: vec![use_sim_time], ..NodeArgs::default() };
-    let mut node = Node::start_with("fdm_play", node_args)?;
-    let publishers: Vec<RawPublisher> = reel
-        .channels
-        .iter()
-        .map(|channel| node.publish_raw(&channel.topic, &channel.type_name, channel.offered))
-        .collect::<Result<_, _>>()?;
-    let mut driver = args.clock.then(|| node.drive_clock()).transpose()?;
-    let mut shutdown = node.shutdown_handle();
-    tokio::time::sleep(Duration::from_secs_f64(args.wait)).await;
-    let begin = Instant::now();
-    let mut late_max = Duration::ZERO;
-    for _ in 0..args.times {
+    let wait = Duration::from_secs_f64(args.wait);
+    let mut deck = Deck::join(args, reel)?;
+    let mut progress = Progress::new(reel, args.rate, args.times);
+    let mut suspended = Suspension::listen();
+    let (mut tally, mut remarks) = (Tally::default(), reel.remarks.clone());
+    loop {
+        let deaf = Arc::clone(&deck.deaf);
+        let mut shutdown = deck.shutdown.clone();
         tokio::select! {
-            late = once(args.rate, reel, &publishers, driver.as_mut()) => late_max = late_max.max(late),
+            biased;
             () = shutdown.wait() => break,
+            () = deaf.notified() => {}
+            () = suspended.asked() => {
+                Suspension::stand_still()?;
+                _ = timeout(AWAKE, deaf.notified()).await;
+            }
+            () = progress.go(&mut deck, wait) => break,
         }
+        if shutdown.is_demanded() {
+            break;
+        }
+        let remark = format!(
+            "stopped and continued, or deaf, at {:.3} s of what is played: it goes on there, by another participant",
+            progress.place().0
+        );
+        output::note(&remark);
+        remarks.push(remark);
+        tally.add(&deck, reel);
+        deck = Deck::join(args, reel)?;
     }
-    let mut figures = Figures {
-        bag: args.bag.display().to_string(),
-        messages: reel.frames.len() as u64,
-        duration_s: begin.elapsed().as_secs_f64(),
-        late_max_s: late_max.as_secs_f64(),
-        remarks: reel.remarks.clone(),
-        ..Figures::default()
-    };
-    for (channel, publisher) in reel.channels.iter().zip(&publishers) {
-        figures.published += publisher.sent();
-        figures.dropped += publisher.dropped();
-        *figures.topics.entry(channel.topic.clone()).or_default() += publisher.sent();
-    }
+    let duration_s = progress.began.map_or(0.0, |began| began.elapsed().as_secs_f64());
+    tally.add(&deck, reel);
     // What is on its way arrives before the node goes.
     tokio::time::sleep(Duration::from_millis(200)).await;
-    Ok(figures)
-}
-
-/// Plays the reel once, and tells how late the latest message was.
-async fn once(
-    rate: f64,
-    reel: &Reel,
-    publishers: &[RawPublisher],
-    mut driver: Option<&mut ClockDriver>,
-) -> Duration {
-    let begin = Instant::now();
-    let at = |at_ns: u64| begin + Duration::from_nanos(at_ns).div_f64(rate);
-    let mut late_max = Duration::ZERO;
-    // Stretch that is played, and the next reading of its clock.
-    let mut clock: Option<(usize, u64)> = None;
-    for frame in &reel.frames {
-        if let Some(driver) = &mut driver {
-            let newest = clock.filter(|(stretch, _)| *stretch == frame.stretch);
-            let mut clock_ns = newest.map_or(frame.log_ns, |(_, clock_ns)| clock_ns);
-            while clock_ns <= frame.log_ns {
-                sleep_until(at(frame.at_ns - (frame.log_ns - clock_ns))).await;
-                driver.set(seconds(clock_ns));
-                clock_ns += CLOCK_NS;
-            }
-            clock = Some((frame.stretch, clock_ns));
-        }
-        sleep_until(at(frame.at_ns)).await;
-        late_max = late_max.max(at(frame.at_ns).elapsed());
-        publishers[frame.channel].send(&frame.payload);
-    }
-    late_max
-}
-
-#[allow(clippy::cast_precision_loss, reason = "a time of a bag")]
-fn seconds(ns: u64) -> Seconds {
-    Seconds(ns as f64 * 1e-9)
+    Ok(Figures {
+        bag: args.bag.display().to_string(),
+        messages: reel.frames.len() as u64,
+        published: tally.published,
+        dropped: tally.dropped,
+        duration_s,
+        late_max_s: progress.late_max.as_secs_f64(),
+        topics: tally.topics,
+        remarks,
+    })
 }
 
 #[cfg(test)]

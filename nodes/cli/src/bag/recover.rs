@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+mod names;
+
 /// Mends a bag after a crash: whole records of what was being written become a closed file, all files are indexed.
 #[derive(Debug, Args)]
 pub struct RecoverArgs {
@@ -100,7 +102,7 @@ fn recover(bag: &Path) -> anyhow::Result<Figures> {
     if !std::fs::metadata(bag).with_context(failed)?.is_dir() {
         bail!("{}: must be the folder of a bag", bag.display());
     }
-    let folder = Folder::open(bag, &name_of(bag)?, Arc::new(Tally::new(0)))?;
+    let folder = Folder::open_as(bag, names::of(bag)?, Arc::new(Tally::new(0)))?;
     let survey = folder.survey()?;
     let mut numbers: Vec<(u32, bool)> = survey.finished.iter().map(|number| (*number, false)).collect();
     numbers.extend(survey.leftover.iter().map(|number| (*number, true)));
@@ -219,46 +221,6 @@ fn saved(made: Option<&Recovered>, is_kept: impl Fn(&Walked) -> bool) -> File {
         ..File::default()
     }
 }
-
-/// What the files of a bag begin with; the folder may have been renamed. Files of a second bag would be passed over, and
-/// be missing in what is said of this one.
-fn name_of(bag: &Path) -> anyhow::Result<String> {
-    let mut own: Option<String> = None;
-    let mut strangers = Vec::new();
-    let told = || bag.display().to_string();
-    let mut names = std::fs::read_dir(bag)
-        .and_then(|entries| entries.map(|entry| Ok(entry?.file_name())).collect::<Result<Vec<_>, _>>())
-        .with_context(told)?;
-    names.sort();
-    for name in names {
-        let name = name.to_string_lossy().into_owned();
-        let stem = name.strip_suffix(".active").unwrap_or(&name).strip_suffix(".mcap");
-        let numbered = stem
-            .and_then(|stem| stem.rsplit_once('_'))
-            .filter(|(_, digits)| digits.parse::<u32>().is_ok_and(|number| number.to_string() == *digits));
-        match numbered {
-            Some((prefix, _)) if own.as_deref().is_none_or(|own| own == prefix) => {
-                own = Some(prefix.to_owned())
-            }
-            Some(_) => strangers.push(name),
-            None if stem.is_some() || STORED.iter().any(|ending| name.ends_with(ending)) => {
-                strangers.push(name)
-            }
-            None => {}
-        }
-    }
-    let Some(own) = own else { bail!("{}: no .mcap file of a recorder in this folder", bag.display()) };
-    match strangers.first() {
-        Some(other) => bail!(
-            "{}: holds {other} beside the files of {own}: one bag a folder; move it elsewhere",
-            bag.display()
-        ),
-        None => Ok(own),
-    }
-}
-
-/// Endings of files that hold messages in other forms.
-const STORED: [&str; 3] = [".db3", ".db3.zstd", ".mcap.zstd"];
 
 #[cfg(test)]
 mod tests;

@@ -6,8 +6,9 @@
 
 use super::proc;
 use super::{Benchmark, GraphArgs};
+use crate::participant;
 use anyhow::{Context, bail};
-use runtime::{Args as NodeArgs, Gid, Node, RawSubscription, topics};
+use runtime::{Args as NodeArgs, Gid, RawSubscription, topics};
 use rustix::process::{Pid, Signal, kill_process};
 use std::collections::BTreeMap;
 use std::process::{Command, Stdio};
@@ -114,7 +115,7 @@ pub(super) fn run(args: &GraphArgs) -> anyhow::Result<Vec<Benchmark>> {
 
 async fn follow(samples: u64, graph: u32) -> anyhow::Result<Vec<Benchmark>> {
     let namespace = Some("/printer".to_owned());
-    let mut node = Node::start_with("fdm_bench_graph", NodeArgs { namespace, ..NodeArgs::default() })?;
+    let mut node = participant::join("fdm_bench_graph", NodeArgs { namespace, ..NodeArgs::default() })?;
     let mut stations = Vec::new();
     let mut infos = [
         topics::HOTEND_TEMPERATURE.info(),

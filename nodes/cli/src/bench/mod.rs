@@ -14,7 +14,7 @@ mod sim;
 use crate::output::{self, Failed, Json};
 use clap::{Args, Subcommand};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Measures.
 #[derive(Debug, Args)]
@@ -40,6 +40,35 @@ enum What {
     /// A process of the other benchmarks.
     #[command(hide = true)]
     Load(load::LoadArgs),
+}
+
+impl What {
+    /// Where the figures go.
+    fn json(&self) -> Option<&Path> {
+        match self {
+            Self::Recorder(args) => args.json.as_deref(),
+            Self::Graph(args) => args.json.as_deref(),
+            Self::Estimator(args) | Self::Controller(args) | Self::Sim(args) => args.json.as_deref(),
+            Self::Advance(args) => args.json.as_deref(),
+            Self::Load(_) => None,
+        }
+    }
+
+    /// The work, which takes minutes.
+    fn measure(&self) -> anyhow::Result<Vec<Benchmark>> {
+        match self {
+            Self::Recorder(args) => match args.kills {
+                Some(kills) => kills::run(args, kills),
+                None => recorder::run(args),
+            },
+            Self::Graph(args) => graph::run(args),
+            Self::Estimator(args) => estimator::run(args),
+            Self::Controller(args) => controller::run(args),
+            Self::Sim(args) => sim::run(args),
+            Self::Advance(args) => advance::run(args),
+            Self::Load(args) => load::run(args).map(|()| Vec::new()),
+        }
+    }
 }
 
 /// The recorder.
@@ -170,24 +199,13 @@ struct Figures {
 /// # Errors
 /// One line that says what is wrong and where; a target that was missed.
 pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
-    let (json, benchmarks) = match &args.what {
-        What::Load(load) => return load::run(load),
-        What::Recorder(recorder) => (
-            &recorder.json,
-            match recorder.kills {
-                Some(kills) => kills::run(recorder, kills),
-                None => recorder::run(recorder),
-            },
-        ),
-        What::Graph(graph) => (&graph.json, graph::run(graph)),
-        What::Estimator(estimator) => (&estimator.json, estimator::run(estimator)),
-        What::Controller(controller) => (&controller.json, controller::run(controller)),
-        What::Sim(sim) => (&sim.json, sim::run(sim)),
-        What::Advance(advance) => (&advance.json, advance::run(advance)),
-    };
-    let json = Json::new(json.as_deref());
+    let what = &args.what;
+    if let What::Load(load) = what {
+        return load::run(load);
+    }
+    let json = Json::new(what.json());
     json.check()?;
-    let figures = Figures { benchmarks: benchmarks? };
+    let figures = Figures { benchmarks: what.measure()? };
     if !json.is_stdout() {
         output::line(&page(&figures.benchmarks))?;
     }

@@ -2,9 +2,10 @@
 
 use super::finding::Finding;
 use crate::output;
+use crate::participant;
 use anyhow::bail;
 use models::units::Seconds;
-use runtime::{Node, topics};
+use runtime::topics;
 use std::process::{Child, Command, Output, Stdio};
 
 /// Names of the two.
@@ -67,7 +68,7 @@ pub(super) fn talk(role: &str) -> anyhow::Result<()> {
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let heard_s = executor.block_on(async {
         let args = runtime::Args { namespace: Some(namespace.to_owned()), ..runtime::Args::default() };
-        let mut node = Node::start_with(name, args)?;
+        let mut node = participant::join(name, args)?;
         let mut beats = node.subscribe(&topics::HEARTBEAT)?;
         let (clock, mut ticks) = (node.clock(), node.timer(Seconds(0.02)));
         let start = clock.now();

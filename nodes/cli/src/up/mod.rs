@@ -7,7 +7,6 @@ pub mod fleet;
 pub mod hearing;
 pub mod recipes;
 pub mod summary;
-mod suspension;
 pub mod watch;
 pub mod words;
 
@@ -175,7 +174,7 @@ async fn one(plan: &Plan, quiet: bool) -> anyhow::Result<(Print, Ended)> {
 }
 
 /// What a recorder that was ended by force has left becomes a bag that every reader opens.
-fn close(bag: &Path) {
+pub(crate) fn close(bag: &Path) {
     match recover::leftover(bag) {
         Ok(None) => {}
         Ok(Some(messages)) => {

@@ -11,6 +11,8 @@ use runtime::{Args, Node, Subscription, topics};
 use safety_supervisor::Cause;
 use serde::Serialize;
 use std::fmt::Write;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How often processes and topics are looked at `[s]`.
 const LOOK_S: f64 = 0.05;
@@ -94,6 +96,8 @@ impl Built {
 /// The graph as `fdm` sees it.
 pub struct Follow {
     node: Node,
+    /// Nothing is heard any more, as after a stop of the process.
+    deaf: Arc<AtomicBool>,
     state: Subscription<PrinterState>,
     safety: Subscription<SafetyState>,
     truth: Subscription<SimWire>,
@@ -119,13 +123,18 @@ impl Follow {
     /// What keeps the participant from starting.
     pub fn start(namespace: &str, quiet: bool) -> anyhow::Result<Self> {
         let namespace = Some(namespace.to_owned());
-        let mut node = Node::start_with("fdm", Args { namespace, ..Args::default() })?;
+        let deaf = Arc::new(AtomicBool::new(false));
+        let told = Arc::clone(&deaf);
+        let mut node = Node::start_or("fdm", Args { namespace, ..Args::default() }, move || {
+            told.store(true, Ordering::Relaxed);
+        })?;
         Ok(Self {
             state: node.subscribe(&topics::PRINTER_STATE)?,
             safety: node.subscribe(&topics::SAFETY_STATE)?,
             truth: node.subscribe(&topics::SIM_WIRE)?,
             heartbeats: node.subscribe(&topics::HEARTBEAT)?,
             node,
+            deaf,
             quiet,
             phase: None,
             newest: SimWire::default(),
@@ -168,6 +177,10 @@ impl Follow {
             };
             for happening in fleet.tend(now) {
                 output::note(&text(&happening));
+            }
+            if self.deaf.load(Ordering::Relaxed) {
+                output::note("fdm was stopped and continued, or hears nothing any more: it ends the nodes");
+                return WallEnded::Lost;
             }
             if self.listen() {
                 heard = now;

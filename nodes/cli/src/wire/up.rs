@@ -4,8 +4,8 @@ use super::follow::{Built, Follow};
 use crate::config::ConfigDir;
 use crate::options::in_range;
 use crate::output::{self, Failed, Json};
-use crate::up::check_new_bag;
 use crate::up::fleet::{Fleet, Recipe};
+use crate::up::{check_new_bag, close};
 use anyhow::{Context, bail};
 use clap::Args;
 use runtime::params::{NodePath, Parameters};
@@ -95,6 +95,7 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
     }
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let built = executor.block_on(build(args, recipes, &logs(bag.as_deref()), json.is_stdout()))?;
+    bag.as_deref().into_iter().for_each(close);
     if !json.is_stdout() {
         output::line(&built.text())?;
     }

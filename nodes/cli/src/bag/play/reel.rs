@@ -2,17 +2,16 @@
 
 use super::PlayArgs;
 use super::roles::{INPUTS, OBEYED};
+use crate::bag::qos::offered;
 use crate::output;
 use crate::report::bag::Bag;
 use crate::report::scan::{Ended, Raw, Visitor, scan};
 use anyhow::bail;
-use runtime::qos::{Durability, End, Reliability};
+use runtime::qos::{Durability, End};
 use runtime::topics;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Depth of a topic whose quality of service the bag does not say.
-pub(super) const DEPTH: usize = 10;
 /// What payloads begin with that can be sent: plain CDR, least significant byte first.
 const PLAYABLE: [u8; 2] = [0, 1];
 /// A topic whose own log times go back further than this tells a clock that jumped back `[ns]`: what is less came over
@@ -161,26 +160,6 @@ impl Reel {
             });
             self.channels.len() - 1
         })
-    }
-}
-
-/// The quality of service as bags write it.
-pub(super) fn offered(text: &str) -> End {
-    let value =
-        |key: &str| text.lines().find_map(|line| line.trim().trim_start_matches("- ").strip_prefix(key));
-    let says = |key: &str, word: &str| value(key).is_some_and(|value| value.trim() == word);
-    End {
-        reliability: if says("reliability:", "best_effort") {
-            Reliability::BestEffort
-        } else {
-            Reliability::Reliable
-        },
-        durability: if says("durability:", "transient_local") {
-            Durability::TransientLocal
-        } else {
-            Durability::Volatile
-        },
-        depth: value("depth:").and_then(|depth| depth.trim().parse().ok()).unwrap_or(DEPTH).clamp(1, 1000),
     }
 }
 

@@ -1,18 +1,5 @@
-use super::reel::{DEPTH, offered};
 use super::*;
 use crate::report::scan::{Raw, Visitor};
-use runtime::qos::{Durability, Reliability};
-
-#[test]
-fn quality_of_service_is_read_as_it_is_written() {
-    let written = bag_recorder::offered_qos::OfferedQos { reliable: false, transient_local: true, depth: 7 };
-    let read = offered(&written.text());
-    assert_eq!(
-        (read.reliability, read.durability, read.depth),
-        (Reliability::BestEffort, Durability::TransientLocal, 7)
-    );
-    assert_eq!(offered("").depth, DEPTH);
-}
 
 /// A bag that is played does not move a printer.
 #[test]

@@ -5,12 +5,13 @@ use super::graph::Spinners;
 use super::observer::Seen;
 use super::outcome::Observed;
 use super::session::Session;
+use crate::participant;
 use fdm_loop_msgs::{
     ControlCommand, DescribeParametersRequest, GetParametersRequest, ListParametersRequest, Parameter,
     PrinterState, RosService, SetModeRequest, SetParametersRequest, TriggerRequest,
 };
 use models::units::Seconds;
-use runtime::{Args, Client, Node, topics};
+use runtime::{Args, Client, topics};
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -174,7 +175,7 @@ fn call_all(rate_hz: f64, stop: &AtomicBool) -> anyhow::Result<Tally> {
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     executor.block_on(async {
         let args = Args { namespace: Some(super::NAMESPACE.to_owned()), ..Args::default() };
-        let mut node = Node::start_with("caller", args)?;
+        let mut node = participant::join("caller", args)?;
         let period = Duration::from_secs_f64(CALLERS / rate_hz);
         let of = |name: &str| format!("{}/{name}", super::NAMESPACE);
         let get = node.client_of(&of("safety_supervisor"), &topics::GET_PARAMETERS)?;
