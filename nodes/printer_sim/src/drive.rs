@@ -5,6 +5,10 @@
 //! motor   = wanted / (1 - s) + k (wanted position - encoder position)     native host, loop closed
 //!         = wanted / (1 - s)                                             other hosts
 //! ```
+//! What is lacking has been laid thin; what the melt still lacks of its pressure is as much as the feed lost within the
+//! melt's lag. Only that is made up for: to push all of it later would make one thin road and one fat. Hence a
+//! shortfall beyond `shortfall_kept_m` fades with `shortfall_fades_s`, as long as filament is fed.
+//!
 //! A prime after a retraction meets less force than a road, and slips less: the native host learns its slip by itself.
 //! Model book 1.7 (inner loop) and 2.2 (advance). What is scheduled is known ahead: the advance then goes through a
 //! window centred on now, as Klipper's does, instead of the lag of a drive that only sees what it executes.
@@ -26,6 +30,10 @@ pub struct Feed {
 pub struct Settings {
     /// Gain on the encoder's shortfall `[1/s]`.
     pub loop_gain_1_s: f64,
+    /// Shortfall that is made up for whatever its age `[m]`.
+    pub shortfall_kept_m: f64,
+    /// Time constant with which a shortfall beyond that fades: the melt's lag `[s]`.
+    pub shortfall_fades_s: f64,
     /// Period of the firmware's extruder loop `[s]`.
     pub loop_period_s: f64,
     /// Time constant with which the advance displacement follows `[s]`.
@@ -146,12 +154,18 @@ impl Drive {
         if self.host != HostProfile::Native {
             return forward_m_s;
         }
-        let origin = *self.loop_target.get_or_insert(LoopTarget { wanted_m: self.wanted_m, encoder_m });
+        let origin = self.loop_target.get_or_insert(LoopTarget { wanted_m: self.wanted_m, encoder_m });
         self.until_loop_s -= dt_s;
         if self.until_loop_s <= 0.0 {
-            self.until_loop_s += self.settings.loop_period_s;
+            let settings = &self.settings;
+            self.until_loop_s += settings.loop_period_s;
             let shortfall_m = (self.wanted_m - origin.wanted_m) - (encoder_m - origin.encoder_m);
-            self.correction_m_s = self.settings.loop_gain_1_s * shortfall_m;
+            self.correction_m_s = settings.loop_gain_1_s * shortfall_m;
+            if wanted_m_s > 0.0 {
+                let kept_m = shortfall_m.clamp(-settings.shortfall_kept_m, settings.shortfall_kept_m);
+                let share = (settings.loop_period_s / settings.shortfall_fades_s).min(1.0);
+                origin.wanted_m += (shortfall_m - kept_m) * share;
+            }
         }
         // The loop only tops up a feed: at rest and in a retraction it would push filament into nothing.
         if wanted_m_s > 0.0 { (forward_m_s + self.correction_m_s).max(0.0) } else { forward_m_s }
@@ -162,7 +176,13 @@ impl Drive {
 mod tests {
     use super::*;
 
-    const SETTINGS: Settings = Settings { loop_gain_1_s: 1.5, loop_period_s: 0.01, advance_smooth_s: 0.02 };
+    const SETTINGS: Settings = Settings {
+        loop_gain_1_s: 1.5,
+        shortfall_kept_m: 2e-4,
+        shortfall_fades_s: 0.7,
+        loop_period_s: 0.01,
+        advance_smooth_s: 0.02,
+    };
     const DEPOSIT: Feed = Feed { deposited_m_s: 2e-3, other_m_s: 0.0 };
 
     /// Runs one second at 1 ms with a gear that loses `slip`; returns (wanted, motor, delivered) in metres.
@@ -207,6 +227,21 @@ mod tests {
         // Steady state of the loop: 0.91 (v + k e) = v, e = v (1/0.91 - 1) / k = 0.132 mm.
         assert!((shortfall_after(HostProfile::Native) - 2e-3 * (1.0 / 0.91 - 1.0) / 1.5).abs() < 2e-6);
         assert!((shortfall_after(HostProfile::Serial) - 0.09 * 2e-2).abs() < 1e-9);
+    }
+
+    /// `dE/dt = v - 0.7 (v + k E) - (E - kept)/tau`: at rest `E = 0.357 mm`, and what fades is lost to the roads.
+    #[test]
+    fn what_was_laid_thin_long_ago_is_not_pushed_into_later_roads() {
+        let trims = Trims { slip: Some(0.0), ..Trims::NEUTRAL };
+        let mut drive = Drive::new(SETTINGS, HostProfile::Native);
+        let (mut delivered_m, mut before_m) = (0.0, 0.0);
+        for step in 0..10_000 {
+            before_m = if step == 9_000 { delivered_m } else { before_m };
+            delivered_m += 0.7 * drive.step(DEPOSIT, &trims, Goal::Now(0.0), (delivered_m, 1e-3)) * 1e-3;
+        }
+        let shortfall_m = (0.3 * 2e-3 + 2e-4 / 0.7) / (0.7 * 1.5 + 1.0 / 0.7);
+        let expected_m = 2e-3 - (shortfall_m - 2e-4) / 0.7;
+        assert!((delivered_m - before_m - expected_m).abs() < 4e-6, "{}", delivered_m - before_m);
     }
 
     #[test]

@@ -112,6 +112,8 @@ pub struct RawSimulator {
     pub homing_s: f64,
     pub reached_band_k: f64,
     pub loop_gain_1_s: f64,
+    pub shortfall_kept_m: f64,
+    pub shortfall_fades_s: f64,
     pub loop_period_s: f64,
     pub advance_smooth_s: f64,
     pub advance_s: f64,
@@ -145,6 +147,8 @@ impl TryFrom<RawSimulator> for SimulatorParams {
             executor: host::executor(&raw)?,
             drive: drive::Settings {
                 loop_gain_1_s: in_range("loop_gain_1_s", raw.loop_gain_1_s, "1/s", (0.0, 20.0))?,
+                shortfall_kept_m: in_range("shortfall_kept_m", raw.shortfall_kept_m, "m", (0.0, 0.1))?,
+                shortfall_fades_s: in_range("shortfall_fades_s", raw.shortfall_fades_s, "s", (0.01, 1e4))?,
                 loop_period_s: period("loop_period_s", raw.loop_period_s)?,
                 advance_smooth_s: period("advance_smooth_s", raw.advance_smooth_s)?,
             },
