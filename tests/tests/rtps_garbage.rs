@@ -9,6 +9,7 @@
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::print_stdout,
+    clippy::panic,
     reason = "helpers of tests: a failure is the test's failure; the figures are for people"
 )]
 
@@ -96,6 +97,8 @@ fn garbage_on_the_network_is_survived() {
             observer.end(&mut graph, END, &mut record).await;
             let read = record.add_bag(&graph.bag());
             println!("{read} messages of the bag");
+            // 50 permits a second, and a print that was waited for.
+            assert!(read > 100, "{read} states and permits in {}", graph.bag().display());
             storms[first..].iter_mut().for_each(|storm| storm.judged = record.judge(storm.span_s));
         }
         println!("{}", report::table(&storms));

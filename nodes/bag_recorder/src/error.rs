@@ -1,7 +1,12 @@
 //! Why recording cannot begin or go on.
 
 use runtime::RuntimeError;
+use std::error::Error;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+
+/// What is tried of a file that is only read.
+const READ: &str = "read";
 
 /// The recorder's errors.
 #[derive(Debug, thiserror::Error)]
@@ -60,6 +65,36 @@ pub enum RecorderError {
 }
 
 impl RecorderError {
+    /// Whether a file that is there cannot be read, where all else is what could not be written.
+    #[must_use]
+    pub fn is_of_source(&self) -> bool {
+        matches!(self, Self::File { what: READ, .. } | Self::Mcap { what: READ, .. } | Self::Damaged(_))
+    }
+
+    /// The error and what is behind it, without what libraries say in between.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let mut root = self.source();
+        while let Some(deeper) = root.and_then(Error::source) {
+            root = Some(deeper);
+        }
+        root.map_or_else(|| self.to_string(), |root| format!("{self}: {root}"))
+    }
+
+    /// Whether the disk has no room left.
+    #[must_use]
+    pub fn is_full_disk(&self) -> bool {
+        let full = |error: &std::io::Error| {
+            matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
+        };
+        match self {
+            Self::File { source, .. } | Self::Mcap { source: mcap::McapError::Io(source), .. } => {
+                full(source)
+            }
+            _ => false,
+        }
+    }
+
     /// For `map_err` of file operations.
     pub fn file(what: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::File { what, path: path.to_path_buf(), source }

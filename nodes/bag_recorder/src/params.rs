@@ -108,7 +108,7 @@ pub struct RawParams {
     pub split_s: f64,
     /// Size of a file `[MiB]`, in `[0, 1e6]`; 0: without limit.
     pub split_mib: u32,
-    /// Most that the bag's files take `[MiB]`, in `[0, 1e8]`; 0: what the disk has.
+    /// Most that the bag's files take `[MiB]`, in `[split_mib, 1e8]`; 0: what the disk has.
     pub bag_mib: u32,
     /// Least that stays free on the disk `[MiB]`, in `[0, 1e8]`.
     pub disk_free_mib: u32,
@@ -150,8 +150,15 @@ fn files(raw: &RawParams) -> Result<(Split, Room, Snapshot), ParamError> {
     in_range("snapshot_mib", f64::from(raw.snapshot_mib), "MiB", (1.0, 1000.0))?;
     let split =
         Split { span_ns: (span_ns > 0).then_some(span_ns), bytes: limit("split_mib", raw.split_mib, 1e6)? };
+    let bag_bytes = limit("bag_mib", raw.bag_mib, 1e8)?;
+    if raw.bag_mib > 0 && raw.bag_mib < raw.split_mib {
+        // Not even one file would have room.
+        let rule = format!("0, or in [{}, 100000000]: a file takes split_mib = {0} MiB", raw.split_mib);
+        let (value, unit) = (f64::from(raw.bag_mib), "MiB");
+        return Err(ParamError::OutOfRange { name: "bag_mib", value, unit, rule });
+    }
     let room = Room {
-        bag_bytes: limit("bag_mib", raw.bag_mib, 1e8)?,
+        bag_bytes,
         free_bytes: limit("disk_free_mib", raw.disk_free_mib, 1e8)?.unwrap_or(0),
         keep_severity: raw.keep_severity,
     };
@@ -245,6 +252,20 @@ mod tests {
         assert_eq!((params.room.bag_bytes, params.room.free_bytes), (None, 256 << 20));
         let error = Params::try_from(RawParams { keep_severity: 4, ..raw() }).unwrap_err();
         assert_eq!(error.to_string(), "keep_severity = 4 -: must be in [0, 3]");
+    }
+
+    /// A bag that has no room for one file would lose every file it closes.
+    #[test]
+    fn a_bag_has_room_for_a_file() {
+        let with = |bag_mib, split_mib| Params::try_from(RawParams { bag_mib, split_mib, ..raw() });
+        for (bag_mib, split_mib) in [(1024, 1024), (1, 0), (0, 1024), (1, 1)] {
+            assert!(with(bag_mib, split_mib).is_ok(), "{bag_mib} {split_mib}");
+        }
+        let error = with(1, 1024).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "bag_mib = 1 MiB: must be 0, or in [1024, 100000000]: a file takes split_mib = 1024 MiB"
+        );
     }
 
     #[test]

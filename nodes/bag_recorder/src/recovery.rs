@@ -156,7 +156,7 @@ fn finished_from(
     });
     match copied {
         Ok(Copied::All(walked)) => {
-            let contents = copy.finish()?;
+            let contents = finish(folder, copy, &half_made)?;
             let messages = contents.total();
             folder.add(contents)?;
             Ok(Some(Recovered { messages, walked }))
@@ -167,6 +167,12 @@ fn finished_from(
             stopped.map(|_| None)
         }
     }
+}
+
+/// Ends a copy; where the disk refuses, nothing half-made takes the room that is left.
+fn finish(folder: &Folder, copy: BagFile, half_made: &str) -> Result<FileContents, RecorderError> {
+    // What it failed of is told; that the rest could not be removed either helps nobody.
+    copy.finish().inspect_err(|_| _ = folder.remove(half_made))
 }
 
 /// Gives a damaged file a second name. What was kept from an earlier damage is not given up for this one.
@@ -201,7 +207,7 @@ pub fn compact(folder: &Folder, number: u32, stop: &AtomicBool) -> Result<bool, 
             Copied::All(_) => Err(RecorderError::Damaged(source)),
         };
     }
-    let contents = copy.finish()?;
+    let contents = finish(folder, copy, &half_made)?;
     folder.add(contents)?;
     Ok(true)
 }

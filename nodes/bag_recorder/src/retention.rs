@@ -33,8 +33,8 @@ pub fn judge(room: &Room, held: &[Held], active_bytes: u64, free_bytes: u64) -> 
     if !nearly_full && room.bag_bytes.is_none_or(|most| total <= most) {
         return Verdict::Fine;
     }
-    // On a full disk a bag does not lose its one file for one that has hardly begun.
-    let outgrown = |file: &Held| held.len() > 1 || !nearly_full || active_bytes >= file.bytes;
+    // A bag does not lose its one file for one that has hardly begun, or for none.
+    let outgrown = |file: &Held| held.len() > 1 || active_bytes >= file.bytes.max(1);
     match held.iter().find(|file| !file.kept && outgrown(file)) {
         Some(oldest) => Verdict::Drop(oldest.number),
         None if nearly_full => Verdict::Full,
@@ -61,12 +61,16 @@ mod tests {
     }
 
     #[test]
-    fn a_full_disk_does_not_cost_a_bag_its_one_file() {
+    fn no_limit_costs_a_bag_its_one_file() {
         let one = &held([false; 3])[2..];
         assert_eq!(judge(&ROOM, one, 39, 49), Verdict::Full);
         assert_eq!(judge(&ROOM, one, 40, 49), Verdict::Drop(2));
         assert_eq!(judge(&ROOM, &held([false; 3])[1..], 0, 49), Verdict::Drop(1));
-        assert_eq!(judge(&ROOM, one, 61, 1000), Verdict::Drop(2), "the bag's own limit is a person's wish");
+        assert_eq!(judge(&ROOM, one, 61, 1000), Verdict::Drop(2), "what is being written is as long");
+        // Closed as the last file, and longer than the bag may be.
+        let long = [Held { number: 7, bytes: 120, kept: false }];
+        assert_eq!(judge(&ROOM, &long, 0, 1000), Verdict::Fine);
+        assert_eq!(judge(&ROOM, &long, 0, 49), Verdict::Full);
     }
 
     /// What is kept outlives the bag's own limit, but not the disk: recording stops before it is full.

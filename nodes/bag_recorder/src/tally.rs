@@ -59,12 +59,19 @@ pub struct Tally {
     pub full: AtomicBool,
     /// Bytes of the file being written that are on disk: what a loss of power leaves.
     pub synced_bytes: AtomicU64,
+    /// What the run has counted that is described, where this is none.
+    pub earlier: RunCounts,
 }
 
 impl Tally {
     /// Zeros for a number of topics.
     pub fn new(topics: usize) -> Self {
         Self { topics: std::iter::repeat_with(TopicTally::default).take(topics).collect(), ..Self::default() }
+    }
+
+    /// For a bag that a run has written before: what it counted stands.
+    pub fn after(earlier: RunCounts) -> Self {
+        Self { earlier, ..Self::default() }
     }
 
     /// Messages dropped.
@@ -84,7 +91,12 @@ impl Tally {
 
     /// The numbers for `counts.json`.
     pub fn run(&self) -> RunCounts {
-        let received = self.topics.iter().map(|topic| topic.received.get()).sum();
-        RunCounts { received, dropped: self.dropped(), missed: self.missed(), raised: self.raised.get() }
+        let received: u64 = self.topics.iter().map(|topic| topic.received.get()).sum();
+        RunCounts {
+            received: received + self.earlier.received,
+            dropped: self.dropped() + self.earlier.dropped,
+            missed: self.missed() + self.earlier.missed,
+            raised: self.raised.get() + self.earlier.raised,
+        }
     }
 }

@@ -56,9 +56,12 @@ impl Record {
         for file in files.filter(|path| path.to_string_lossy().contains(".mcap")) {
             let bytes = std::fs::read(&file).unwrap();
             let options = mcap::read::Options::IgnoreEndMagic;
-            let Ok(messages) = mcap::MessageStream::new_with_options(&bytes, options.into()) else {
+            if bytes.len() < mcap::MAGIC.len() {
+                // Its recorder was ended before it had written anything.
                 continue;
-            };
+            }
+            let messages = mcap::MessageStream::new_with_options(&bytes, options.into());
+            let messages = messages.unwrap_or_else(|error| panic!("{}: {error}", file.display()));
             for message in messages.map_while(Result::ok) {
                 let body = message.data.get(4..).unwrap_or_default();
                 match message.channel.topic.as_str() {
@@ -113,6 +116,16 @@ fn seconds(nanos: i64) -> f64 {
     #[allow(clippy::cast_precision_loss, reason = "a time of a print")]
     let nanos = nanos as f64;
     nanos / NANOS_PER_S
+}
+
+/// A bag that cannot be read is no proof of anything.
+#[test]
+#[should_panic(expected = "noise_0.mcap: ")]
+fn a_bag_of_noise_is_not_passed_over() {
+    let folder = std::env::temp_dir().join(format!("rtps_judge_{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("noise_0.mcap"), [7; 1000]).unwrap();
+    Record::default().add_bag(&folder);
 }
 
 /// A correction that outlives its permit is found: the test can fail.

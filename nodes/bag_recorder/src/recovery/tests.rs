@@ -1,6 +1,7 @@
 use super::*;
 use crate::file::Stamp;
 use crate::layout::Layout;
+use crate::metadata::RunCounts;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -114,7 +115,7 @@ fn a_file_changed_anywhere_becomes_a_sound_one_or_an_error() {
     let active = folder.path("bag_0.mcap.active");
     let sound = std::fs::read(&active).unwrap();
     drop(folder);
-    let (mut recovered, mut refused) = (0_u64, 0_u64);
+    let (mut recovered, mut refused, mut messages) = (0_u64, 0_u64, 0_u64);
     for number in 0..wanted.unwrap_or(3000_u64) / 30 {
         let scratch = Scratch::new("changed_copy");
         let folder = scratch.folder();
@@ -125,12 +126,14 @@ fn a_file_changed_anywhere_becomes_a_sound_one_or_an_error() {
                 let contents = read_finished(&folder, 0).unwrap().contents;
                 assert_eq!(Some(contents.total()), made.map(|made| made.messages), "file {number}");
                 assert!(contents.total() <= 6, "file {number}");
+                messages += contents.total();
             }
             Err(_) => refused += 1,
         }
     }
     println!("{recovered} recovered, {refused} refused");
-    assert!(recovered > 0);
+    // Most changes lie in one message of six, and the file's own beginning is 8 bytes of some 700.
+    assert!(recovered > 9 * refused && messages > 4 * recovered, "{recovered}, {refused}, {messages}");
 }
 
 /// Flipped bits, lengths that cannot be, or a piece of noise; the same for the same number.
@@ -196,4 +199,30 @@ fn a_dropped_file_is_gone_everywhere() {
     let listed = std::fs::read_to_string(folder.path("metadata.yaml")).unwrap();
     assert!(!listed.contains("bag_0.mcap") && listed.contains("bag_1.mcap"), "{listed}");
     assert_eq!(folder.survey().unwrap().finished, [1]);
+}
+
+/// What an earlier run has counted stands in what is described without one.
+#[test]
+fn counts_of_the_run_outlive_a_recovery() {
+    let scratch = Scratch::new("run");
+    let run = RunCounts { received: 90, dropped: 7, missed: 3, raised: 2 };
+    let folder = Folder::open(&scratch.0, "bag", Arc::new(Tally::after(run))).unwrap();
+    killed(&folder, 5, 1);
+    assert_eq!(recovered(&folder), Some(5));
+    let told = std::fs::read_to_string(folder.path("counts.json")).unwrap();
+    let wanted = "\"run\": {\"received\": 90, \"dropped\": 7, \"missed\": 3, \"log_time_raised\": 2}";
+    assert!(told.contains(wanted), "{told}");
+}
+
+/// A disk that is full is told as such, with what was tried and without what a library says of streams.
+#[test]
+fn a_full_disk_is_no_fault_of_the_file() {
+    let full = || std::io::Error::from(std::io::ErrorKind::StorageFull);
+    let path = Path::new("/bags/a_0.mcap.recovering");
+    let error = RecorderError::mcap("write to", path)(McapError::Io(full()));
+    assert_eq!(error.in_words(), "cannot write to /bags/a_0.mcap.recovering: no storage space");
+    assert!(error.is_full_disk() && !error.is_of_source());
+    let error = RecorderError::mcap("read", path)(McapError::BadMagic);
+    assert!(error.is_of_source() && !error.is_full_disk());
+    assert!(RecorderError::file("sync", path)(full()).is_full_disk());
 }

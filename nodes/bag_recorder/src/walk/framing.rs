@@ -19,6 +19,8 @@ const FRONT: u64 = 64;
 const COMPRESSION_MAX: u64 = 16;
 /// Operations from here on are free for private use; what they mean is nobody else's business.
 const PRIVATE: u8 = 0x80;
+/// After so many bytes it is asked again where the file was written `[byte]`.
+const STRETCH: u64 = 1024 * 1024;
 /// So many records one after the other are no chance.
 const ENOUGH: u32 = 3;
 
@@ -89,11 +91,25 @@ fn fits(opcode: u8, length: u64, fields: &[u8]) -> bool {
 
 /// The first place from `from` on where records follow each other, or one to the end.
 pub(super) fn resume(window: &mut Window, from: u64) -> io::Result<Option<u64>> {
-    for at in from..window.size() {
-        // most bytes are no operation: they cost one look
-        let known = matches!(window.bytes(at, 1)?, [op::FOOTER..=op::DATA_END]);
-        if known && follow(window, at)? {
-            return Ok(Some(at));
+    let (mut at, mut looked) = (from, from);
+    while at < window.size() {
+        if at >= looked {
+            // Gigabytes that were never written are stepped over.
+            at = window.written_from(at);
+            looked = at + STRETCH;
+        }
+        let ahead = window.ahead(at)?;
+        match ahead.iter().position(|byte| (op::FOOTER..=op::DATA_END).contains(byte)) {
+            None if ahead.is_empty() => break,
+            // most bytes are no operation: they cost one look
+            None => at += ahead.len() as u64,
+            Some(before) => {
+                at += before as u64;
+                if follow(window, at)? {
+                    return Ok(Some(at));
+                }
+                at += 1;
+            }
         }
     }
     Ok(None)

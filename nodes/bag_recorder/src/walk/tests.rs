@@ -182,3 +182,22 @@ fn what_is_no_mcap_file_is_not_walked() {
     let (times, _, walked) = read(scratch.write(&MAGIC[..4]));
     assert_eq!((times.len(), walked.ended), (0, Ended::Cut));
 }
+
+/// 64 GiB that were never written between two halves of a bag, as a disk leaves them that lost its tables: they are stepped
+/// over, at once, and what stands behind them is read.
+#[test]
+fn what_was_never_written_is_stepped_over() {
+    use std::os::unix::fs::FileExt;
+    const HOLE: u64 = 64 << 30;
+    let bytes = finished(Form::Plain);
+    let half = bytes.len() / 2;
+    let scratch = Scratch::new("hole");
+    scratch.write(&bytes[..half]);
+    let file = std::fs::OpenOptions::new().write(true).open(&scratch.0).unwrap();
+    file.write_all_at(&bytes[half..], half as u64 + HOLE).unwrap();
+    let mut walk = Walk::open(&scratch.0).unwrap().unwrap();
+    while walk.next_record().unwrap().is_some() {}
+    let walked = walk.finish();
+    assert!(walked.messages >= MESSAGES - 2, "{walked:?}");
+    assert!(walked.lost_bytes >= HOLE && walked.damages >= 1, "{walked:?}");
+}

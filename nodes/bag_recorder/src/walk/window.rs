@@ -1,5 +1,6 @@
 //! Bytes of a file at any place, read in large pieces.
 
+use rustix::fs::SeekFrom;
 use std::fs::File;
 use std::io;
 use std::os::unix::fs::FileExt;
@@ -25,6 +26,23 @@ impl Window {
     /// Length of the file `[byte]`.
     pub(super) fn size(&self) -> u64 {
         self.size
+    }
+
+    /// The bytes from `at` on that a look takes at once; none at the end.
+    pub(super) fn ahead(&mut self, at: u64) -> io::Result<&[u8]> {
+        let held = self.start + self.piece.len() as u64;
+        let length = if at >= self.start && at < held { held - at } else { PIECE };
+        self.bytes(at, length)
+    }
+
+    /// Where the disk holds something from `at` on: what was never written reads as zeros.
+    pub(super) fn written_from(&self, at: u64) -> u64 {
+        match rustix::fs::seek(&self.file, SeekFrom::Data(at)) {
+            Ok(place) => place.max(at),
+            Err(rustix::io::Errno::NXIO) => self.size,
+            // A disk that does not tell.
+            Err(_) => at,
+        }
     }
 
     /// `length` bytes from `at`; fewer where the file ends before.
