@@ -2,10 +2,13 @@
 //!
 //! A first pattern finds where to look; patterns about that, each of lines of their own, tell K and how sure it is.
 
+mod look;
 mod valley;
 
 use crate::network::chance::Stream;
 use crate::network::training::mean;
+pub use look::Line;
+use look::look;
 use models::advance::VirtualLine;
 use models::params::{ParamError, in_range};
 use models::units::Seconds;
@@ -34,6 +37,9 @@ pub struct RawPattern {
     pub patterns_max: u32,
     /// Patterns about that: their scatter is part of the interval.
     pub repeats: u32,
+    /// How much thinner the fast stretch may be than the slow ones at the best K `[-]`: a drive that slips there, or a
+    /// melt that is not warm, makes it so, and no K mends that.
+    pub thin_max: f64,
     /// Step of the simulated printer `[s]`.
     pub step_s: f64,
 }
@@ -48,6 +54,7 @@ impl TryFrom<RawPattern> for Pattern {
         in_range("width_sigma_m", raw.width_sigma_m, "m", (0.0, 1e-3))?;
         in_range("patterns_max", f64::from(raw.patterns_max), "-", (1.0, 100.0))?;
         in_range("repeats", f64::from(raw.repeats), "-", (2.0, 100.0))?;
+        in_range("thin_max", raw.thin_max, "-", (0.0, 1.0))?;
         in_range("step_s", raw.step_s, "s", (1e-5, 1e-2))?;
         Ok(Self(raw))
     }
@@ -92,6 +99,20 @@ pub enum NoBest {
         /// Largest one `[s]`.
         high_s: f64,
     },
+    /// The fast stretch is too thin at the best K as well.
+    #[error(
+        "at the best K, {advance_s:.4} s, the fast stretch is {:.1} % thinner than the slow ones, more than {:.1} %: the drive \
+         slips or the melt is not warm at this flow, which no advance mends; print a lower or narrower line, or hotter",
+        1e2 * thin, 1e2 * thin_max
+    )]
+    Thin {
+        /// Best K of such lines `[s]`.
+        advance_s: f64,
+        /// How much thinner.
+        thin: f64,
+        /// How much thinner it may be.
+        thin_max: f64,
+    },
     /// The lines do not differ beyond the noise of their widths.
     #[error("the lines of the pattern do not differ beyond the noise of their widths")]
     Flat,
@@ -111,8 +132,8 @@ pub fn calibrate(
     chance: &mut Stream,
 ) -> Result<Calibrated, NoBest> {
     let noise = pattern.0.width_sigma_m / start.1;
-    let mut line = |advance_s: f64| -> Result<f64, Infallible> {
-        Ok(mean_square(printer, pattern.0.spacing_m, (advance_s, noise), chance))
+    let mut line = |advance_s: f64| -> Result<Line, Infallible> {
+        Ok(look(printer, pattern.0.spacing_m, (advance_s, noise), chance))
     };
     match calibrate_by(&mut line, pattern, start) {
         Ok(found) => found,
@@ -120,12 +141,12 @@ pub fn calibrate(
     }
 }
 
-/// The same with lines from anywhere: `line` prints one with a K `[s]` and gives the mean square of its relative error.
+/// The same with lines from anywhere: `line` prints one with a K `[s]`.
 ///
 /// # Errors
 /// What `line` cannot print; inside, [`NoBest`] where no pattern brackets the best one.
 pub fn calibrate_by<E>(
-    line: &mut dyn FnMut(f64) -> Result<f64, E>,
+    line: &mut dyn FnMut(f64) -> Result<Line, E>,
     pattern: &Pattern,
     (start_s, width_m): (f64, f64),
 ) -> Result<Result<Calibrated, NoBest>, E> {
@@ -135,7 +156,7 @@ pub fn calibrate_by<E>(
     let (mut lines, mut nothing) = (vec![], NoBest::Flat);
     for _ in 0..patterns_max {
         let reach_s = reach * centre_s;
-        lines.extend(print(line, pattern, centre_s)?);
+        lines.extend(print(line, pattern, centre_s)?.lines);
         let change_s = match valley(&lines, centre_s, noise) {
             Ok(Valley::Here { offset_s, .. }) if offset_s.abs() <= INNER * reach_s => {
                 centre_s += offset_s;
@@ -143,7 +164,7 @@ pub fn calibrate_by<E>(
                 for _ in 0..repeats {
                     patterns.push(print(line, pattern, centre_s)?);
                 }
-                return Ok(weigh(&patterns, (centre_s, reach * centre_s), noise));
+                return Ok(weigh(&patterns, (centre_s, pattern), noise));
             }
             Ok(Valley::Here { offset_s, .. }) => offset_s.clamp(-reach_s, reach_s),
             Ok(Valley::Below) => -reach_s,
@@ -165,28 +186,46 @@ fn outside(centre_s: f64, reach_s: f64) -> NoBest {
     NoBest::Outside { low_s: centre_s - reach_s, high_s: centre_s + reach_s }
 }
 
-/// Prints a pattern: K and mean square of each line.
+/// A printed pattern.
+struct Printed {
+    /// K and mean square of each line.
+    lines: Vec<[f64; 2]>,
+    /// How much thinner the fast stretches are, over all lines: it falls evenly with K, so that this is the middle one's.
+    thin: f64,
+}
+
+/// Prints a pattern.
 fn print<E>(
-    line: &mut dyn FnMut(f64) -> Result<f64, E>,
+    line: &mut dyn FnMut(f64) -> Result<Line, E>,
     pattern: &Pattern,
     centre_s: f64,
-) -> Result<Vec<[f64; 2]>, E> {
-    let RawPattern { lines, reach, .. } = pattern.0;
-    let one = |index: u32| {
-        let place = 2.0 * f64::from(index) / f64::from(lines - 1) - 1.0;
+) -> Result<Printed, E> {
+    let RawPattern { lines: count, reach, .. } = pattern.0;
+    let (mut lines, mut thin) = (vec![], 0.0);
+    for index in 0..count {
+        let place = 2.0 * f64::from(index) / f64::from(count - 1) - 1.0;
         let advance_s = centre_s * (1.0 + reach * place);
-        Ok([advance_s, line(advance_s)?])
-    };
-    (0..lines).map(one).collect()
+        let seen = line(advance_s)?;
+        lines.push([advance_s, seen.square]);
+        thin += seen.thin / f64::from(count);
+    }
+    Ok(Printed { lines, thin })
 }
 
 /// K of all patterns together, and the half width of its 95 % interval.
 fn weigh(
-    patterns: &[Vec<[f64; 2]>],
-    (centre_s, reach_s): (f64, f64),
+    patterns: &[Printed],
+    (centre_s, pattern): (f64, &Pattern),
     noise: f64,
 ) -> Result<Calibrated, NoBest> {
+    let RawPattern { reach, thin_max, .. } = pattern.0;
+    let reach_s = reach * centre_s;
+    let thin = mean(patterns.iter().map(|pattern| pattern.thin));
+    let patterns: Vec<Vec<[f64; 2]>> = patterns.iter().map(|pattern| pattern.lines.clone()).collect();
     let lines: Vec<[f64; 2]> = patterns.concat();
+    if thin > thin_max {
+        return Err(NoBest::Thin { advance_s: centre_s, thin, thin_max });
+    }
     let Valley::Here { offset_s: parabola_s, .. } = valley(&lines, centre_s, noise)? else {
         return Err(outside(centre_s, reach_s));
     };
@@ -194,7 +233,7 @@ fn weigh(
     if offset_s.abs() > INNER * reach_s {
         return Err(outside(centre_s, reach_s));
     }
-    let half_width_s = half_width_s(patterns, (offset_s, error_s), parabola_s, (centre_s, noise));
+    let half_width_s = half_width_s(&patterns, (offset_s, error_s), parabola_s, (centre_s, noise));
     Ok(Calibrated { advance_s: centre_s + offset_s, half_width_s, lines })
 }
 
@@ -219,25 +258,6 @@ fn half_width_s(
     let squares = vertices.iter().map(|vertex_s| (vertex_s - mean_s).powi(2)).sum::<f64>();
     let between_s = student(count - 1.0) * (squares / (count - 1.0) / count).sqrt();
     (student(lines - 4.0) * error_s).max(between_s).hypot(offset_s - parabola_s)
-}
-
-/// Mean square of the relative errors of a virtual line, measured every `spacing_m`.
-fn mean_square(
-    printer: &VirtualLine,
-    spacing_m: f64,
-    (advance_s, noise): (f64, f64),
-    chance: &mut Stream,
-) -> f64 {
-    let (mut way_m, mut due_m, mut squares, mut count) = (0.0, 0.0, 0.0, 0.0);
-    printer.print(advance_s, |_, wanted_m_s, laid_m_s, dt| {
-        way_m += wanted_m_s * dt.0 / printer.per_way();
-        if way_m >= due_m {
-            due_m += spacing_m;
-            squares += (laid_m_s / wanted_m_s - 1.0 + noise * chance.normal()).powi(2);
-            count += 1.0;
-        }
-    });
-    squares / count
 }
 
 #[cfg(test)]

@@ -131,11 +131,12 @@ fn figures(args: &CalibrateArgs, config: &ConfigDir) -> anyhow::Result<Figures> 
             let loaded = config.load(&choice)?;
             let line = (setup.physics.test_line, at);
             let plant = PlantLine::new(loaded.simulated, loaded.motion, line, pattern.width_sigma_m());
-            [true_s, true_half_width_s] = plant.best_s(pressure_s)?;
             // No two calibrations share a spool.
             let mut spools = (args.seed << SPOOL_BITS)..;
-            let mut lines = |advance_s: f64| plant.mean_square(advance_s, spools.next().unwrap_or_default());
-            calibrate_by(&mut lines, &pattern, start)??
+            let mut lines = |advance_s: f64| plant.line(advance_s, spools.next().unwrap_or_default());
+            let found = calibrate_by(&mut lines, &pattern, start)??;
+            [true_s, true_half_width_s] = plant.best_s(pressure_s)?;
+            found
         }
         _ => calibrate(&printer, &pattern, start, &mut chance)?,
     };
@@ -226,7 +227,28 @@ fn text(figures: &Figures) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::DriveName;
+    use super::super::tests::setup;
     use super::*;
+
+    /// 14.4 mm3/s of ABS at 245 degC: the drive slips on the fast stretch, and no K found there is the lag's. Told as such.
+    #[test]
+    fn a_line_that_the_drive_cannot_push_is_refused() {
+        let printed = Printed {
+            drive: DriveName::Bowden,
+            polymer: "ABS".into(),
+            config: None,
+            models: None,
+            json: None,
+        };
+        let place = Place { temperature: 245.0, height: 0.3, width: 0.6 };
+        let args = CalibrateArgs { printed, place, printer: Printer::Plant, seed: 1 };
+        let error = figures(&args, &setup().0).unwrap_err().to_string();
+        assert!(
+            error.starts_with("at the best K, ") && error.contains("thinner than the slow ones"),
+            "{error}"
+        );
+    }
 
     #[test]
     fn the_simulated_printer_is_not_taken_for_another_drive() {

@@ -1,6 +1,9 @@
 //! A test line printed by the simulated printer as a whole: G-code, planner, drive, pressure and nozzle, seen through its
 //! width gauge alone.
 
+mod seen;
+
+use advance_predictor::compensation::calibration::Line;
 use anyhow::bail;
 use models::advance::{Condition, TestLine};
 use models::bead::ROUND_SIDES;
@@ -10,6 +13,7 @@ use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
 use printer_sim::job::{Preheat, Wishes};
 use printer_sim::{JobSource, Output, Params, Scenario, Simulator};
+use seen::Seen;
 use std::sync::Arc;
 
 /// Step of the simulation.
@@ -31,6 +35,8 @@ const ROUNDS: [(f64, u64); 3] = [(0.2, 2), (0.1, 2), (0.05, 24)];
 /// The first of them; none of a calibration's own.
 const FIRST_SPOOL: u64 = 1;
 
+/// Faster than this times the slow speed is the fast stretch, its ramps among it.
+const SLOW: f64 = 1.01;
 /// Who sees the width.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Eye {
@@ -49,28 +55,6 @@ fn ratio_error(pairs: &[[f64; 2]], ratio: f64, sum: f64) -> f64 {
     let count = pairs.len() as f64;
     let squares = pairs.iter().map(|[above, below]| (above - ratio * below).powi(2)).sum::<f64>();
     0.5 * (count / (count - 1.0) * squares).sqrt() / sum
-}
-
-/// Sums of errors over a way.
-#[derive(Debug, Clone, Copy, Default)]
-struct Unevenness {
-    way_m: f64,
-    sum_m: f64,
-    squares_m: f64,
-}
-
-impl Unevenness {
-    fn add(&mut self, error: f64, way_m: f64) {
-        self.way_m += way_m;
-        self.sum_m += error * way_m;
-        self.squares_m += error * error * way_m;
-    }
-
-    /// Mean square about the mean; `None` before any way.
-    fn mean_square(&self) -> Option<f64> {
-        let mean = |sum_m: f64| sum_m / self.way_m;
-        (self.way_m > 0.0).then(|| mean(self.squares_m) - mean(self.sum_m).powi(2))
-    }
 }
 
 /// What prints the lines.
@@ -99,12 +83,12 @@ impl PlantLine {
         Self { params, motion, line, at }
     }
 
-    /// Mean square of the cross section's relative error along a line with this advance, by way, noise included; about
-    /// its mean: a spool that is thick or slips makes the whole line wide or narrow, which no advance mends.
+    /// A line with this advance by its widths: errors of the cross section by way, noise included. The mean square is about
+    /// the mean: a spool that is thick or slips makes the whole line wide or narrow, which no advance mends.
     ///
     /// # Errors
     /// A print that does not come to its end.
-    pub(super) fn mean_square(&self, advance_s: f64, seed: u64) -> anyhow::Result<f64> {
+    pub(super) fn line(&self, advance_s: f64, seed: u64) -> anyhow::Result<Line> {
         self.print(advance_s, seed, Eye::Gauge)
     }
 
@@ -112,35 +96,41 @@ impl PlantLine {
     /// ought to find. Vertex of a parabola through three lines of the same spools, round by round closer.
     ///
     /// # Errors
-    /// As [`Self::mean_square`].
+    /// As [`Self::line`], and where the last of the parabolas has no least.
     pub(super) fn best_s(&self, start_s: f64) -> anyhow::Result<[f64; 2]> {
         let (mut centre_s, mut error_s) = (start_s, 0.0);
         for (reach, spools) in ROUNDS {
             let half_s = reach * centre_s;
             let mut pairs = vec![];
             for spool in 0..spools {
-                let square = |advance_s: f64| self.print(advance_s, FIRST_SPOOL + spool, Eye::Truth);
+                let square = |advance_s: f64| {
+                    Ok::<_, anyhow::Error>(self.print(advance_s, FIRST_SPOOL + spool, Eye::Truth)?.square)
+                };
                 let (low, middle, high) =
                     (square(centre_s - half_s)?, square(centre_s)?, square(centre_s + half_s)?);
                 pairs.push([low - high, low - 2.0 * middle + high]);
             }
             let [slope, bend] = [0, 1].map(|part| pairs.iter().map(|pair| pair[part]).sum::<f64>());
+            error_s = f64::INFINITY;
             if bend > 0.0 {
                 let offset = (0.5 * slope / bend).clamp(-2.0, 2.0);
                 centre_s += half_s * offset;
                 error_s = half_s * ratio_error(&pairs, 2.0 * offset, bend);
             }
         }
+        if !error_s.is_finite() {
+            bail!("no advance about {centre_s:.4} s is best by the simulated printer's own widths");
+        }
         Ok([centre_s, CERTAIN * error_s])
     }
 
-    fn print(&self, advance_s: f64, seed: u64, eye: Eye) -> anyhow::Result<f64> {
+    fn print(&self, advance_s: f64, seed: u64, eye: Eye) -> anyhow::Result<Line> {
         let bytes: Arc<[u8]> = self.gcode(advance_s).into_bytes().into();
         let job =
             JobSource::from_gcode(&bytes, &Header::scan(&bytes, &bytes), &self.motion, Wishes::default());
         let mut printer = Simulator::new(self.params.clone(), job, &Scenario::default(), seed)?;
         printer.warm_up(&Preheat { hotend: Some(self.at.temperature), bed: Some(Celsius(60.0)) });
-        let (mut move_now, mut seen) = (None::<(Seconds, Segment)>, Unevenness::default());
+        let (mut move_now, mut seen) = (None::<(Seconds, Segment)>, Seen::default());
         while !matches!(printer.phase(), JobPhase::Done | JobPhase::Failed) {
             printer.step(STEP);
             while let Some(output) = printer.poll() {
@@ -157,25 +147,21 @@ impl PlantLine {
                 self.see(move_now.as_ref(), (Seconds(truth.stamp_s), truth.width_m), &mut seen);
             }
         }
-        match seen.mean_square() {
-            Some(square) if printer.phase() == JobPhase::Done => Ok(square),
+        match seen.line() {
+            Some(line) if printer.phase() == JobPhase::Done => Ok(line),
             _ => bail!("the simulated printer did not print the line"),
         }
     }
 
     /// A width of the line: its cross section against the wanted one, where it is the test line's.
-    fn see(
-        &self,
-        move_now: Option<&(Seconds, Segment)>,
-        (at, width_m): (Seconds, f64),
-        seen: &mut Unevenness,
-    ) {
+    fn see(&self, move_now: Option<&(Seconds, Segment)>, (at, width_m): (Seconds, f64), seen: &mut Seen) {
         let Some((start, segment)) = move_now else { return };
         let Some(target_m) = segment.target_width_m else { return };
         let (point_m, state) = segment.at(at - *start);
         if (X_M + LEAD_IN_M..=self.end_m()).contains(&point_m[0]) {
             let error = (width_m - target_m) / (target_m - self.at.height_m * ROUND_SIDES);
-            seen.add(error, state.speed_m_s);
+            let slow = state.speed_m_s <= SLOW * self.line.low_m_s;
+            seen.add(error, (state.speed_m_s, slow));
         }
     }
 
@@ -246,7 +232,7 @@ mod tests {
     #[test]
     fn its_width_shows_the_advance() {
         let plant = plant();
-        let rms = |advance_s: f64| plant.mean_square(advance_s, 1).unwrap().sqrt();
+        let rms = |advance_s: f64| plant.line(advance_s, 1).unwrap().square.sqrt();
         let (none, near) = (rms(0.0), rms(0.79));
         assert!((0.4..0.6).contains(&none) && near < 0.2 * none, "{none} {near}");
     }
@@ -258,7 +244,7 @@ mod tests {
         let plant = plant();
         let [best_s, half_width_s] = plant.best_s(0.63).unwrap();
         let square = |advance_s: f64| -> f64 {
-            (101..=104).map(|seed| plant.print(advance_s, seed, Eye::Truth).unwrap()).sum()
+            (101..=104).map(|seed| plant.print(advance_s, seed, Eye::Truth).unwrap().square).sum()
         };
         let least = square(best_s);
         assert!(least < square(0.95 * best_s) && least < square(1.05 * best_s), "{best_s}");
@@ -270,16 +256,5 @@ mod tests {
     fn spools_that_differ_make_the_truth_less_sure() {
         assert!((ratio_error(&[[1.0, 1.0], [0.5, 1.0]], 0.75, 2.0) - 0.125).abs() < 1e-15);
         assert!(ratio_error(&[[0.75, 1.0], [1.5, 2.0]], 0.75, 3.0).abs() < 1e-15);
-    }
-
-    /// A line that is wrong by as much everywhere is even.
-    #[test]
-    fn a_constant_error_is_no_unevenness() {
-        let mut seen = Unevenness::default();
-        assert_eq!(seen.mean_square(), None);
-        for _ in 0..10 {
-            seen.add(0.25, 1e-3);
-        }
-        assert!(seen.mean_square().unwrap().abs() < 1e-15);
     }
 }

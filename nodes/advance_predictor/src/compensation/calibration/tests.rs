@@ -14,6 +14,7 @@ fn pattern(width_sigma_m: f64) -> Pattern {
         width_sigma_m,
         patterns_max: 8,
         repeats: 4,
+        thin_max: 0.18,
         step_s: 1e-3,
     };
     Pattern::try_from(raw).unwrap()
@@ -79,12 +80,12 @@ fn patterns_that_differ_widen_the_interval() {
     let widths = |shift: f64| {
         let (mut chance, mut shifts, mut printed) = (Stream::new(1), Stream::new(2), 0);
         let mut shift_s = 0.0;
-        let mut line = |advance_s: f64| -> Result<f64, Infallible> {
+        let mut line = |advance_s: f64| -> Result<Line, Infallible> {
             if printed % 11 == 0 {
                 shift_s = shift * best_s * shifts.normal();
             }
             printed += 1;
-            Ok(mean_square(&printer, 5e-4, (advance_s - shift_s, 0.03), &mut chance))
+            Ok(look(&printer, 5e-4, (advance_s - shift_s, 0.03), &mut chance))
         };
         calibrate_by(&mut line, &pattern, (best_s, 4e-4)).unwrap().unwrap().half_width_s
     };
@@ -99,10 +100,10 @@ fn lines_that_scatter_are_printed_again() {
     let answered = (0..20)
         .filter(|seed| {
             let (mut chance, mut spools) = (Stream::new(*seed), Stream::new(seed + 100));
-            let mut line = |advance_s: f64| -> Result<f64, Infallible> {
+            let mut line = |advance_s: f64| -> Result<Line, Infallible> {
                 let needed_s = best_s * (1.0 + 0.06 * spools.normal());
                 let as_if_s = best_s + advance_s - needed_s;
-                Ok(mean_square(&printer, 5e-4, (as_if_s, 0.03), &mut chance))
+                Ok(look(&printer, 5e-4, (as_if_s, 0.03), &mut chance))
             };
             let found = calibrate_by(&mut line, &pattern, (best_s, 4e-4)).unwrap();
             found.is_ok_and(|found| (found.advance_s - best_s).abs() <= found.half_width_s)
@@ -115,4 +116,32 @@ fn lines_that_scatter_are_printed_again() {
 fn widths_that_are_all_noise_say_nothing() {
     let refused = calibrate(&printer(), &pattern(1e-3), (0.63, 4e-4), &mut Stream::new(1));
     assert!(matches!(refused, Err(NoBest::Flat | NoBest::Outside { .. })), "{refused:?}");
+}
+
+/// A drive that slips where it is fast: the best K is not told, since it makes up for the slip and no ramp.
+#[test]
+fn a_fast_stretch_that_stays_thin_is_refused() {
+    let (printer, pattern) = (printer(), pattern(1.2e-5));
+    let best_s = printer.best().unwrap().advance_s;
+    let found = |slip: f64| {
+        let mut chance = Stream::new(1);
+        let mut line = |advance_s: f64| -> Result<Line, Infallible> {
+            let seen = look(&printer, 5e-4, (advance_s, 0.03), &mut chance);
+            Ok(Line { thin: seen.thin + slip, ..seen })
+        };
+        calibrate_by(&mut line, &pattern, (best_s, 4e-4)).unwrap()
+    };
+    let sound = found(0.0).unwrap();
+    assert!((sound.advance_s - best_s).abs() < 0.02, "{sound:?}");
+    let Err(NoBest::Thin { advance_s, thin, thin_max }) = found(0.3) else { panic!("{:?}", found(0.3)) };
+    assert!((advance_s - best_s).abs() < 0.02 && (thin - 0.3).abs() < 0.02 && thin_max < thin);
+}
+
+/// Without any advance the fast stretch is thin and the slow one behind it wide; at the best K both are as wanted.
+#[test]
+fn the_best_advance_leaves_no_stretch_thin() {
+    let printer = printer();
+    let best_s = printer.best().unwrap().advance_s;
+    let thin = |advance_s: f64| look(&printer, 5e-4, (advance_s, 0.0), &mut Stream::new(1)).thin;
+    assert!(thin(best_s).abs() < 0.01 && thin(0.0) > 0.3, "{} {}", thin(best_s), thin(0.0));
 }
