@@ -121,7 +121,7 @@ fn chords(outline: &[[f64; 2]], chord_m: f64, chance: &mut Stream) -> Vec<[f64; 
 }
 
 /// The points as roads at one speed.
-fn lay(points: &[[f64; 2]], speed_m_s: f64, pieces: &mut Vec<Piece>) {
+pub(super) fn lay(points: &[[f64; 2]], speed_m_s: f64, pieces: &mut Vec<Piece>) {
     let mut at = pieces.last().map(|piece: &Piece| piece.end_m);
     for (place, point) in points.iter().enumerate() {
         let Some(from) = at.replace(*point) else { continue };

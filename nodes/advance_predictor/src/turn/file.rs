@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// First field of every file.
 const FORMAT: &str = "fdm_loop turn network";
 /// Changes with the fields and with the meaning of an input.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// A network, whole and checked; made by [`TurnNetwork::parse`] alone.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,12 +4,14 @@
 //! the path so far, and what the path did when it was here on a layer below.
 
 pub mod assess;
+mod carried;
 pub mod curves;
 mod file;
 mod memory;
 mod params;
 mod path;
 mod samples;
+mod splines;
 #[cfg(test)]
 pub(crate) mod tests;
 pub mod training;

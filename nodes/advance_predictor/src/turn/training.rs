@@ -5,6 +5,7 @@ use super::file::{RawTurnNetwork, TurnNetwork};
 use super::params::TurnParams;
 use super::path::Piece;
 use super::samples::Track;
+use super::splines;
 use crate::network::NetworkError;
 use crate::network::chance::Stream;
 use crate::network::training::{Example, FitParams};
@@ -24,10 +25,10 @@ pub struct RawTraining {
     pub buffers: Vec<u32>,
     /// Moments of one path with one buffer at most, taken by chance.
     pub moments_max: u32,
-    /// Made-up paths.
+    /// Made-up outlines in short pieces.
     pub made_paths: u32,
-    /// Share of the turns behind the buffer that the threshold has to foresee on the training paths.
-    pub recall: f64,
+    /// Made-up chains of splines.
+    pub made_splines: u32,
     /// Fit.
     pub fit: FitParams,
 }
@@ -41,7 +42,7 @@ impl TryFrom<RawTraining> for Training {
         }
         in_range("turn.moments_max", f64::from(raw.moments_max), "-", (1.0, 1e7))?;
         in_range("turn.made_paths", f64::from(raw.made_paths), "-", (0.0, 1e5))?;
-        in_range("turn.recall", raw.recall, "-", (0.01, 1.0))?;
+        in_range("turn.made_splines", f64::from(raw.made_splines), "-", (0.0, 1e5))?;
         Ok(Self(raw))
     }
 }
@@ -56,8 +57,13 @@ impl Training {
     /// Made-up paths of a seed, each with every buffer.
     #[must_use]
     pub fn made(&self, seed: u64) -> Vec<Path> {
-        let pieces = generate(self.0.made_paths, &mut Stream::new(seed));
-        self.0.buffers.iter().map(|buffered| Path { buffered: *buffered, pieces: pieces.clone() }).collect()
+        let mut chance = Stream::new(seed);
+        let outlines = generate(self.0.made_paths, &mut chance);
+        let splines = splines::generate(self.0.made_splines, &mut chance);
+        let paths = |pieces: Vec<Piece>| {
+            self.0.buffers.iter().map(move |buffered| Path { buffered: *buffered, pieces: pieces.clone() })
+        };
+        paths(outlines).chain(paths(splines)).collect()
     }
 }
 
@@ -81,7 +87,7 @@ pub fn train(
 ) -> Result<String, NetworkError> {
     let mut chance = Stream::new(seed);
     let examples = examples(paths, params, training, &mut chance);
-    let RawTraining { recall, fit, .. } = &training.0;
+    let fit = &training.0.fit;
     if examples.is_empty() {
         return Err(NetworkError::Examples);
     }
@@ -89,7 +95,7 @@ pub fn train(
     let layers = fit.fit(&scaling, &examples, &mut chance);
     let trained = text(&examples, paths.len(), seed);
     let mut raw = RawTurnNetwork::new(&trained, &scaling, layers);
-    raw.threshold = threshold(&raw.check()?, &examples, *recall);
+    raw.threshold = threshold(&raw.check()?, &examples);
     raw.sealed()
 }
 
@@ -132,21 +138,40 @@ fn weigh(examples: &mut [Example]) {
     examples.iter_mut().for_each(|example| example.weight = weight);
 }
 
-/// The highest threshold that foresees a share of the turns.
-fn threshold(network: &TurnNetwork, examples: &[Example], recall: f64) -> f64 {
-    let mut seen: Vec<(f64, f64)> = examples
-        .iter()
-        .filter(|example| example.target > 0.5)
-        .map(|example| (network.of(&example.values), example.weight))
-        .collect();
-    seen.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let wanted = recall * seen.iter().map(|(_, weight)| weight).sum::<f64>();
-    let mut sum = 0.0;
-    for (probability, weight) in seen {
-        sum += weight;
-        if sum >= wanted {
-            return crate::network::training::rounded(probability);
+/// The threshold with the best F1 over the examples.
+fn threshold(network: &TurnNetwork, examples: &[Example]) -> f64 {
+    let judged = examples.iter().map(|example| (network.of(&example.values), example.weight, example.target));
+    crate::network::training::rounded(best_f1(judged.collect()))
+}
+
+/// Probability from which on `2 hits / (alarms + turns)` is best, of probabilities, weights and whether a turn came.
+fn best_f1(mut judged: Vec<(f64, f64, f64)>) -> f64 {
+    judged.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let turns: f64 = judged.iter().map(|(_, weight, turned)| weight * turned).sum();
+    let (mut hits, mut alarms, mut best) = (0.0, 0.0, (0.0, 0.5));
+    for (probability, weight, turned) in judged {
+        alarms += weight;
+        hits += weight * turned;
+        let f1 = 2.0 * hits / (alarms + turns);
+        if f1 > best.0 {
+            best = (f1, probability);
         }
     }
-    0.5
+    best.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// F1 from 0.9 on 2/3, from 0.8 on 2/4, from 0.7 on 4/5, from 0.2 on 4/6; where the false alarm at 0.8 weighs five,
+    /// from 0.7 on 4/9: 0.9 is best. Without a turn it is one half.
+    #[test]
+    fn the_threshold_has_the_best_f1() {
+        let judged =
+            |false_alarm| vec![(0.2, 1.0, 0.0), (0.9, 1.0, 1.0), (0.7, 1.0, 1.0), (0.8, false_alarm, 0.0)];
+        assert!((best_f1(judged(1.0)) - 0.7).abs() < 1e-15);
+        assert!((best_f1(judged(5.0)) - 0.9).abs() < 1e-15);
+        assert!((best_f1(vec![(0.9, 1.0, 0.0)]) - 0.5).abs() < 1e-15);
+    }
 }

@@ -1,6 +1,7 @@
 //! Follows the path and foresees turns: by the buffer where it shows them, by memory, habit and the layer's walls behind
 //! its end.
 
+use super::carried::carry_on;
 use super::file::TurnNetwork;
 use super::memory::{BEYOND_M, Memory, Recalled};
 use super::params::TurnParams;
@@ -15,8 +16,10 @@ pub(super) const CONTEXT: usize = 8;
 const INTERVALS: usize = 3;
 /// Turns whose mean bend is carried on towards a wall.
 const BEND: usize = 3;
+/// Misfit at which a path carried on is trusted half.
+const ALIKE: f64 = 0.01;
 /// Inputs of the network.
-pub(super) const INPUTS: usize = 2 * CONTEXT + INTERVALS + 18;
+pub(super) const INPUTS: usize = 2 * CONTEXT + INTERVALS + 21;
 
 /// What the answer rests on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -225,6 +228,8 @@ impl Watcher {
         let most = inputs[..CONTEXT].iter().fold(0.0_f64, |most, turn_rad| most.max(turn_rad.abs()));
         let last = newest.first().copied();
         let walls_m = self.walls_m(&newest, hidden_m);
+        let carried = carry_on(&newest, hidden_m + BEYOND_M, &self.params);
+        let alike = ALIKE / (ALIKE + carried.misfit);
         let along = self.ahead().next().map_or(0.0, |current| current.along_m_s2);
         let rest = [
             hidden_m / horizon_m,
@@ -245,6 +250,9 @@ impl Watcher {
             1e3 * (hidden_m - walls_m[0]),
             1e3 * (hidden_m - walls_m[1]),
             walls_m.iter().filter(|way_m| **way_m < hidden_m).map(|_| 1.0).sum(),
+            1e3 * (alike * (hidden_m - carried.way_m) - (1.0 - alike) * BEYOND_M),
+            alike,
+            if carried.way_m < hidden_m { alike } else { 0.0 },
         ];
         inputs[2 * CONTEXT + INTERVALS..].copy_from_slice(&rest);
         (inputs, recalled)

@@ -49,14 +49,34 @@ impl FileFigures {
 fn methods(methods: &Methods) -> String {
     let ours = &methods.predictor;
     format!(
-        "recall {:.3} precision {:.3} F1 {:.3}; F1 of the buffer {:.3}, curvature {:.3} and {:.3}",
+        "recall {:.3} precision {:.3} F1 {:.3}; F1 of the buffer {:.3}, curvature {:.3} and {:.3}: {}",
         ours.recall,
         ours.precision,
         ours.f1,
         methods.buffer_only.f1,
         methods.curvature_line.f1,
-        methods.curvature_mean.f1
+        methods.curvature_mean.f1,
+        verdict(methods)
     )
+}
+
+/// The predictor against its baselines, in words; where one of those is right at every moment nobody can be better.
+fn verdict(methods: &Methods) -> &'static str {
+    let ours = &methods.predictor;
+    let baselines = [&methods.buffer_only, &methods.curvature_line, &methods.curvature_mean];
+    if ours.hits + ours.missed == 0 {
+        "no turn came"
+    } else if baselines.iter().any(|other| other.missed + other.false_alarms == 0) {
+        if ours.missed + ours.false_alarms == 0 {
+            "a tie, nothing is left to foresee"
+        } else {
+            "WORSE, nothing was left to foresee"
+        }
+    } else if baselines.iter().all(|other| ours.f1 > other.f1) {
+        "better"
+    } else {
+        "NOT better"
+    }
 }
 
 /// A file's path, planned once per buffer.
@@ -137,7 +157,31 @@ pub(crate) fn planned(bytes: &[u8], motion: &MotionParams, buffered: u32) -> Pat
 mod tests {
     use super::super::tests::{folder, setup};
     use super::*;
+    use advance_predictor::turn::assess::Score;
     use advance_predictor::turn::training::described;
+
+    /// Counts of hits, false alarms and misses, of the predictor and of its best baseline.
+    #[test]
+    fn a_tie_that_nobody_can_win_is_told_as_one() {
+        let score = |[hits, false_alarms, missed]: [usize; 3]| {
+            let counted = Score { hits, false_alarms, missed, ..Score::default() };
+            counted.with(&Score::default())
+        };
+        let told = |ours, best| {
+            let worse = score([0, 0, 10]);
+            verdict(&Methods {
+                predictor: score(ours),
+                buffer_only: worse,
+                curvature_line: score(best),
+                curvature_mean: worse,
+            })
+        };
+        assert_eq!(told([9, 0, 1], [8, 0, 2]), "better");
+        assert_eq!(told([8, 0, 2], [8, 0, 2]), "NOT better");
+        assert_eq!(told([10, 0, 0], [10, 0, 0]), "a tie, nothing is left to foresee");
+        assert_eq!(told([10, 1, 0], [10, 0, 0]), "WORSE, nothing was left to foresee");
+        assert_eq!(told([0, 1, 0], [0, 0, 0]), "no turn came");
+    }
 
     /// Told before any network is fitted.
     #[test]
