@@ -144,7 +144,7 @@ fn a_bag_that_is_played_arrives_as_it_was_recorded() {
     assert_eq!((&told["dropped"], &told["remarks"]), (&0.into(), &serde_json::json!([])), "{told}");
     let mut lost = 0;
     for (topic, sent) in &sent {
-        let heard = heard.get(topic).map_or(&[][..], Vec::as_slice);
+        let heard = heard.get(topic).unwrap_or_else(|| panic!("{topic}: not one of {} messages", sent.len()));
         let mut rest = sent.iter();
         let in_order = heard.iter().all(|heard| rest.any(|sent| is_of(heard, sent)));
         assert!(in_order, "{topic}: other bytes, or another order");

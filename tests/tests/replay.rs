@@ -139,6 +139,8 @@ fn a_torn_bag_is_told_and_recovered() {
     let salvaged = json(&["recover", &bag]);
     let saved = salvaged["messages"].as_u64().unwrap();
     assert!(salvaged["files"][0]["outcome"] == "recovered" && saved > 500 && saved < held, "{salvaged}");
+    // How many it had says the bag's description, for the file's own end is gone.
+    assert_eq!(salvaged["lost_messages"], held - saved, "{salvaged}");
     assert!(file("torn_0.mcap.torn").is_file());
     assert_eq!(json(&["bag", "info", &bag])["messages"], saved);
 
@@ -245,6 +247,30 @@ fn the_recorder_is_started_as_asked() {
     ] {
         assert!(line.contains(part), "{part}: {line}");
     }
+}
+
+/// Figures take no recording's place, whatever command has them.
+#[test]
+fn no_figures_replace_a_recording() {
+    let (bag, other) = (recorded("figures"), recorded("figures_other"));
+    let (recording, metadata) = (format!("{bag}/figures_0.mcap"), format!("{bag}/metadata.yaml"));
+    let before = std::fs::read(&recording).unwrap();
+    let commands: [&[&str]; 6] = [
+        &["bag", "info", &bag, "--json", &recording],
+        &["recover", &bag, "--json", &recording],
+        &["play", &bag, "--json", &recording],
+        &["replay", &bag, "--json", &metadata],
+        &["sim", "tests/data/gcode/straight_line.gcode", "--json", &recording],
+        &["report", &other, "--out", &recording],
+    ];
+    for command in commands {
+        let output = fdm(command);
+        let line = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{command:?}: {line}");
+        assert!(line.ends_with("choose another file\n"), "{line}");
+    }
+    assert_eq!(std::fs::read(&recording).unwrap(), before);
+    assert_eq!(json(&["bag", "info", &bag])["remarks"], serde_json::json!([]));
 }
 
 /// A name, a range or a bag that is none ends with code 2 and one line that says which.

@@ -1,5 +1,7 @@
 //! The one writer of the command: text for people, JSON for programs, progress on standard error.
 
+mod of_bag;
+
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -78,8 +80,9 @@ impl Json {
 /// file is written to as it is.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// A file that cannot be written, or is one of a bag.
 pub fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
+    of_bag::check(path)?;
     let told = || path.display().to_string();
     if std::fs::symlink_metadata(path).is_ok_and(|found| !found.is_file()) {
         return std::fs::write(path, text).with_context(told);
@@ -143,7 +146,7 @@ fn others(output: &Path, arguments: impl Iterator<Item = OsString>) -> Vec<PathB
     words
 }
 
-/// Refuses an output that is one of `inputs`, under whatever name, or lies in a folder among them.
+/// Refuses an output that is one of `inputs`, under whatever name, or lies in a folder among them, or is a file of any bag.
 ///
 /// # Errors
 /// The output and the input.
@@ -155,7 +158,7 @@ pub fn check_apart(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
     });
     let parts: Vec<_> = whole.iter().flat_map(|path| path.ancestors()).filter_map(identity).collect();
     match inputs.iter().find(|input| identity(input).is_some_and(|input| parts.contains(&input))) {
-        None => Ok(()),
+        None => of_bag::check(output),
         Some(input) if input.is_dir() => {
             bail!("{} lies in {}, which is read: choose another file", output.display(), input.display())
         }

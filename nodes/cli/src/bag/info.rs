@@ -151,9 +151,7 @@ fn figures(args: &InfoArgs) -> anyhow::Result<Figures> {
         let folder = folder.display();
         figures.remarks.push(format!("one file of the bag {folder}: `fdm bag info {folder}` tells of all"));
     }
-    if let Some(counts) = &bag.counts {
-        compare(&mut figures, counts);
-    }
+    beside_description(&mut figures, &bag);
     figures.whole = figures.files.iter().all(|file| file.state == "closed")
         && bag.counts.is_none_or(|counts| counts.messages == figures.messages);
     if figures.files.iter().any(|file| file.state != "closed") {
@@ -165,10 +163,29 @@ fn figures(args: &InfoArgs) -> anyhow::Result<Figures> {
     Ok(figures)
 }
 
+/// Messages of the closed files.
+fn closed(figures: &Figures) -> u64 {
+    figures.files.iter().filter(|file| file.state == "closed").map(|file| file.messages).sum()
+}
+
+/// What stands beside the files and describes them: what cannot be read of it, and where it says otherwise.
+fn beside_description(figures: &mut Figures, bag: &Bag) {
+    figures.remarks.extend(bag.broken.iter().cloned());
+    match (&bag.counts, bag.stated) {
+        (Some(counts), _) => compare(figures, counts),
+        (None, Some(stated)) if stated != closed(figures) => {
+            let closed = closed(figures);
+            figures
+                .remarks
+                .push(format!("metadata.yaml tells of {stated} messages in closed files, not {closed}"));
+        }
+        _ => {}
+    }
+}
+
 /// What the recorder's own counts say beside what was found.
 fn compare(figures: &mut Figures, counts: &Counts) {
-    let closed: u64 =
-        figures.files.iter().filter(|file| file.state == "closed").map(|file| file.messages).sum();
+    let closed = closed(figures);
     if counts.messages != closed {
         figures
             .remarks
@@ -236,10 +253,20 @@ mod tests {
         mcap::Writer::new(std::fs::File::create(&mcap).unwrap()).unwrap().finish().unwrap();
         let told = |bag: &Path| figures(&InfoArgs { bag: bag.to_path_buf(), json: None });
         assert!(told(&mcap).unwrap().remarks.is_empty(), "a file on its own");
-        std::fs::write(folder.join("metadata.yaml"), "rosbag2_bagfile_information:").unwrap();
+        let metadata = "rosbag2_bagfile_information: {version: 9, message_count: 0}";
+        std::fs::write(folder.join("metadata.yaml"), metadata).unwrap();
         let remarks = told(&mcap).unwrap().remarks;
         assert!(remarks[0].contains(&format!("`fdm bag info {}`", folder.display())), "{remarks:?}");
         assert!(told(&folder).unwrap().remarks.is_empty(), "the bag itself");
+        std::fs::write(folder.join("metadata.yaml"), metadata.replace(": 0", ": 3")).unwrap();
+        let remarks = told(&folder).unwrap().remarks;
+        assert_eq!(remarks, ["metadata.yaml tells of 3 messages in closed files, not 0"]);
+        std::fs::write(folder.join("metadata.yaml"), "[".repeat(200_000)).unwrap();
+        let remarks = told(&folder).unwrap().remarks;
+        assert!(
+            remarks.len() == 1 && remarks[0].starts_with("metadata.yaml cannot be read: "),
+            "{remarks:?}"
+        );
         let error = told(&folder.join("metadata.yaml")).unwrap_err().to_string();
         assert!(error.ends_with("give a .mcap file or the folder of a bag"), "{error}");
         std::fs::remove_dir_all(folder).unwrap();

@@ -29,7 +29,7 @@ pub struct RecordArgs {
     /// Begin a new file after so much size `[MiB]`.
     #[arg(long)]
     split_mib: Option<u32>,
-    /// Drop the oldest file where the bag grows beyond this `[MiB]`.
+    /// Drop the oldest file where the bag grows beyond this `[MiB]`; it has to have room for one file (--split-mib).
     #[arg(long)]
     bag_mib: Option<u32>,
     /// Write nothing until a service asks for it: resume, record or snapshot.

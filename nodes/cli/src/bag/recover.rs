@@ -1,20 +1,24 @@
 //! `fdm recover`: what a kill left becomes a bag that every reader opens.
 
 use crate::output::{self, Failed, Json};
+use crate::report::stated::Stated;
 use anyhow::{Context, bail};
 use bag_recorder::error::RecorderError;
 use bag_recorder::folder::Folder;
+use bag_recorder::metadata::RunCounts;
 use bag_recorder::recovery::{self, Finished, Recovered};
 use bag_recorder::tally::Tally;
 use bag_recorder::walk::{Sum, Walked};
 use clap::Args;
 use serde::Serialize;
-use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+mod file;
 mod names;
+
+use file::{File, failed_of};
 
 /// Mends a bag after a crash: whole records of what was being written become a closed file, all files are indexed.
 #[derive(Debug, Args)]
@@ -38,20 +42,6 @@ struct Figures {
     files: Vec<File>,
 }
 
-#[derive(Debug, Default, Serialize)]
-struct File {
-    name: String,
-    messages: Option<u64>,
-    /// `None` where the file does not say how many it had.
-    lost_messages: Option<u64>,
-    lost_bytes: u64,
-    /// Places before the file's end that could not be read.
-    damages: u64,
-    /// `recovered`, `compacted`, `sound` or `unreadable`.
-    outcome: &'static str,
-    why: String,
-}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -70,7 +60,7 @@ pub fn run(args: &RecoverArgs) -> anyhow::Result<()> {
         output::line(&format!("{}: {} messages\n{}", figures.bag, figures.messages, files.join("\n")))?;
     }
     json.write(&figures)?;
-    match figures.files.iter().find(|file| file.outcome == "unreadable") {
+    match figures.files.iter().find(|file| !file.is_mended()) {
         Some(file) => Err(Failed(format!("{}: {} {}", figures.bag, file.name, file.why)).into()),
         None => Ok(()),
     }
@@ -79,7 +69,7 @@ pub fn run(args: &RecoverArgs) -> anyhow::Result<()> {
 /// Recovers a bag; returns its messages.
 pub(crate) fn messages(bag: &Path) -> anyhow::Result<u64> {
     let figures = recover(bag)?;
-    match figures.files.iter().find(|file| file.outcome == "unreadable") {
+    match figures.files.iter().find(|file| !file.is_mended()) {
         Some(file) => bail!("{}: {} {}", figures.bag, file.name, file.why),
         None => Ok(figures.messages),
     }
@@ -102,7 +92,9 @@ fn recover(bag: &Path) -> anyhow::Result<Figures> {
     if !std::fs::metadata(bag).with_context(failed)?.is_dir() {
         bail!("{}: must be the folder of a bag", bag.display());
     }
-    let folder = Folder::open_as(bag, names::of(bag)?, Arc::new(Tally::new(0)))?;
+    let stated = Stated::of(bag);
+    let run = stated.counts.as_ref().map_or_else(RunCounts::default, |counts| counts.run.clone().into());
+    let folder = Folder::open_as(bag, names::of(bag)?, Arc::new(Tally::after(run)))?;
     let survey = folder.survey()?;
     let mut numbers: Vec<(u32, bool)> = survey.finished.iter().map(|number| (*number, false)).collect();
     numbers.extend(survey.leftover.iter().map(|number| (*number, true)));
@@ -116,21 +108,21 @@ fn recover(bag: &Path) -> anyhow::Result<Figures> {
         folder.keep_description()?;
     }
     for Found { number, state } in found {
-        let name = folder.layout().finished(number);
+        let layout = folder.layout();
+        let name = layout.finished(number);
         let file = match mend(&folder, number, state) {
-            Ok(file) => File { name, ..file },
+            Ok(file) => file.beside(stated.of_file(&name)),
             Err(error) => {
-                let cause = error.source().map_or_else(String::new, |cause| format!(": {cause}"));
-                File { name, outcome: "unreadable", why: format!("{error}{cause}"), ..File::default() }
+                failed_of(&error, &folder, &[folder.path(&name), folder.path(&layout.active(number))])
             }
         };
         figures.lost_messages += file.lost_messages.unwrap_or(0);
         figures.lost_bytes += file.lost_bytes;
         figures.messages += file.messages.unwrap_or(0);
-        figures.files.push(file);
+        figures.files.push(File { name, ..file });
     }
     // What the bag says of a file that could not be read stands, and what another program says of a sound one.
-    let read = figures.files.iter().all(|file| file.outcome != "unreadable");
+    let read = figures.files.iter().all(File::is_mended);
     if read && (changes || !folder.path("metadata.yaml").exists() || folder.path("counts.json").exists()) {
         folder.set_active(None)?;
     }

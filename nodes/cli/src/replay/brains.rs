@@ -20,6 +20,8 @@ use state_estimator::{Estimator, convert as estimating};
 pub(crate) struct Said {
     /// Topic as declared.
     pub(crate) topic: &'static str,
+    /// When, on the brains' clock or as it was logged `[ns]`.
+    pub(crate) at_ns: u64,
     /// CDR with its encapsulation header.
     pub(crate) payload: Vec<u8>,
 }
@@ -138,7 +140,7 @@ impl<'a> Brains<'a> {
     pub(crate) fn estimate(&mut self, now: Seconds) {
         let Some(estimate) = self.estimator.on_event(state_estimator::Event::Tick { now }) else { return };
         let message: StateEstimate = estimating::estimate(&estimate);
-        if let Some(payload) = self.say(&topics::ESTIMATE, &message).filter(|_| self.feeds.estimate) {
+        if let Some(payload) = self.say(now, &topics::ESTIMATE, &message).filter(|_| self.feeds.estimate) {
             self.hear_estimate(now, &payload);
         }
     }

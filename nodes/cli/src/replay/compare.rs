@@ -12,7 +12,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Stamps that differ by less belong together `[ns]`: half the shortest period of an output.
-const TOGETHER_NS: u64 = 9_000_000;
+pub(super) const TOGETHER_NS: u64 = 9_000_000;
 /// Where the stamp lies in a message `[byte]`.
 const STAMP: std::ops::Range<usize> = 4..12;
 

@@ -117,10 +117,10 @@ fn figures(args: &ReplayArgs) -> anyhow::Result<Figures> {
     let as_recorded = source.settings(&[])?;
     let base = play(&record, &as_recorded, Feeds::default())?;
     let outputs = if sets.is_empty() {
-        beside(&of_record(&record), &base, record.is_virtual())
+        beside(&of_record(&record), &base, record.is_virtual(), record.end_ns())
     } else {
         let feeds = feeds(&sets, frames);
-        beside(&base, &play(&record, &changed, feeds)?, true)
+        beside(&base, &play(&record, &changed, feeds)?, true, None)
     };
     Ok(Figures {
         bag: args.bag.display().to_string(),
@@ -199,22 +199,67 @@ fn settings_differ(record: &Record, settings: &Settings) -> bool {
 /// What the bag says that its brains have said.
 fn of_record(record: &Record) -> Vec<Said> {
     let said = record.parts.iter().flatten().filter(|kept| SAID.contains(&kept.topic));
-    said.map(|kept| Said { topic: kept.topic, payload: kept.payload.clone() }).collect()
+    said.map(|kept| Said { topic: kept.topic, at_ns: kept.log_ns, payload: kept.payload.clone() }).collect()
 }
 
-/// Topic by topic; a topic of a brain that was not replayed is left out.
-fn beside(before: &[Said], after: &[Said], exact: bool) -> Vec<Output> {
+/// Topic by topic; a topic of a brain that was not replayed is left out, and so is what lies beyond the record's end.
+fn beside(before: &[Said], after: &[Said], exact: bool, end_ns: Option<u64>) -> Vec<Output> {
     let always = [topics::ESTIMATE.name(), topics::CONTROL_COMMAND.name(), topics::SAFETY_COMMAND.name()];
     let mut outputs = Vec::new();
     for topic in SAID {
-        let (one, other) = (on(topic, before), on(topic, after));
+        let (one, mut other) = (on(topic, before), on(topic, after));
+        if let Some(end_ns) = end_ns {
+            leave_out_beyond(&mut other, one.len(), end_ns.saturating_sub(slack_ns(exact)));
+        }
         if !other.is_empty() || always.contains(&topic) || topic == topics::EVENTS.name() {
-            outputs.push(compare(topic, &one, &other, exact));
+            outputs.push(compare(topic, &payloads(&one), &payloads(&other), exact));
         }
     }
     outputs
 }
 
-fn on<'a>(topic: &str, said: &'a [Said]) -> Vec<&'a [u8]> {
-    said.iter().filter(|said| said.topic == topic).map(|said| said.payload.as_slice()).collect()
+/// How far before the record's end a word may have been said that was to be logged behind it `[ns]`.
+fn slack_ns(exact: bool) -> u64 {
+    if exact { 1_000 } else { compare::TOGETHER_NS }
+}
+
+/// Takes away what was said at the record's end, or later, beyond what stands there: a bag that was cut off holds the
+/// beginning of its last instant alone.
+fn leave_out_beyond(after: &mut Vec<&Said>, recorded: usize, end_ns: u64) {
+    while after.len() > recorded && after.last().is_some_and(|said| said.at_ns >= end_ns) {
+        after.pop();
+    }
+}
+
+fn on<'a>(topic: &str, said: &'a [Said]) -> Vec<&'a Said> {
+    said.iter().filter(|said| said.topic == topic).collect()
+}
+
+fn payloads<'a>(said: &[&'a Said]) -> Vec<&'a [u8]> {
+    said.iter().map(|said| said.payload.as_slice()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A record that ends at 20 ns, after the first of three words of that instant; what is missing before it is missing.
+    #[test]
+    fn what_lies_beyond_the_end_of_a_record_is_no_difference() {
+        let topic = topics::CONTROL_COMMAND.name();
+        let word = |(number, at_ns)| Said { topic, at_ns, payload: vec![number; 12] };
+        let all: Vec<Said> = [(0, 10), (1, 20), (2, 20), (3, 20)].map(word).into();
+        let left = |recorded, end_ns| {
+            let mut after = on(topic, &all);
+            leave_out_beyond(&mut after, recorded, end_ns);
+            after.len()
+        };
+        assert_eq!((left(2, 20), left(4, 20), left(5, 20)), (2, 4, 4));
+        assert_eq!((left(0, 20), left(2, 21)), (1, 4), "before the end");
+        let output = |before: &[Said], end_ns| {
+            let outputs = beside(before, &all, true, end_ns);
+            outputs.into_iter().find(|output| output.topic == topic).unwrap().is_identical()
+        };
+        assert!(output(&all[..2], Some(20)) && !output(&all[..2], None) && !output(&all[1..3], Some(20)));
+    }
 }

@@ -127,6 +127,11 @@ impl Record {
         sum_s
     }
 
+    /// Log time of the last message `[ns]`.
+    pub(crate) fn end_ns(&self) -> Option<u64> {
+        Some(self.parts.last()?.last()?.log_ns)
+    }
+
     /// Name of a topic as declared, where it is one of the chosen printer's.
     fn declared(&mut self, resolved: &str) -> Option<&'static str> {
         let (name, namespace) = HEARD.iter().find_map(|name| {

@@ -1,6 +1,8 @@
 //! The files of a bag.
 
+use super::stated::Stated;
 use anyhow::{Context, bail};
+use bag_recorder::metadata::RunCounts;
 use runtime::input;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -17,6 +19,10 @@ pub(crate) struct Bag {
     pub(crate) files: Vec<PathBuf>,
     /// What the recorder counted, where it left `counts.json`.
     pub(crate) counts: Option<Counts>,
+    /// Messages by `metadata.yaml`.
+    pub(crate) stated: Option<u64>,
+    /// What describes the bag and cannot be read.
+    pub(crate) broken: Vec<String>,
 }
 
 /// The recorder's own counts.
@@ -29,6 +35,8 @@ pub(crate) struct Counts {
     pub(crate) messages: u64,
     /// Messages by topic in the finished files.
     pub(crate) topics: BTreeMap<String, u64>,
+    /// Messages of each finished file.
+    pub(crate) files: BTreeMap<String, u64>,
     /// Of the run that wrote last.
     pub(crate) run: Run,
 }
@@ -43,6 +51,13 @@ pub(crate) struct Run {
     pub(crate) log_time_raised: u64,
 }
 
+impl From<Run> for RunCounts {
+    fn from(run: Run) -> Self {
+        let Run { received, dropped, missed, log_time_raised: raised } = run;
+        Self { received, dropped, missed, raised }
+    }
+}
+
 impl Bag {
     /// Finds the files of a folder, or takes the one file.
     pub(crate) fn find(path: &Path) -> anyhow::Result<Self> {
@@ -51,7 +66,8 @@ impl Bag {
         if !found.is_dir() {
             input::open(path).with_context(|| path.display().to_string())?;
             let name = named(path).unwrap_or_default();
-            return Ok(Self { name, files: vec![path.to_path_buf()], counts: None });
+            let files = vec![path.to_path_buf()];
+            return Ok(Self { name, files, counts: None, stated: None, broken: Vec::new() });
         }
         let mut files = Vec::new();
         for entry in std::fs::read_dir(path).with_context(|| path.display().to_string())? {
@@ -67,13 +83,9 @@ impl Bag {
             bail!("{}: no .mcap file in this folder", path.display());
         }
         let whole = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-        Ok(Self {
-            name: named(&whole).unwrap_or_default(),
-            files: files.into_iter().map(|(_, file)| file).collect(),
-            counts: input::text(&path.join("counts.json"))
-                .ok()
-                .and_then(|text| serde_json::from_str(&text).ok()),
-        })
+        let Stated { counts, messages: stated, broken, .. } = Stated::of(path);
+        let files = files.into_iter().map(|(_, file)| file).collect();
+        Ok(Self { name: named(&whole).unwrap_or_default(), files, counts, stated, broken })
     }
 
     /// Bytes of all files.

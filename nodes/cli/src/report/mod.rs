@@ -8,6 +8,7 @@ pub(crate) mod decode;
 mod record;
 pub(crate) mod scan;
 mod series;
+pub(crate) mod stated;
 mod timeline;
 mod view;
 

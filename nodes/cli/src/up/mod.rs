@@ -187,10 +187,37 @@ pub(crate) fn close(bag: &Path) {
 /// A folder that is not there yet, so that no bag is ever overwritten.
 ///
 /// # Errors
-/// A folder that is there and not empty.
+/// A folder that is there and not empty; what is there and no folder.
 pub fn check_new_bag(bag: &Path) -> anyhow::Result<()> {
+    if std::fs::symlink_metadata(bag).is_ok() && !bag.is_dir() {
+        bail!("--bag {}: is there and no folder; a bag is a folder, made new for each print", bag.display());
+    }
     if bag.exists() && std::fs::read_dir(bag).is_ok_and(|mut entries| entries.next().is_some()) {
         bail!("--bag {}: the folder is there and not empty", bag.display());
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file, a device or a link that leads nowhere: told before eleven processes are started.
+    #[test]
+    fn a_bag_takes_the_place_of_nothing() {
+        let folder = std::env::temp_dir().join(format!("fdm_new_bag_{}", std::process::id()));
+        _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(folder.join("empty")).unwrap();
+        std::fs::create_dir_all(folder.join("used/inner")).unwrap();
+        std::fs::write(folder.join("file"), "x").unwrap();
+        std::os::unix::fs::symlink(folder.join("nowhere"), folder.join("link")).unwrap();
+        for fine in ["empty", "new", "new/deeper"] {
+            check_new_bag(&folder.join(fine)).unwrap();
+        }
+        for refused in ["file", "link", "used", "/dev/null"] {
+            let error = check_new_bag(&folder.join(refused)).unwrap_err().to_string();
+            assert!(error.starts_with("--bag ") && error.contains(refused), "{error}");
+        }
+        std::fs::remove_dir_all(folder).unwrap();
+    }
 }

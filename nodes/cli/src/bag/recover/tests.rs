@@ -98,3 +98,63 @@ fn a_bag_with_what_mending_would_lose_is_left_as_it_is() {
     );
     assert_eq!(scratch.all(), before);
 }
+
+/// A bag's counts: of the run that wrote it, and of each file.
+fn counts(scratch: &Scratch, files: &str) {
+    let run = "{\"received\": 210, \"dropped\": 7, \"missed\": 3, \"log_time_raised\": 1}";
+    let text = format!("{{\"state\": \"closed\", \"messages\": 200, \"files\": {files}, \"run\": {run}}}");
+    std::fs::write(scratch.0.join("counts.json"), text).unwrap();
+}
+
+/// What the recorder dropped and missed is not made unseen by a recovery, neither of a sound bag nor of one that is mended.
+#[test]
+fn the_counts_of_the_run_stay() {
+    for length in [None, Some(2)] {
+        let scratch = Scratch::new("run", &["a_0.mcap"]);
+        counts(&scratch, "{\"a_0.mcap\": 100}");
+        if let Some(part) = length {
+            let file = std::fs::OpenOptions::new().write(true).open(scratch.0.join("a_0.mcap")).unwrap();
+            file.set_len(file.metadata().unwrap().len() / part).unwrap();
+        }
+        recover(&scratch.0).unwrap();
+        let run = Stated::of(&scratch.0).counts.unwrap().run;
+        let told = (run.received, run.dropped, run.missed, run.log_time_raised);
+        assert_eq!(told, (210, 7, 3, 1), "{length:?}");
+    }
+}
+
+/// A file that was cut off, down to its first bytes, does not say itself how many messages it had: the bag's description does.
+#[test]
+fn what_a_torn_end_has_lost_is_told() {
+    for length in [8, 60] {
+        let scratch = Scratch::new("lost", &["a_0.mcap", "a_1.mcap"]);
+        counts(&scratch, "{\"a_0.mcap\": 100, \"a_1.mcap\": 100}");
+        let file = std::fs::OpenOptions::new().write(true).open(scratch.0.join("a_1.mcap")).unwrap();
+        file.set_len(length).unwrap();
+        let figures = recover(&scratch.0).unwrap();
+        let left = figures.files[1].messages.unwrap();
+        assert!(left < 100 && figures.messages == 100 + left, "{figures:?}");
+        assert_eq!((figures.lost_messages, figures.files[1].lost_messages), (100 - left, Some(100 - left)));
+        assert!(figures.files[1].why.contains("told of 100 messages"), "{}", figures.files[1].why);
+        assert_eq!(figures.files[0].lost_messages, Some(0));
+    }
+}
+
+/// A full disk says nothing of the file.
+#[test]
+fn what_cannot_be_written_is_not_called_unreadable() {
+    let scratch = Scratch::new("full", &["a_0.mcap"]);
+    let folder = Folder::open(&scratch.0, "a", Arc::new(Tally::new(0))).unwrap();
+    let sources = [scratch.0.join("a_0.mcap")];
+    let full = std::io::Error::from_raw_os_error(28);
+    let error = RecorderError::mcap("write to", &sources[0])(mcap::McapError::Io(full));
+    let File { outcome, why, .. } = failed_of(&error, &folder, &sources);
+    assert_eq!(outcome, "unwritten");
+    for part in
+        ["cannot write to", "No space left on device", "up to 1 MiB are needed", "are free", "as it was"]
+    {
+        assert!(why.contains(part), "{part}: {why}");
+    }
+    let unread = RecorderError::mcap("read", &sources[0])(mcap::McapError::BadMagic);
+    assert_eq!(failed_of(&unread, &folder, &sources).outcome, "unreadable");
+}

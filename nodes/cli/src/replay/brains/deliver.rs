@@ -3,6 +3,7 @@
 use super::{Brains, CLASSIFIER, FOREVER, SUPERVISOR, Said, encode};
 use crate::report::decode::decode;
 use advance_predictor::convert as foresight;
+use bag_recorder::order;
 use defect_classifier::{Output as Saw, convert as sight};
 use fdm_loop_msgs::{ControlCommand, RosType};
 use models::units::Seconds;
@@ -55,16 +56,18 @@ impl Brains<'_> {
         let Some(command) = self.controller.on_event(event) else { return };
         let health = self.controller.health() as u8;
         let message = ControlCommand { health, ..wire::command_to_wire(now, &command) };
-        if let Some(payload) = self.say(&topics::CONTROL_COMMAND, &message).filter(|_| self.feeds.command) {
+        if let Some(payload) =
+            self.say(now, &topics::CONTROL_COMMAND, &message).filter(|_| self.feeds.command)
+        {
             self.hear_command(now, &payload);
         }
     }
 
     pub(super) fn supervise(&mut self, now: Seconds, event: Safety) {
         let Some(output) = self.supervisor.on_event(now, event) else { return };
-        self.say(&topics::SAFETY_COMMAND, &wire::permit_to_wire(now, &output.permit));
+        self.say(now, &topics::SAFETY_COMMAND, &wire::permit_to_wire(now, &output.permit));
         for decision in &output.events {
-            self.say(&topics::EVENTS, &safety::event(now, SUPERVISOR, decision));
+            self.say(now, &topics::EVENTS, &safety::event(now, SUPERVISOR, decision));
         }
     }
 
@@ -78,7 +81,7 @@ impl Brains<'_> {
         let Some(Ok(event)) = taken(now, payload, FOREVER, read) else { return };
         let Some(output) = predictor.on_event(event) else { return };
         let message = foresight::prediction(now, &output);
-        let payload = self.say(&topics::ADVANCE_PREDICTION, &message);
+        let payload = self.say(now, &topics::ADVANCE_PREDICTION, &message);
         if let Some(payload) = payload.filter(|_| self.feeds.prediction) {
             let limit = self.settings.controller.advance.age_limit_s;
             self.give_controller(now, &payload, limit, control::prediction);
@@ -98,30 +101,31 @@ impl Brains<'_> {
         for output in outputs {
             match output {
                 Saw::Width(width) => {
-                    let payload = self.say(&topics::BEAD_WIDTH, &sight::width(&width));
+                    let payload = self.say(now, &topics::BEAD_WIDTH, &sight::width(&width));
                     if let Some(payload) = payload.filter(|_| self.feeds.vision) {
                         self.hear_width(now, &payload);
                     }
                 }
                 Saw::Defects(defects) => {
-                    let payload = self.say(&topics::DEFECTS, &sight::defects(&defects, &classes));
+                    let payload = self.say(now, &topics::DEFECTS, &sight::defects(&defects, &classes));
                     if let Some(payload) = payload.filter(|_| self.feeds.vision) {
                         self.hear(now, topics::DEFECTS.name(), &payload);
                     }
                 }
                 Saw::Quality(figure) => {
-                    self.say(&topics::LAYER_QUALITY, &sight::quality(&figure, &setup.params.machine));
+                    self.say(now, &topics::LAYER_QUALITY, &sight::quality(&figure, &setup.params.machine));
                 }
-                Saw::Note(note) => _ = self.say(&topics::EVENTS, &sight::note(&note, CLASSIFIER)),
+                Saw::Note(note) => _ = self.say(now, &topics::EVENTS, &sight::note(&note, CLASSIFIER)),
                 Saw::Picture { .. } => {}
             }
         }
     }
 
     /// Keeps what a brain says.
-    pub(super) fn say<T: RosType>(&mut self, topic: &Topic<T>, message: &T) -> Option<Vec<u8>> {
+    pub(super) fn say<T: RosType>(&mut self, now: Seconds, topic: &Topic<T>, message: &T) -> Option<Vec<u8>> {
         let payload = encode(message)?;
-        self.said.push(Said { topic: topic.name(), payload: payload.clone() });
+        let at_ns = order::nanoseconds(now);
+        self.said.push(Said { topic: topic.name(), at_ns, payload: payload.clone() });
         Some(payload)
     }
 }
