@@ -251,7 +251,7 @@ mod tests {
         assert_eq!((params.split.span_ns, params.split.bytes), (None, Some(1 << 30)));
         assert_eq!((params.room.bag_bytes, params.room.free_bytes), (None, 256 << 20));
         let error = Params::try_from(RawParams { keep_severity: 4, ..raw() }).unwrap_err();
-        assert_eq!(error.to_string(), "keep_severity = 4 -: must be in [0, 3]");
+        assert_eq!(error.to_string(), "keep_severity = 4 (no unit): must be in [0, 3]");
     }
 
     /// A bag that has no room for one file would lose every file it closes.

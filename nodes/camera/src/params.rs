@@ -11,7 +11,7 @@ pub const LIVE: [&str; 1] = ["camera.rate_max_hz"];
 
 /// All parameters.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "RawParams")]
 pub struct Params {
     /// Where the frames come from.
     pub driver: Driver,
@@ -23,6 +23,30 @@ pub struct Params {
     pub mjpeg: MjpegParams,
     /// The camera itself.
     pub camera: CameraParams,
+}
+
+/// As [`Params`], as they are written.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(missing_docs, reason = "as the checked struct")]
+pub struct RawParams {
+    pub driver: Driver,
+    pub folder: FolderParams,
+    pub video: VideoParams,
+    pub mjpeg: MjpegParams,
+    pub camera: CameraParams,
+}
+
+impl TryFrom<RawParams> for Params {
+    type Error = CameraParamError;
+
+    fn try_from(raw: RawParams) -> Result<Self, CameraParamError> {
+        if raw.driver == Driver::Folder && raw.folder.path.is_empty() {
+            return Err(CameraParamError::NoFolder);
+        }
+        let RawParams { driver, folder, video, mjpeg, camera } = raw;
+        Ok(Self { driver, folder, video, mjpeg, camera })
+    }
 }
 
 /// Where the frames come from.
@@ -110,6 +134,9 @@ pub enum CameraParamError {
     /// An address.
     #[error("url = {0}")]
     Url(#[from] UrlError),
+    /// The driver `folder` without its folder.
+    #[error("folder.path = '': must name a folder, for driver = folder")]
+    NoFolder,
     /// A video source.
     #[error("source = {0}: must be a path, a /dev/video file or rtsp://")]
     Source(String),
@@ -263,21 +290,4 @@ impl CameraParams {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn schemes_of_ffmpeg_do_not_pass_as_files() {
-        for (text, source) in [
-            ("clip.avi", Some(VideoSource::File("clip.avi".into()))),
-            ("/tmp/a:b.avi", Some(VideoSource::File("/tmp/a:b.avi".into()))),
-            ("/dev/video0", Some(VideoSource::Device("/dev/video0".into()))),
-            ("rtsp://cam/1", Some(VideoSource::Rtsp("rtsp://cam/1".into()))),
-            ("concat:a|b", None),
-            ("http://cam/", None),
-            ("img_%03d.jpg", None),
-        ] {
-            assert_eq!(VideoSource::parse(text), source, "{text}");
-        }
-    }
-}
+mod tests;

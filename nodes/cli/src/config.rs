@@ -253,6 +253,9 @@ impl ConfigDir {
 }
 
 #[cfg(test)]
+mod range_tests;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::up::recipes::NODES;

@@ -3,7 +3,7 @@
 //! Image x points to bed +X, image y to bed -Y; pixel centres have whole coordinates. The nozzle's tip lies at
 //! `centre_px`, so a disc around it shows the head instead of the print.
 
-use models::params::{ParamError, in_range, positive};
+use models::params::{ParamError, in_range};
 use serde::Deserialize;
 
 /// Geometry of the camera. Built only from a valid [`RawCamera`].
@@ -45,7 +45,7 @@ impl TryFrom<RawCamera> for Camera {
         in_range("camera.scale_m", raw.scale_m, "m", (5e-6, 5e-4))?;
         in_range("camera.centre_px", raw.centre_px[0], "px", (0.0, width_px))?;
         in_range("camera.centre_px", raw.centre_px[1], "px", (0.0, height_px))?;
-        positive("camera.hidden_radius_m", raw.hidden_radius_m, "m")?;
+        in_range("camera.hidden_radius_m", raw.hidden_radius_m, "m", (1e-6, 0.1))?;
         Ok(Self(raw))
     }
 }

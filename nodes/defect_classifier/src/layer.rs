@@ -4,7 +4,7 @@ use models::bead::stadium;
 use models::hotend::{Hotend, Inputs};
 use models::latent::{Cooling, LaidBead, adhesion, fill};
 use models::material::Material;
-use models::params::{ParamError, in_range, positive};
+use models::params::{ParamError, in_range};
 use models::printer::Printer;
 use models::quality::{Observed, Quality, Terms};
 use models::status::PrinterStatus;
@@ -37,7 +37,7 @@ impl TryFrom<RawLayer> for LayerParams {
 
     fn try_from(raw: RawLayer) -> Result<Self, ParamError> {
         in_range("layer.period_s", raw.period_s, "s", (0.05, 60.0))?;
-        positive("layer.offset_unit_m", raw.offset_unit_m, "m")?;
+        in_range("layer.offset_unit_m", raw.offset_unit_m, "m", (1e-6, 0.1))?;
         in_range("layer.ambient_k", raw.ambient_k, "K", (200.0, 400.0))?;
         in_range("layer.below_bed_k", raw.below_bed_k, "K", (0.0, 100.0))?;
         in_range("layer.reference_flow_m3_s", raw.reference_flow_m3_s, "m3/s", (0.0, 1e-7))?;

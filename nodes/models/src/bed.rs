@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::params::{ParamError, positive};
+use crate::params::{ParamError, in_range};
 use crate::units::{Kelvin, Seconds};
 
 /// Constants of one bed. Built only from a valid [`RawBed`].
@@ -28,9 +28,9 @@ impl TryFrom<RawBed> for Bed {
     type Error = ParamError;
 
     fn try_from(raw: RawBed) -> Result<Self, ParamError> {
-        positive("capacity_j_k", raw.capacity_j_k, "J/K")?;
-        positive("loss_w_k", raw.loss_w_k, "W/K")?;
-        positive("heater_power_w", raw.heater_power_w, "W")?;
+        in_range("capacity_j_k", raw.capacity_j_k, "J/K", (1.0, 1e6))?;
+        in_range("loss_w_k", raw.loss_w_k, "W/K", (0.001, 1000.0))?;
+        in_range("heater_power_w", raw.heater_power_w, "W", (1.0, 1e5))?;
         Ok(Self(raw))
     }
 }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use serde::Deserialize;
 
-use crate::params::{ParamError, in_range, positive};
+use crate::params::{ParamError, in_range};
 
 mod lag;
 mod law;
@@ -51,10 +51,10 @@ impl TryFrom<RawExtruder> for Extruder {
     type Error = ParamError;
 
     fn try_from(raw: RawExtruder) -> Result<Self, ParamError> {
-        positive("compliance_m_n", raw.compliance_m_n, "m/N")?;
-        positive("linear_lag_s", raw.linear_lag_s, "s")?;
-        positive("force_max_n", raw.force_max_n, "N")?;
-        positive("melting_flow_m3_s", raw.melting_flow_m3_s, "m3/s")?;
+        in_range("compliance_m_n", raw.compliance_m_n, "m/N", (1e-8, 0.1))?;
+        in_range("linear_lag_s", raw.linear_lag_s, "s", (1e-4, 10.0))?;
+        in_range("force_max_n", raw.force_max_n, "N", (0.1, 1e4))?;
+        in_range("melting_flow_m3_s", raw.melting_flow_m3_s, "m3/s", (1e-10, 1e-5))?;
         in_range("nozzle_radius_m", raw.nozzle_radius_m, "m", (2e-5, 2e-3))?;
         in_range("nozzle_length_m", raw.nozzle_length_m, "m", (1e-4, 0.1))?;
         in_range("filament_diameter_m", raw.filament_diameter_m, "m", (1e-3, 4e-3))?;
@@ -95,7 +95,7 @@ impl TryFrom<RawFilament> for Filament {
     fn try_from(raw: RawFilament) -> Result<Self, ParamError> {
         in_range("diameter_m", raw.diameter_m, "m", (1e-3, 4e-3))?;
         in_range("diameter_sigma_m", raw.diameter_sigma_m, "m", (0.0, 2e-4))?;
-        positive("correlation_length_m", raw.correlation_length_m, "m")?;
+        in_range("correlation_length_m", raw.correlation_length_m, "m", (1e-4, 1000.0))?;
         Ok(Self(raw))
     }
 }

@@ -4,7 +4,7 @@
 
 use serde::Deserialize;
 
-use crate::params::{ParamError, in_range, positive};
+use crate::params::{ParamError, in_range};
 use crate::units::{Kelvin, Seconds};
 
 /// Gains of one heater loop. Built only from valid [`RawPid`].
@@ -32,10 +32,10 @@ impl TryFrom<RawPid> for PidParams {
     type Error = ParamError;
 
     fn try_from(raw: RawPid) -> Result<Self, ParamError> {
-        positive("proportional_w_k", raw.proportional_w_k, "W/K")?;
+        in_range("proportional_w_k", raw.proportional_w_k, "W/K", (0.001, 1e4))?;
         in_range("integral_w_k_s", raw.integral_w_k_s, "W/(K s)", (0.0, 1e3))?;
         in_range("derivative_w_s_k", raw.derivative_w_s_k, "W s/K", (0.0, 1e4))?;
-        positive("period_s", raw.period_s, "s")?;
+        in_range("period_s", raw.period_s, "s", (0.001, 10.0))?;
         Ok(Self(raw))
     }
 }

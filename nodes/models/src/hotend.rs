@@ -9,7 +9,7 @@
 
 use serde::Deserialize;
 
-use crate::params::{ParamError, in_range, positive};
+use crate::params::{ParamError, in_range};
 use crate::units::Seconds;
 
 /// Constants of one hot end. Built only from a valid [`RawHotend`], whose fields it shows.
@@ -47,15 +47,15 @@ impl TryFrom<RawHotend> for Hotend {
     type Error = ParamError;
 
     fn try_from(raw: RawHotend) -> Result<Self, ParamError> {
-        positive("block_capacity_j_k", raw.block_capacity_j_k, "J/K")?;
-        positive("nozzle_capacity_j_k", raw.nozzle_capacity_j_k, "J/K")?;
-        positive("coupling_w_k", raw.coupling_w_k, "W/K")?;
-        positive("block_loss_w_k", raw.block_loss_w_k, "W/K")?;
-        positive("nozzle_loss_w_k", raw.nozzle_loss_w_k, "W/K")?;
+        in_range("block_capacity_j_k", raw.block_capacity_j_k, "J/K", (0.1, 1e4))?;
+        in_range("nozzle_capacity_j_k", raw.nozzle_capacity_j_k, "J/K", (0.01, 1e4))?;
+        in_range("coupling_w_k", raw.coupling_w_k, "W/K", (1e-4, 100.0))?;
+        in_range("block_loss_w_k", raw.block_loss_w_k, "W/K", (1e-5, 100.0))?;
+        in_range("nozzle_loss_w_k", raw.nozzle_loss_w_k, "W/K", (1e-5, 100.0))?;
         in_range("block_loss_fan_w_k", raw.block_loss_fan_w_k, "W/K", (0.0, 1.0))?;
         in_range("nozzle_loss_fan_w_k", raw.nozzle_loss_fan_w_k, "W/K", (0.0, 1.0))?;
-        positive("heater_power_w", raw.heater_power_w, "W")?;
-        positive("sensor_lag_s", raw.sensor_lag_s, "s")?;
+        in_range("heater_power_w", raw.heater_power_w, "W", (1.0, 2000.0))?;
+        in_range("sensor_lag_s", raw.sensor_lag_s, "s", (0.001, 600.0))?;
         Ok(Self(raw))
     }
 }

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::material::Material;
-use crate::params::{ParamError, in_range, positive};
+use crate::params::{ParamError, in_range};
 use crate::units::Kelvin;
 
 /// How a laid bead cools. Built only from a valid [`RawCooling`].
@@ -27,7 +27,7 @@ impl TryFrom<RawCooling> for Cooling {
     type Error = ParamError;
 
     fn try_from(raw: RawCooling) -> Result<Self, ParamError> {
-        positive("still_air_w_m2_k", raw.still_air_w_m2_k, "W/(m2 K)")?;
+        in_range("still_air_w_m2_k", raw.still_air_w_m2_k, "W/(m2 K)", (0.1, 1e4))?;
         in_range("fan_w_m2_k", raw.fan_w_m2_k, "W/(m2 K)", (0.0, 1e4))?;
         Ok(Self(raw))
     }

@@ -4,7 +4,7 @@
 
 use serde::Deserialize;
 
-use crate::params::{ParamError, in_range, ordered, positive};
+use crate::params::{ParamError, in_range, ordered};
 use crate::units::Kelvin;
 
 /// One filament material. Built only from a valid [`RawMaterial`], whose fields it shows.
@@ -57,11 +57,11 @@ impl TryFrom<RawMaterial> for Material {
     type Error = ParamError;
 
     fn try_from(raw: RawMaterial) -> Result<Self, ParamError> {
-        positive("density_kg_m3", raw.density_kg_m3, "kg/m3")?;
-        positive("heat_capacity_j_kg_k", raw.heat_capacity_j_kg_k, "J/(kg K)")?;
+        in_range("density_kg_m3", raw.density_kg_m3, "kg/m3", (100.0, 2e4))?;
+        in_range("heat_capacity_j_kg_k", raw.heat_capacity_j_kg_k, "J/(kg K)", (10.0, 1e5))?;
         in_range("flow_index", raw.flow_index, "-", (0.1, 1.0))?;
-        positive("consistency_pa_sn", raw.consistency_pa_sn, "Pa s^n")?;
-        positive("activation_energy_j_mol", raw.activation_energy_j_mol, "J/mol")?;
+        in_range("consistency_pa_sn", raw.consistency_pa_sn, "Pa s^n", (0.1, 1e7))?;
+        in_range("activation_energy_j_mol", raw.activation_energy_j_mol, "J/mol", (1.0, 1e6))?;
         for (name, temp_k) in [
             ("reference_temp_k", raw.reference_temp_k),
             ("min_temp_k", raw.min_temp_k),
@@ -74,9 +74,9 @@ impl TryFrom<RawMaterial> for Material {
         ordered(("glass_temp_k", raw.glass_temp_k), ("min_temp_k", raw.min_temp_k))?;
         ordered(("min_temp_k", raw.min_temp_k), ("max_temp_k", raw.max_temp_k))?;
         in_range("nozzle_temp_k", raw.nozzle_temp_k, "K", (raw.min_temp_k, raw.max_temp_k))?;
-        positive("adhesion_time_s", raw.adhesion_time_s, "s")?;
+        in_range("adhesion_time_s", raw.adhesion_time_s, "s", (0.001, 1000.0))?;
         in_range("fan", raw.fan, "-", (0.0, 1.0))?;
-        positive("lag_s", raw.lag_s, "s")?;
+        in_range("lag_s", raw.lag_s, "s", (0.001, 60.0))?;
         Ok(Self(raw))
     }
 }

@@ -11,7 +11,7 @@ pub use serial::{RawSerialParams, SerialParams};
 #[non_exhaustive]
 pub enum ParamError {
     /// A value outside its allowed range.
-    #[error("{name} = {value} {unit}: must be {rule}")]
+    #[error("{name} = {}: must be {rule}", with_unit(value, unit))]
     OutOfRange {
         /// Field as written in the file, relative to its block.
         name: &'static str,
@@ -42,6 +42,16 @@ pub enum ParamError {
         /// What it says.
         value: String,
     },
+}
+
+/// A value with its unit behind it, for people; `-` is the unit of what has none.
+#[must_use]
+pub fn with_unit(value: impl std::fmt::Display, unit: &str) -> String {
+    match unit {
+        "" => value.to_string(),
+        "-" => format!("{value} (no unit)"),
+        unit => format!("{value} {unit}"),
+    }
 }
 
 /// Passes a finite value above zero.
@@ -112,7 +122,7 @@ mod tests {
     #[test]
     fn an_error_names_field_value_unit_and_range() {
         let error = in_range("flow_max", 3.0, "-", (1.0, 2.0)).unwrap_err();
-        assert_eq!(error.to_string(), "flow_max = 3 -: must be in [1, 2]");
+        assert_eq!(error.to_string(), "flow_max = 3 (no unit): must be in [1, 2]");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::params::{ParamError, in_range, positive};
+use crate::params::{ParamError, in_range};
 
 /// Weights and tolerances of Q. Built only from a valid [`RawQuality`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -56,11 +56,11 @@ impl TryFrom<RawQuality> for Quality {
         in_range("weights.adhesion", adhesion, "-", (0.0, 1e3))?;
         in_range("weights.porosity", porosity, "-", (0.0, 1e3))?;
         let Terms { features, width, temperature, adhesion, porosity } = raw.tolerances;
-        positive("tolerances.features", features, "-")?;
-        positive("tolerances.width", width, "-")?;
-        positive("tolerances.temperature", temperature, "K")?;
-        positive("tolerances.adhesion", adhesion, "-")?;
-        positive("tolerances.porosity", porosity, "-")?;
+        in_range("tolerances.features", features, "-", (0.001, 1000.0))?;
+        in_range("tolerances.width", width, "-", (0.001, 1000.0))?;
+        in_range("tolerances.temperature", temperature, "K", (0.001, 1000.0))?;
+        in_range("tolerances.adhesion", adhesion, "-", (0.001, 1000.0))?;
+        in_range("tolerances.porosity", porosity, "-", (0.001, 1000.0))?;
         Ok(Self(raw))
     }
 }

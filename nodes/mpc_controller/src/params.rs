@@ -1,7 +1,7 @@
 //! Parameters of the controller, checked once: `config/mpc_controller.param.yaml`.
 
 use crate::qp::Move;
-use models::params::{ParamError, in_range, ordered, positive};
+use models::params::{ParamError, in_range, ordered};
 use models::units::Seconds;
 use serde::Deserialize;
 
@@ -227,11 +227,11 @@ impl TryFrom<RawParams> for Params {
         in_range("status_age_limit_s", raw.status_age_limit_s, "s", (0.05, 2.0))?;
         in_range("ambient_k", raw.ambient_k, "K", (200.0, 400.0))?;
         in_range("model.horizon", f64::from(raw.model.horizon), "steps", (2.0, 40.0))?;
-        positive("model.thermal_lag_s", raw.model.thermal_lag_s, "s")?;
+        in_range("model.thermal_lag_s", raw.model.thermal_lag_s, "s", (0.1, 600.0))?;
         check::cost(&raw.cost)?;
         check::limits(&raw.limits)?;
         in_range("solver.iterations", f64::from(raw.solver.iterations), "steps", (1.0, 1000.0))?;
-        positive("solver.time_limit_s", raw.solver.time_limit_s, "s")?;
+        in_range("solver.time_limit_s", raw.solver.time_limit_s, "s", (1e-9, 10.0))?;
         check::health(&raw.health)?;
         in_range("deadband.start", raw.deadband.start, "-", (0.0, 0.2))?;
         in_range("deadband.full", raw.deadband.full, "-", (0.0, 0.2))?;
@@ -239,7 +239,7 @@ impl TryFrom<RawParams> for Params {
         in_range("deadband.start_k", raw.deadband.start_k, "K", (0.0, 20.0))?;
         in_range("deadband.full_k", raw.deadband.full_k, "K", (0.0, 20.0))?;
         ordered(("deadband.start_k", raw.deadband.start_k), ("deadband.full_k", raw.deadband.full_k))?;
-        positive("reference.flow_m3_s", raw.reference.flow_m3_s, "m3/s")?;
+        in_range("reference.flow_m3_s", raw.reference.flow_m3_s, "m3/s", (1e-11, 1e-6))?;
         check::base(&raw.base)?;
         check::trims(&raw.trims)?;
         check::slip(&raw.slip)?;
@@ -248,8 +248,8 @@ impl TryFrom<RawParams> for Params {
         in_range("bumpless.tolerance", raw.bumpless.tolerance, "-", (0.0, 0.1))?;
         in_range("bumpless.flow_min_rel", raw.bumpless.flow_min_rel, "-", (0.0, 1.0))?;
         in_range("bumpless.settle_lags", raw.bumpless.settle_lags, "-", (0.0, 20.0))?;
-        positive("bumpless.flow_averaging_s", raw.bumpless.flow_averaging_s, "s")?;
-        positive("bumpless.flow_averaging_alone_s", raw.bumpless.flow_averaging_alone_s, "s")?;
+        in_range("bumpless.flow_averaging_s", raw.bumpless.flow_averaging_s, "s", (0.01, 600.0))?;
+        in_range("bumpless.flow_averaging_alone_s", raw.bumpless.flow_averaging_alone_s, "s", (0.01, 600.0))?;
         Ok(Self(raw))
     }
 }

@@ -31,8 +31,11 @@ pub enum LoadError {
     /// The plant's material.
     #[error("material_deviation: {0}")]
     Material(#[from] ParamError),
+    /// A file that the parameters have to name.
+    #[error("run.{0} = '': must name a file: -p run.{0}:=FILE")]
+    Unnamed(&'static str),
     /// A file that the parameters name.
-    #[error("run.{field} = {}: {source}", path.display())]
+    #[error("run.{field} = {}", path.display())]
     File {
         /// Parameter that names it.
         field: &'static str,
@@ -147,6 +150,9 @@ pub fn simulator_params(
 const GCODE_BYTES_MAX: u64 = 512 << 20;
 
 fn read(field: &'static str, path: &Path) -> Result<Vec<u8>, LoadError> {
+    if path.as_os_str().is_empty() {
+        return Err(LoadError::Unnamed(field));
+    }
     runtime::input::bytes(path, GCODE_BYTES_MAX).map_err(|source| LoadError::File {
         field,
         path: path.to_path_buf(),

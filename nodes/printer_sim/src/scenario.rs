@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn sizes_out_of_range_and_not_a_number_are_refused() {
         let error = entry(Component::Extruder, Kind::Slip, 1.5).unwrap_err();
-        assert_eq!(error.to_string(), "size = 1.5 -: must be in [0, 0.95]");
+        assert_eq!(error.to_string(), "size = 1.5 (no unit): must be in [0, 0.95]");
         assert!(entry(Component::Extruder, Kind::Slip, f64::NAN).is_err());
     }
 
@@ -210,7 +210,10 @@ mod tests {
         }
         assert!(entry(Component::Motion, Kind::Knock, 45.0).is_ok());
         assert_eq!(refusal(Component::Motion, Kind::Knock, -1.0), "size = -1 m/s2: must be in [0, 200]");
-        assert_eq!(refusal(Component::Extruder, Kind::Leak, 0.95), "size = 0.95 -: must be in [0, 0.9]");
+        assert_eq!(
+            refusal(Component::Extruder, Kind::Leak, 0.95),
+            "size = 0.95 (no unit): must be in [0, 0.9]"
+        );
         assert_eq!(
             refusal(Component::Part, Kind::Knock, 1.0),
             "kind = knock: not a fault of part; it can be detached"

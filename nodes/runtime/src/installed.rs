@@ -1,4 +1,5 @@
-//! Parameter files of a node that was installed: what `ros2 run` starts without `--params-file`.
+//! Parameter files of a node that was installed: what `ros2 run` starts without `--params-file`, and what the files of a
+//! `--params-file` are laid over, so that they need to say no more than what differs.
 //!
 //! `fdm install` puts a node into `PREFIX/lib/fdm_loop/` and writes the names of its files, one a line and relative to
 //! `PREFIX/share/fdm_loop/config/`, into `<node>.files` there.
@@ -6,10 +7,18 @@
 use crate::args::Args;
 use std::path::{Path, PathBuf};
 
-/// Adds the installed files of `node` where no file was given; nothing where this program was not installed.
-pub(crate) fn complete(mut args: Args, node: &str) -> Args {
-    if args.params_files.is_empty() {
-        args.params_files = std::env::current_exe().map(|program| files(&program, node)).unwrap_or_default();
+/// Lays the files that were given over the installed ones of `node`; nothing where this program was not installed.
+pub(crate) fn complete(args: Args, node: &str) -> Args {
+    let installed = std::env::current_exe().map(|program| files(&program, node)).unwrap_or_default();
+    over(installed, args, node)
+}
+
+/// Lays the files that were given over these. One with the name of the node's own, as a launch file gives it, takes the
+/// place of all of them: what it asks for may be another machine's.
+fn over(installed: Vec<PathBuf>, mut args: Args, node: &str) -> Args {
+    let own = format!("{node}.param.yaml");
+    if !args.params_files.iter().any(|file| file.ends_with(&own)) {
+        args.params_files.splice(0..0, installed);
     }
     args
 }
@@ -39,8 +48,22 @@ mod tests {
         assert!(files(&program, "camera").is_empty());
         assert!(files(Path::new("/imu"), "imu").is_empty());
         std::fs::remove_dir_all(prefix).unwrap();
-        // What was given stands alone.
-        let given = Args { params_files: vec!["own.yaml".into()], ..Args::default() };
-        assert_eq!(complete(given.clone(), "imu"), given);
+    }
+
+    /// A file with three lines is enough; the node's own file, from wherever it is, stands for itself.
+    #[test]
+    fn a_file_is_laid_over_the_installed_ones_and_another_set_takes_their_place() {
+        let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
+        let after = |given: &[&str]| {
+            let args = Args { params_files: paths(given), ..Args::default() };
+            over(paths(&["/p/imu.param.yaml", "/p/printers/ender3.yaml"]), args, "imu").params_files
+        };
+        assert_eq!(after(&[]), paths(&["/p/imu.param.yaml", "/p/printers/ender3.yaml"]));
+        assert_eq!(
+            after(&["mine.yaml"]),
+            paths(&["/p/imu.param.yaml", "/p/printers/ender3.yaml", "mine.yaml"])
+        );
+        let whole = ["wire/imu.param.yaml", "b.yaml"];
+        assert_eq!(after(&whole), paths(&whole));
     }
 }

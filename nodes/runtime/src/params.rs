@@ -6,21 +6,24 @@
 //!     limits:
 //!       flow_max: 1.2        # nested or dotted (limits.flow_max) keys
 //! ```
-//! An error is one line: `config/mpc.yaml:12: limits.flow_max = 3 -: must be in [1, 2]`. Unknown keys are refused by
-//! the structs (`deny_unknown_fields`). `use_sim_time` and `autostart` belong to the runtime and are taken out.
+//! An error is one line: `config/mpc.yaml:12: limits.flow_max = 3 (no unit): must be in [1, 2]`. The range that a file
+//! says of a value holds, whoever sets it; what the structs demand beside comes on top. Unknown keys are refused by them
+//! (`deny_unknown_fields`). `use_sim_time` and `autostart` belong to the runtime and are taken out.
 //!
 //! What the six parameter services say and change stands in `params/store.rs`; a value that somebody asks for passes
 //! through the same `Deserialize`.
 
+mod bounds;
 mod comments;
 mod own;
+mod refusal;
 pub(crate) mod services;
 pub(crate) mod store;
 mod tree;
 mod values;
 mod yaml;
 
-use crate::args::{ends, short};
+use crate::args::ends;
 use comments::Descriptions;
 use own::{AUTOSTART, OWN, START_AFTER, USE_SIM_TIME, flag, names};
 
@@ -138,12 +141,7 @@ impl Parameters {
     /// # Errors
     /// [`ParamFileError::Refused`] with file, line, field, value and range.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ParamFileError> {
-        if let Some((path, origin)) = self.tree.not_finite() {
-            return Err(ParamFileError::Refused {
-                at: origin.to_string(),
-                message: format!("{path}: must be finite"),
-            });
-        }
+        self.check_ranges()?;
         let json = self.tree.to_json();
         serde_path_to_error::deserialize(&json).map_err(|error| {
             let path = error.path().to_string();
@@ -200,53 +198,6 @@ impl Parameters {
     #[must_use]
     pub fn sha256(&self) -> String {
         sha256_hex(self.text().as_bytes())
-    }
-
-    /// Puts file and line in front of what the struct said, and the whole name in place of a block's own.
-    fn explain(&self, path: &str, said: &str) -> ParamFileError {
-        // `models::params` begins its messages with `name = value`, the name relative to its block or to the file.
-        let named = said.split_once(" = ").map(|(name, _)| name).filter(|name| !name.contains(' '));
-        for candidate in named.into_iter().flat_map(|name| [join(path, name), name.to_owned()]) {
-            if let Some(origin) = self.tree.origin(&candidate) {
-                let rest = named.and_then(|name| said.strip_prefix(name)).unwrap_or(said);
-                return ParamFileError::Refused {
-                    at: origin.to_string(),
-                    message: format!("{candidate}{rest}"),
-                };
-            }
-        }
-        let (at, value) = match self.tree.get(path) {
-            Some((tree, origin)) => (origin.to_string(), tree.leaf_text()),
-            None => (self.fallback(path), None),
-        };
-        let range = self.allowed(path, said);
-        let path = ends(path);
-        let message = match (path.is_empty(), value) {
-            (true, _) => said.to_owned(),
-            (false, Some(value)) => format!("{path} = {}: {said}{range}", short(&value)),
-            (false, None) => format!("{path}: {said}"),
-        };
-        ParamFileError::Refused { at, message }
-    }
-
-    /// The range that stands beside a value of the wrong type in its file.
-    fn allowed(&self, path: &str, said: &str) -> String {
-        let range = self.descriptions.of(path).range.filter(|_| said.starts_with("invalid "));
-        range.map_or_else(String::new, |(low, high)| format!("; allowed: [{low}, {high}]"))
-    }
-
-    /// Where to look when the path itself stands nowhere: the nearest block above, or the last file.
-    fn fallback(&self, path: &str) -> String {
-        let mut path = path;
-        while let Some((above, _)) = path.rsplit_once('.') {
-            if let Some(origin) = self.tree.origin(above) {
-                return origin.to_string();
-            }
-            path = above;
-        }
-        self.last_file
-            .as_ref()
-            .map_or_else(|| "no --params-file given".to_owned(), |file| file.display().to_string())
     }
 }
 

@@ -8,6 +8,7 @@ use crate::lifecycle;
 use crate::logging;
 use crate::node::Node;
 use std::error::Error;
+use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -48,6 +49,16 @@ where
     code
 }
 
+/// What `--help` says.
+fn usage(name: &str) -> String {
+    format!(
+        "usage: {name} [--ros-args ARGUMENTS]\n\n\
+         A node of fdm_loop. ARGUMENTS as of every ROS 2 node: -r FROM:=TO, -p NAME:=VALUE, --params-file FILE,\n\
+         --log-level LEVEL. Its parameters, each with unit, range and meaning: config/{name}.param.yaml, or\n\
+         `ros2 param describe` while it runs. What it does: nodes/README.md.\n"
+    )
+}
+
 /// Starts the node and runs the shell to its end.
 fn start<F, R, E>(name: &str, main: F, refused: &Arc<AtomicBool>) -> Result<(), Box<dyn Error>>
 where
@@ -57,6 +68,9 @@ where
 {
     bounds::set()?;
     let mut args = installed::complete(Args::from_env()?, name);
+    if args.rest.iter().any(|word| word == "--help" || word == "-h") {
+        return Ok(std::io::stdout().lock().write_all(usage(name).as_bytes())?);
+    }
     if args.log_levels.is_empty() && std::env::var_os("RUST_LOG").is_none() {
         // As `rclcpp` has it.
         args.log_levels.push((None, LogLevel::Info));

@@ -1,7 +1,7 @@
 //! Parameters of the estimator, checked once: `config/state_estimator.param.yaml`.
 
 use crate::engine::Form;
-use models::params::{ParamError, in_range, positive};
+use models::params::{ParamError, in_range};
 use serde::Deserialize;
 
 /// Parameters of [`crate::Estimator`], built only from a valid file.
@@ -267,11 +267,11 @@ impl TryFrom<RawParams> for Params {
 }
 
 fn check_process(raw: &RawProcess) -> Result<(), ParamError> {
-    positive("process.reference_period_s", raw.reference_period_s, "s")?;
+    in_range("process.reference_period_s", raw.reference_period_s, "s", (0.001, 10.0))?;
     in_range("process.substep_s", raw.substep_s, "s", (1e-3, 0.5))?;
-    positive("process.block_k", raw.block_k, "K")?;
-    positive("process.nozzle_k", raw.nozzle_k, "K")?;
-    positive("process.sensor_k", raw.sensor_k, "K")?;
+    in_range("process.block_k", raw.block_k, "K", (1e-6, 100.0))?;
+    in_range("process.nozzle_k", raw.nozzle_k, "K", (1e-6, 100.0))?;
+    in_range("process.sensor_k", raw.sensor_k, "K", (1e-6, 100.0))?;
     in_range("process.flow_rel", raw.flow_rel, "-", (1e-6, 1.0))?;
     in_range("process.slip", raw.slip, "-", (1e-6, 1.0))?;
     in_range("process.gain", raw.gain, "-", (1e-6, 1.0))?;
@@ -281,9 +281,9 @@ fn check_process(raw: &RawProcess) -> Result<(), ParamError> {
 }
 
 fn check_prior(raw: &RawPrior) -> Result<(), ParamError> {
-    positive("prior.block_std_k", raw.block_std_k, "K")?;
-    positive("prior.nozzle_std_k", raw.nozzle_std_k, "K")?;
-    positive("prior.sensor_std_k", raw.sensor_std_k, "K")?;
+    in_range("prior.block_std_k", raw.block_std_k, "K", (0.001, 1000.0))?;
+    in_range("prior.nozzle_std_k", raw.nozzle_std_k, "K", (0.001, 1000.0))?;
+    in_range("prior.sensor_std_k", raw.sensor_std_k, "K", (0.001, 1000.0))?;
     in_range("prior.flow_std_rel", raw.flow_std_rel, "-", (1e-4, 2.0))?;
     in_range("prior.slip", raw.slip, "-", (-0.5, 0.9))?;
     in_range("prior.slip_std", raw.slip_std, "-", (1e-4, 1.0))?;

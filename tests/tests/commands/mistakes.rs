@@ -66,6 +66,6 @@ fn a_bad_parameter_file_is_told_by_line() {
     std::fs::remove_dir_all(&folder).unwrap();
     assert_eq!(output.status.code(), Some(2), "{told}");
     let expected =
-        format!("ender3.yaml:{line}: printer.hotend.coupling_w_k = -0.45 W/K: must be finite and > 0");
+        format!("ender3.yaml:{line}: printer.hotend.coupling_w_k = -0.45 W/K: must be in [0.0001, 100]");
     assert!(told.contains(&expected), "{told}");
 }

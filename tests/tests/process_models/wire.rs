@@ -121,8 +121,8 @@ fn a_plan_beyond_machine_or_mass_balance_is_refused_by_every_command() {
         (
             "high",
             "      height_m: 0.00216",
-            "      height_m: 2.16",
-            "law.height_m = 2.16 m: must be within 10 %",
+            "      height_m: 0.0216",
+            "law.height_m = 0.0216 m: must be within 10 %",
         ),
         ("rich", "wire_m_s: 0.0035 ", "wire_m_s: 0.0045 ", "law.wire_m_s = 0.0045 m/s: must be within 10 %"),
     ] {

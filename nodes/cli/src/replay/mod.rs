@@ -66,6 +66,8 @@ pub(crate) struct Figures {
     pub(crate) span_s: f64,
     /// Where the parameters come from: `bag` or `config`.
     pub(crate) parameters: &'static str,
+    /// What shows that the record is another build's, a line for each parameter.
+    pub(crate) other_build: Vec<String>,
     pub(crate) set: Vec<String>,
     /// What the replay is compared with: `recorded` or `replayed`.
     pub(crate) baseline: &'static str,
@@ -88,7 +90,8 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
     json.write(&figures)?;
     match figures.outputs.iter().find(|output| !output.is_identical()) {
         Some(output) if args.check => {
-            let said = format!("{}: {} differs from its record", figures.bag, output.topic);
+            let build = if figures.other_build.is_empty() { "" } else { ", which is another build's" };
+            let said = format!("{}: {} differs from its record{build}", figures.bag, output.topic);
             Err(Failed(said).into())
         }
         _ => Ok(()),
@@ -129,6 +132,7 @@ fn figures(args: &ReplayArgs) -> anyhow::Result<Figures> {
         messages: record.messages,
         span_s: record.span_s(),
         parameters: if recorded.is_empty() { "config" } else { "bag" },
+        other_build: source.other_build()?,
         set: args.set.clone(),
         baseline: if sets.is_empty() { "recorded" } else { "replayed" },
         identical: outputs.iter().all(Output::is_identical),

@@ -20,6 +20,18 @@ pub(crate) struct Sessions {
     pub(crate) supervisor: u64,
 }
 
+/// Parameters that no file has: whoever starts a node gives them.
+const GIVEN: [&str; 1] = ["latch_file"];
+
+/// What record and build do not share of a node's parameters.
+#[derive(Debug, Default)]
+struct Unlike {
+    /// Names and shipped values of what the record does not say.
+    lacking: Vec<String>,
+    /// Names that this build does not know.
+    unknown: Vec<String>,
+}
+
 /// Parameters of every brain.
 #[derive(Debug, Clone)]
 pub(crate) struct Settings {
@@ -131,10 +143,11 @@ impl Source<'_> {
     }
 
     fn parameters(&self, node: &'static str, sets: &[Set]) -> anyhow::Result<Parameters> {
-        let (files, mut values) = match self.recorded.0.get(node) {
-            Some(values) => (Vec::new(), values.clone()),
-            None => (self.config.files_of(node, self.material), Vec::new()),
-        };
+        // The record of another build may lack what this one asks for, and know what it does not.
+        let files = self.config.files_of(node, self.material);
+        let unknown = self.unlike(node)?.unknown;
+        let recorded = self.recorded.0.get(node).into_iter().flatten();
+        let mut values: Vec<_> = recorded.filter(|(name, _)| !unknown.contains(name)).cloned().collect();
         let networks = match node {
             "defect_classifier" => self.config.model_overrides(node, self.material)?,
             "advance_predictor" => self.config.foresight_overrides(self.material)?,
@@ -153,6 +166,45 @@ impl Source<'_> {
         }
         let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
         Parameters::read(&files, &values, &path).map_err(|error| refused(node, sets, &error))
+    }
+}
+
+impl Source<'_> {
+    /// What this build asks of a node and the record does not say, and the other way round; nothing of a node that the
+    /// record does not know at all.
+    fn unlike(&self, node: &str) -> anyhow::Result<Unlike> {
+        let Some(recorded) = self.recorded.0.get(node) else { return Ok(Unlike::default()) };
+        let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
+        let shipped = Parameters::read(&self.config.files_of(node, self.material), &[], &path)?.text();
+        let shipped: BTreeMap<&str, &str> =
+            shipped.lines().filter_map(|line| line.split_once(": ")).collect();
+        let is_said = |name: &str| recorded.iter().any(|(known, _)| known == name);
+        let is_known = |name: &str| shipped.contains_key(name) || GIVEN.contains(&name);
+        Ok(Unlike {
+            lacking: shipped
+                .iter()
+                .filter(|(name, _)| !is_said(name))
+                .map(|(name, value)| format!("{name} = {value}"))
+                .collect(),
+            unknown: recorded.iter().map(|(name, _)| name.clone()).filter(|name| !is_known(name)).collect(),
+        })
+    }
+
+    /// One line for each parameter by which the record shows that it is another build's.
+    pub(crate) fn other_build(&self) -> anyhow::Result<Vec<String>> {
+        let mut lines = Vec::new();
+        for node in BRAINS {
+            let Unlike { lacking, unknown } = self.unlike(node)?;
+            lines.extend(
+                lacking.iter().map(|value| format!("{node}.{value} as shipped: the record lacks it")),
+            );
+            lines.extend(
+                unknown
+                    .iter()
+                    .map(|name| format!("{node}.{name} is left out: this build has no such parameter")),
+            );
+        }
+        Ok(lines)
     }
 }
 
@@ -195,6 +247,43 @@ mod tests {
             [("period_s", "0.05"), ("q.names", "[\"a: b\"]")].map(pair)
         );
         assert!(!recorded.is_empty() && Recorded::parse("no config").is_empty());
+    }
+
+    /// A bag outlives a build that asks for more, and one that asks for less; both are told.
+    #[test]
+    fn the_record_of_another_build_is_read_and_told() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+        let config = ConfigDir::find(Some(&root)).unwrap();
+        let mut text = String::new();
+        for node in &BRAINS[..3] {
+            let path = NodePath { qualified: format!("/printer/{node}"), base: (*node).to_owned() };
+            let all = Parameters::read(&config.files_of(node, "PLA"), &[], &path).unwrap().text();
+            text.push_str(&format!("# {node} 0f\n{all}"));
+        }
+        let read = |text: &str| {
+            let recorded = &Recorded::parse(text);
+            let sessions = Sessions::default();
+            let source = Source {
+                config: &config,
+                recorded,
+                material: "PLA",
+                frames: false,
+                predictions: false,
+                sessions,
+            };
+            (source.settings(&[]).map(drop), source.other_build().unwrap())
+        };
+        assert_eq!(read(&text).1, Vec::<String>::new());
+        let older = text.replace("bed_heater.usual_noise_k: 0.15\n", "bed_heater.usual_w: 3.0\n");
+        let (settings, told) = read(&older);
+        settings.unwrap();
+        assert_eq!(
+            told,
+            [
+                "safety_supervisor.bed_heater.usual_noise_k = 0.15 as shipped: the record lacks it",
+                "safety_supervisor.bed_heater.usual_w is left out: this build has no such parameter"
+            ]
+        );
     }
 
     #[test]

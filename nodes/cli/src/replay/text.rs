@@ -15,6 +15,9 @@ pub(crate) fn page(figures: &Figures) -> String {
     let mut page = format!(
         "{bag}: {messages} messages of {span_s:.1} s, printer {namespace}, clock {clock}, parameters from the {parameters}\n"
     );
+    for line in &figures.other_build {
+        page.push_str(&format!("another build: {line}\n"));
+    }
     for set in &figures.set {
         page.push_str(&format!("set {set}\n"));
     }

@@ -2,7 +2,7 @@
 
 use crate::features::Measured;
 use crate::network::Scores;
-use models::params::{ParamError, ordered, positive};
+use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
 
 /// The `fusion.evidence` block as it is written: below `fine` a class is excluded, from `defect` on it is certain.
@@ -34,15 +34,19 @@ pub struct RawEvidence {
 
 impl RawEvidence {
     pub(super) fn check(&self) -> Result<(), ParamError> {
-        positive("evidence.width_fine_rel", self.width_fine_rel, "-")?;
-        positive("evidence.offset_fine_m", self.offset_fine_m, "m")?;
-        positive("evidence.unexplained_fine", self.unexplained_fine, "-")?;
+        in_range("evidence.width_fine_rel", self.width_fine_rel, "-", (1e-4, 10.0))?;
+        in_range("evidence.offset_fine_m", self.offset_fine_m, "m", (1e-6, 0.1))?;
+        in_range("evidence.unexplained_fine", self.unexplained_fine, "-", (1e-4, 10.0))?;
+        in_range("evidence.width_defect_rel", self.width_defect_rel, "-", (1e-4, 10.0))?;
+        in_range("evidence.offset_defect_m", self.offset_defect_m, "m", (1e-6, 0.1))?;
+        in_range("evidence.unexplained_defect", self.unexplained_defect, "-", (1e-4, 10.0))?;
+        in_range("evidence.seam_defect_sigmas", self.seam_defect_sigmas, "-", (0.01, 100.0))?;
         let pair = |lower, upper| ordered(lower, upper);
         pair(
             ("evidence.width_fine_rel", self.width_fine_rel),
             ("evidence.width_defect_rel", self.width_defect_rel),
         )?;
-        positive("evidence.seam_fine_sigmas", self.seam_fine_sigmas, "-")?;
+        in_range("evidence.seam_fine_sigmas", self.seam_fine_sigmas, "-", (0.01, 100.0))?;
         pair(
             ("evidence.seam_fine_sigmas", self.seam_fine_sigmas),
             ("evidence.seam_defect_sigmas", self.seam_defect_sigmas),

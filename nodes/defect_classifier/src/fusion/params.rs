@@ -1,7 +1,7 @@
 //! Parameters of the fusion.
 
 use super::{RawEvidence, chi_square_point};
-use models::params::{ParamError, in_range, positive};
+use models::params::{ParamError, in_range};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -77,9 +77,9 @@ impl TryFrom<RawFusionParams> for FusionParams {
     fn try_from(raw: RawFusionParams) -> Result<Self, ParamError> {
         in_range("residual_share", raw.residual_share, "-", (0.0, 1.0))?;
         in_range("residual_normal_quantile", raw.residual_normal_quantile, "-", (0.0, 6.0))?;
-        positive("residual_age_max_s", raw.residual_age_max_s, "s")?;
-        positive("smoothing_s", raw.smoothing_s, "s")?;
-        positive("gap_max_s", raw.gap_max_s, "s")?;
+        in_range("residual_age_max_s", raw.residual_age_max_s, "s", (0.01, 3600.0))?;
+        in_range("smoothing_s", raw.smoothing_s, "s", (0.01, 3600.0))?;
+        in_range("gap_max_s", raw.gap_max_s, "s", (0.01, 3600.0))?;
         in_range("grace_s", raw.grace_s, "s", (0.0, 3600.0))?;
         raw.evidence.check()?;
         for rule in raw.confirm.values() {

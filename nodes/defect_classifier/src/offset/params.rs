@@ -1,6 +1,6 @@
 //! Parameters of the registration.
 
-use models::params::{ParamError, in_range, ordered, positive};
+use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
 
 /// How offsets are found. Built only from a valid [`RawOffset`].
@@ -76,13 +76,14 @@ impl TryFrom<RawOffset> for OffsetParams {
         in_range("offset.sure_m", raw.sure_m, "m", (1e-4, 5e-3))?;
         in_range("offset.samples_min", f64::from(raw.samples_min), "px", (10.0, 1e5))?;
         in_range("offset.separation_min", raw.separation_min, "-", (0.0, 100.0))?;
-        positive("offset.ratio_max", raw.ratio_max, "-")?;
+        in_range("offset.ratio_max", raw.ratio_max, "-", (0.01, 1000.0))?;
         in_range("offset.alike", raw.alike, "-", (1.0, 1e4))?;
         in_range("offset.gap_m", raw.gap_m, "m", (0.0, 1e-2))?;
         in_range("offset.fringe_m", raw.fringe_m, "m", (0.0, 5e-3))?;
         in_range("offset.rarity", raw.rarity, "-", (0.0, 100.0))?;
         in_range("offset.memory_s", raw.memory_s, "s", (0.1, 600.0))?;
-        positive("offset.sigma_floor_m", raw.sigma_floor_m, "m")?;
+        in_range("offset.sigma_floor_m", raw.sigma_floor_m, "m", (1e-8, 0.01))?;
+        in_range("offset.sigma_max_m", raw.sigma_max_m, "m", (1e-8, 1e-2))?;
         ordered(("offset.sigma_floor_m", raw.sigma_floor_m), ("offset.sigma_max_m", raw.sigma_max_m))?;
         Ok(Self(raw))
     }

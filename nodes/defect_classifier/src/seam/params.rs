@@ -1,6 +1,6 @@
 //! Parameters of the seams' shade.
 
-use models::params::{ParamError, in_range, ordered, positive};
+use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
 
 /// How the shade of seams is measured and held against earlier layers. Built only from a valid [`RawSeam`].
@@ -62,7 +62,7 @@ impl TryFrom<RawSeam> for SeamParams {
 
     fn try_from(raw: RawSeam) -> Result<Self, ParamError> {
         in_range("seam.fresh_s", raw.fresh_s, "s", (0.05, 60.0))?;
-        positive("seam.pitch_rel", raw.pitch_rel[0], "-")?;
+        in_range("seam.pitch_rel", raw.pitch_rel[0], "-", (0.01, 2.0))?;
         ordered(("seam.pitch_rel[0]", raw.pitch_rel[0]), ("seam.pitch_rel[1]", raw.pitch_rel[1]))?;
         in_range("seam.pitch_rel", raw.pitch_rel[1], "-", (0.5, 2.0))?;
         in_range("seam.parallel_rad", raw.parallel_rad, "rad", (0.0, 0.5))?;
@@ -76,9 +76,9 @@ impl TryFrom<RawSeam> for SeamParams {
         in_range("seam.rate", raw.rate, "-", (0.0, 1.0))?;
         in_range("seam.depth_m", raw.depth_m, "m", (1e-4, 0.1))?;
         in_range("seam.cells_min", f64::from(raw.cells_min), "cells", (1.0, 1e3))?;
-        positive("seam.cell_sigma", raw.cell_sigma, "-")?;
+        in_range("seam.cell_sigma", raw.cell_sigma, "-", (1e-4, 10.0))?;
         let [first, least, most] = raw.shared_sigma;
-        positive("seam.shared_sigma", least, "-")?;
+        in_range("seam.shared_sigma", least, "-", (1e-4, 1.0))?;
         in_range("seam.shared_sigma", most, "-", (least, 1.0))?;
         in_range("seam.shared_sigma", first, "-", (least, most))?;
         in_range("seam.shared_rate", raw.shared_rate, "-", (0.0, 1.0))?;

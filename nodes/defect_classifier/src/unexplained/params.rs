@@ -1,6 +1,6 @@
 //! Parameters of the surface.
 
-use models::params::{ParamError, in_range, ordered, positive};
+use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
 
 /// How edges are held against roads. Built only from a valid [`RawUnexplained`].
@@ -57,7 +57,7 @@ impl TryFrom<RawUnexplained> for UnexplainedParams {
         in_range("unexplained.cell_m", raw.cell_m, "m", (5e-5, 1e-3))?;
         in_range("unexplained.beside_m", raw.beside_m, "m", (0.0, 5e-3))?;
         in_range("unexplained.turn_max_rad", raw.turn_max_rad, "rad", (0.05, 1.5))?;
-        positive("unexplained.strong_share", raw.strong_share, "-")?;
+        in_range("unexplained.strong_share", raw.strong_share, "-", (0.001, 100.0))?;
         in_range("unexplained.texture_rise", raw.texture_rise, "-", (0.0, 1.0))?;
         in_range("unexplained.texture_fall", raw.texture_fall, "-", (0.0, 1.0))?;
         in_range("unexplained.texture_margin", raw.texture_margin, "-", (1.0, 100.0))?;

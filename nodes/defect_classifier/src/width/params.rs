@@ -1,6 +1,6 @@
 //! Parameters of the width measurement.
 
-use models::params::{ParamError, in_range, ordered, positive};
+use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
 
 /// How widths are measured. Built only from a valid [`RawWidth`].
@@ -82,7 +82,7 @@ impl TryFrom<RawWidth> for WidthParams {
         in_range("width.piece_m", raw.piece_m, "m", (2e-4, 2e-2))?;
         in_range("width.profile_step_m", raw.profile_step_m, "m", (1e-6, 1e-4))?;
         in_range("width.edge_bias_m", raw.edge_bias_m, "m", (-5e-5, 5e-5))?;
-        positive("width.piece_min_m", raw.piece_min_m, "m")?;
+        in_range("width.piece_min_m", raw.piece_min_m, "m", (1e-5, 0.1))?;
         in_range("width.corner_m", raw.corner_m, "m", (0.0, 1e-2))?;
         in_range("width.turn_max_rad", raw.turn_max_rad, "rad", (0.0, 0.5))?;
         in_range("width.cruise_share", raw.cruise_share, "-", (0.0, 1.0))?;
@@ -95,8 +95,9 @@ impl TryFrom<RawWidth> for WidthParams {
         in_range("width.range_rel", raw.range_rel, "-", (0.05, 0.8))?;
         in_range("width.together_s", raw.together_s, "s", (0.01, 10.0))?;
         in_range("width.outlier_spreads", raw.outlier_spreads, "-", (1.0, 20.0))?;
-        positive("width.edge_sigma_m", raw.edge_sigma_m, "m")?;
-        positive("width.sigma_floor_m", raw.sigma_floor_m, "m")?;
+        in_range("width.edge_sigma_m", raw.edge_sigma_m, "m", (1e-8, 0.001))?;
+        in_range("width.sigma_floor_m", raw.sigma_floor_m, "m", (1e-8, 0.01))?;
+        in_range("width.sigma_max_m", raw.sigma_max_m, "m", (1e-8, 1e-2))?;
         ordered(("width.sigma_floor_m", raw.sigma_floor_m), ("width.sigma_max_m", raw.sigma_max_m))?;
         Ok(Self(raw))
     }

@@ -7,7 +7,7 @@
 use serde::Deserialize;
 
 use super::{Gate, Limits, Mode, Permit, Refusal, Refusals, Request, Trims};
-use crate::params::{ParamError, positive};
+use crate::params::{ParamError, in_range};
 use crate::units::Seconds;
 
 /// What follows when the supervisor stays silent.
@@ -49,8 +49,13 @@ impl TryFrom<RawDeadManParams> for DeadManParams {
     fn try_from(raw: RawDeadManParams) -> Result<Self, ParamError> {
         Ok(Self {
             on_loss: raw.on_supervisor_loss,
-            pause_delay_s: positive("pause_delay_s", raw.pause_delay_s, "s")?,
-            heaters_off_delay_s: positive("heaters_off_delay_s", raw.heaters_off_delay_s, "s")?,
+            pause_delay_s: in_range("pause_delay_s", raw.pause_delay_s, "s", (0.01, 3600.0))?,
+            heaters_off_delay_s: in_range(
+                "heaters_off_delay_s",
+                raw.heaters_off_delay_s,
+                "s",
+                (0.01, 8.64e4),
+            )?,
         })
     }
 }

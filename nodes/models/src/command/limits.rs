@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::Trims;
-use crate::params::{ParamError, in_range, ordered, positive};
+use crate::params::{ParamError, in_range, ordered};
 use crate::units::Seconds;
 
 /// Slip below this is none `[-]`: the ramp's last step sets the trim free.
@@ -87,27 +87,32 @@ impl TryFrom<RawLimits> for Limits {
             flow: Band {
                 min: in_range("flow_min", raw.flow_min, "-", (0.1, 1.0))?,
                 max: in_range("flow_max", raw.flow_max, "-", (1.0, 2.0))?,
-                slew_per_s: positive("flow_slew_1_s", raw.flow_slew_1_s, "1/s")?,
+                slew_per_s: in_range("flow_slew_1_s", raw.flow_slew_1_s, "1/s", (0.01, 10.0))?,
             },
             speed: Band {
                 min: in_range("speed_min", raw.speed_min, "-", (0.1, 1.0))?,
                 max: in_range("speed_max", raw.speed_max, "-", (1.0, 2.0))?,
-                slew_per_s: positive("speed_slew_1_s", raw.speed_slew_1_s, "1/s")?,
+                slew_per_s: in_range("speed_slew_1_s", raw.speed_slew_1_s, "1/s", (0.01, 10.0))?,
             },
             setpoint_offset_k: Band {
                 min: in_range("setpoint_offset_min_k", raw.setpoint_offset_min_k, "K", (-30.0, 0.0))?,
                 max: in_range("setpoint_offset_max_k", raw.setpoint_offset_max_k, "K", (0.0, 30.0))?,
-                slew_per_s: positive("setpoint_offset_slew_k_s", raw.setpoint_offset_slew_k_s, "K/s")?,
+                slew_per_s: in_range(
+                    "setpoint_offset_slew_k_s",
+                    raw.setpoint_offset_slew_k_s,
+                    "K/s",
+                    (0.1, 100.0),
+                )?,
             },
             advance_s: Band {
                 min: 0.0,
                 max: in_range("advance_max_s", raw.advance_max_s, "s", (0.0, 5.0))?,
-                slew_per_s: positive("advance_slew_s_s", raw.advance_slew_s_s, "s/s")?,
+                slew_per_s: in_range("advance_slew_s_s", raw.advance_slew_s_s, "s/s", (0.01, 20.0))?,
             },
             slip: Band {
                 min: in_range("slip_min", raw.slip_min, "-", (-0.2, 0.0))?,
                 max: in_range("slip_max", raw.slip_max, "-", (0.0, 0.9))?,
-                slew_per_s: positive("slip_slew_1_s", raw.slip_slew_1_s, "1/s")?,
+                slew_per_s: in_range("slip_slew_1_s", raw.slip_slew_1_s, "1/s", (0.01, 20.0))?,
             },
             validity_max_s: in_range("validity_max_s", raw.validity_max_s, "s", (0.01, 10.0))?,
         })

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::params::{ParamError, in_range, positive};
+use crate::params::{ParamError, in_range};
 
 /// Slip law. Built only from valid [`RawSlip`]. Our assumption (model book 1.2).
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -35,9 +35,9 @@ impl TryFrom<RawSlip> for SlipParams {
     fn try_from(raw: RawSlip) -> Result<Self, ParamError> {
         in_range("base", raw.base, "-", (0.0, 0.5))?;
         in_range("creep", raw.creep, "-", (0.0, 1.0))?;
-        positive("creep_force_n", raw.creep_force_n, "N")?;
+        in_range("creep_force_n", raw.creep_force_n, "N", (0.1, 1e4))?;
         in_range("overload", raw.overload, "-", (0.0, 10.0))?;
-        positive("overload_force_n", raw.overload_force_n, "N")?;
+        in_range("overload_force_n", raw.overload_force_n, "N", (0.1, 1e4))?;
         in_range("cap", raw.cap, "-", (0.0, 0.999))?;
         Ok(Self(raw))
     }

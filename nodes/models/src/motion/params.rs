@@ -1,6 +1,6 @@
 //! Kinematic limits of a printer and the settings of reader and planner: block `printer_motion`.
 
-use crate::params::{ParamError, in_range, positive};
+use crate::params::{ParamError, in_range};
 use serde::Deserialize;
 
 /// Index of an axis in arrays over all four.
@@ -185,13 +185,14 @@ fn reading(raw: &RawMotionParams) -> Result<ReadParams, ParamError> {
             (1e-3, 4e-3),
         )?,
         firmware_retract_m: length("printer_motion.firmware_retract_m", raw.firmware_retract_m, (0.0, 0.02))?,
-        firmware_retract_m_s: positive(
+        firmware_retract_m_s: in_range(
             "printer_motion.firmware_retract_m_s",
             raw.firmware_retract_m_s,
             "m/s",
+            (1e-6, 10.0),
         )?,
-        first_feed_m_s: positive("printer_motion.first_feed_m_s", raw.first_feed_m_s, "m/s")?,
-        feed_min_m_s: positive("printer_motion.feed_min_m_s", raw.feed_min_m_s, "m/s")?,
+        first_feed_m_s: in_range("printer_motion.first_feed_m_s", raw.first_feed_m_s, "m/s", (1e-6, 10.0))?,
+        feed_min_m_s: in_range("printer_motion.feed_min_m_s", raw.feed_min_m_s, "m/s", (1e-9, 1.0))?,
         coordinate_max_m: length("printer_motion.coordinate_max_m", raw.coordinate_max_m, (0.01, 100.0))?,
         filament_max_m: length("printer_motion.filament_max_m", raw.filament_max_m, (1.0, 1e6))?,
         filament_noted_m: length("printer_motion.filament_noted_m", raw.filament_noted_m, (1.0, 1e6))?,

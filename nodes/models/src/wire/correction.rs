@@ -10,7 +10,7 @@
 
 use serde::Deserialize;
 
-use crate::params::{ParamError, in_range, ordered, positive};
+use crate::params::{ParamError, in_range, ordered};
 
 /// Which speeds the law moves; each way lays the same section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -60,9 +60,9 @@ impl TryFrom<RawLaw> for Law {
     type Error = ParamError;
 
     fn try_from(raw: RawLaw) -> Result<Self, ParamError> {
-        positive("height_m", raw.height_m, "m")?;
-        positive("wire_m_s", raw.wire_m_s, "m/s")?;
-        positive("head_m_s", raw.head_m_s, "m/s")?;
+        in_range("height_m", raw.height_m, "m", (1e-6, 0.1))?;
+        in_range("wire_m_s", raw.wire_m_s, "m/s", (1e-6, 10.0))?;
+        in_range("head_m_s", raw.head_m_s, "m/s", (1e-6, 10.0))?;
         in_range("gain", raw.gain, "-", GAIN_RANGE)?;
         in_range("split", raw.split, "-", (0.0, 10.0))?;
         in_range("ratio_low", raw.ratio_low, "-", (0.01, 1.0))?;
@@ -96,10 +96,10 @@ impl TryFrom<RawLimits> for Limits {
     type Error = ParamError;
 
     fn try_from(raw: RawLimits) -> Result<Self, ParamError> {
-        positive("wire_low_m_s", raw.wire_low_m_s, "m/s")?;
-        positive("wire_high_m_s", raw.wire_high_m_s, "m/s")?;
-        positive("head_low_m_s", raw.head_low_m_s, "m/s")?;
-        positive("head_high_m_s", raw.head_high_m_s, "m/s")?;
+        in_range("wire_low_m_s", raw.wire_low_m_s, "m/s", (1e-6, 10.0))?;
+        in_range("wire_high_m_s", raw.wire_high_m_s, "m/s", (1e-6, 10.0))?;
+        in_range("head_low_m_s", raw.head_low_m_s, "m/s", (1e-6, 10.0))?;
+        in_range("head_high_m_s", raw.head_high_m_s, "m/s", (1e-6, 10.0))?;
         ordered(("wire_low_m_s", raw.wire_low_m_s), ("wire_high_m_s", raw.wire_high_m_s))?;
         ordered(("head_low_m_s", raw.head_low_m_s), ("head_high_m_s", raw.head_high_m_s))?;
         Ok(Self(raw))

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::params::{ParamError, in_range, positive};
+use crate::params::{ParamError, in_range};
 
 use super::drop::{cap_lower_limit_m, missing_m3, radius_m};
 use super::material::Material;
@@ -40,7 +40,7 @@ impl TryFrom<RawFeed> for Feed {
     fn try_from(raw: RawFeed) -> Result<Self, ParamError> {
         in_range("diameter_m", raw.diameter_m, "m", DIAMETER_RANGE_M)?;
         in_range("drop_length_m", raw.drop_length_m, "m", DROP_LENGTH_RANGE_M)?;
-        positive("absorbed_w", raw.absorbed_w, "W")?;
+        in_range("absorbed_w", raw.absorbed_w, "W", (0.01, 1e6))?;
         in_range("spacing", raw.spacing, "-", (0.1, 2.0))?;
         Ok(Self(raw))
     }

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::params::{ParamError, in_range, ordered, positive};
+use crate::params::{ParamError, in_range, ordered};
 
 /// A metal. Built only from a valid [`RawMaterial`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -37,14 +37,14 @@ impl TryFrom<RawMaterial> for Material {
     type Error = ParamError;
 
     fn try_from(raw: RawMaterial) -> Result<Self, ParamError> {
-        positive("density_kg_m3", raw.density_kg_m3, "kg/m3")?;
-        positive("heat_capacity_j_kg_k", raw.heat_capacity_j_kg_k, "J/(kg K)")?;
-        positive("fusion_j_kg", raw.fusion_j_kg, "J/kg")?;
-        positive("start_k", raw.start_k, "K")?;
-        positive("melting_k", raw.melting_k, "K")?;
+        in_range("density_kg_m3", raw.density_kg_m3, "kg/m3", (100.0, 5e4))?;
+        in_range("heat_capacity_j_kg_k", raw.heat_capacity_j_kg_k, "J/(kg K)", (10.0, 1e5))?;
+        in_range("fusion_j_kg", raw.fusion_j_kg, "J/kg", (1000.0, 1e7))?;
+        in_range("start_k", raw.start_k, "K", (1.0, 5000.0))?;
+        in_range("melting_k", raw.melting_k, "K", (1.0, 5000.0))?;
         ordered(("start_k", raw.start_k), ("melting_k", raw.melting_k))?;
-        positive("viscosity_pa_s", raw.viscosity_pa_s, "Pa s")?;
-        positive("melt_density_kg_m3", raw.melt_density_kg_m3, "kg/m3")?;
+        in_range("viscosity_pa_s", raw.viscosity_pa_s, "Pa s", (1e-6, 100.0))?;
+        in_range("melt_density_kg_m3", raw.melt_density_kg_m3, "kg/m3", (100.0, 5e4))?;
         in_range("absorptivity", raw.absorptivity, "-", (0.001, 1.0))?;
         Ok(Self(raw))
     }

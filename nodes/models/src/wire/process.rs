@@ -99,13 +99,13 @@ mod tests {
         })
     }
 
-    /// A thousand times the head, a thousand times the layer, 29 % more wire: nothing of it is what this wire lays.
+    /// A thousand times the head, ten times the layer, 29 % more wire: nothing of it is what this wire lays.
     #[test]
     fn a_plan_that_machine_or_mass_balance_forbid_is_refused() {
         assert!(process(LAW).is_ok());
         for (law, parts) in [
             (RawLaw { head_m_s: 1.68, ..LAW }, ["law.head_m_s = 1.68 m/s", "must be in [0.0005, 0.01]"]),
-            (RawLaw { height_m: 2.16, ..LAW }, ["law.height_m = 2.16 m", "mass balance"]),
+            (RawLaw { height_m: 0.0216, ..LAW }, ["law.height_m = 0.0216 m", "mass balance"]),
             (RawLaw { wire_m_s: 4.5e-3, ..LAW }, ["law.wire_m_s = 0.0045 m/s", "mass balance"]),
         ] {
             let said = process(law).unwrap_err().to_string();

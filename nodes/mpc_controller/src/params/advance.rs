@@ -1,6 +1,6 @@
 //! The block `advance`.
 
-use models::params::{ParamError, in_range, ordered, positive};
+use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
 
 /// Where the pressure advance comes from.
@@ -69,12 +69,12 @@ pub struct RawLearning {
 
 impl RawAdvance {
     pub(super) fn check(&self) -> Result<(), ParamError> {
-        positive("advance.age_limit_s", self.age_limit_s, "s")?;
+        in_range("advance.age_limit_s", self.age_limit_s, "s", (0.01, 600.0))?;
         in_range("advance.doubt_max", self.doubt_max, "-", (0.0, 1.0))?;
         in_range("advance.low_s", self.low_s, "s", (0.0, 5.0))?;
         in_range("advance.high_s", self.high_s, "s", (0.0, 5.0))?;
         ordered(("advance.low_s", self.low_s), ("advance.high_s", self.high_s))?;
-        positive("advance.straight_slew_s_s", self.straight_slew_s_s, "s/s")?;
+        in_range("advance.straight_slew_s_s", self.straight_slew_s_s, "s/s", (1e-4, 10.0))?;
         in_range("advance.turn_slew_s_s", self.turn_slew_s_s, "s/s", (self.straight_slew_s_s, 10.0))?;
         in_range("advance.turn_lead_s", self.turn_lead_s, "s", (0.0, 5.0))?;
         in_range("advance.schedule_validity_s", self.schedule_validity_s, "s", (0.05, 60.0))?;

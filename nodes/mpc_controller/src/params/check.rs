@@ -2,19 +2,19 @@
 
 use super::{RawBase, RawCost, RawHealth, RawLimits, RawSlip, RawTrims};
 use crate::trims::loop_gain_limit;
-use models::params::{ParamError, in_range, ordered, positive};
+use models::params::{ParamError, in_range, ordered};
 
 pub(super) fn cost(raw: &RawCost) -> Result<(), ParamError> {
-    positive("cost.width_scale", raw.width_scale, "-")?;
-    positive("cost.temperature_scale_k", raw.temperature_scale_k, "K")?;
+    in_range("cost.width_scale", raw.width_scale, "-", (1e-300, 10.0))?;
+    in_range("cost.temperature_scale_k", raw.temperature_scale_k, "K", (0.01, 1000.0))?;
     in_range("cost.temperature_weight", raw.temperature_weight, "-", (0.0, 1e3))?;
-    positive("cost.speed_scale", raw.speed_scale, "-")?;
-    positive("cost.feed_scale", raw.feed_scale, "-")?;
+    in_range("cost.speed_scale", raw.speed_scale, "-", (1e-4, 10.0))?;
+    in_range("cost.feed_scale", raw.feed_scale, "-", (1e-4, 10.0))?;
     in_range("cost.setpoint_weight_1_k2", raw.setpoint_weight_1_k2, "1/K2", (0.0, 1e3))?;
     in_range("cost.change_weight", raw.change_weight, "-", (0.0, 1e3))?;
-    positive("cost.feed_change", raw.feed_change, "-")?;
-    positive("cost.speed_change", raw.speed_change, "-")?;
-    positive("cost.setpoint_change_k", raw.setpoint_change_k, "K")?;
+    in_range("cost.feed_change", raw.feed_change, "-", (1e-4, 10.0))?;
+    in_range("cost.speed_change", raw.speed_change, "-", (1e-4, 10.0))?;
+    in_range("cost.setpoint_change_k", raw.setpoint_change_k, "K", (0.01, 1000.0))?;
     Ok(())
 }
 
@@ -23,9 +23,9 @@ pub(super) fn limits(raw: &RawLimits) -> Result<(), ParamError> {
     in_range("limits.speed_low", raw.speed_low, "-", (-0.9, 0.0))?;
     in_range("limits.speed_high", raw.speed_high, "-", (0.0, 1.0))?;
     in_range("limits.setpoint_k", raw.setpoint_k, "K", (0.0, 30.0))?;
-    positive("limits.feed_rate", raw.feed_rate, "-")?;
-    positive("limits.speed_rate", raw.speed_rate, "-")?;
-    positive("limits.setpoint_rate_k", raw.setpoint_rate_k, "K")?;
+    in_range("limits.feed_rate", raw.feed_rate, "-", (1e-4, 1.0))?;
+    in_range("limits.speed_rate", raw.speed_rate, "-", (1e-4, 1.0))?;
+    in_range("limits.setpoint_rate_k", raw.setpoint_rate_k, "K", (0.001, 100.0))?;
     in_range("limits.force_margin", raw.force_margin, "-", (0.01, 1.0))?;
     Ok(())
 }
@@ -42,7 +42,7 @@ pub(super) fn base(raw: &RawBase) -> Result<(), ParamError> {
 pub(super) fn trims(raw: &RawTrims) -> Result<(), ParamError> {
     in_range("trims.feed_gain", raw.feed_gain, "-", (0.0, 1.0))?;
     in_range("trims.speed_gain", raw.speed_gain, "-", (0.0, 1.0))?;
-    positive("trims.frame_period_s", raw.frame_period_s, "s")?;
+    in_range("trims.frame_period_s", raw.frame_period_s, "s", (0.01, 60.0))?;
     in_range("trims.delay_s", raw.delay_s, "s", (0.0, 60.0))?;
     in_range("trims.transient", raw.transient, "-", (0.0, 1.0))?;
     in_range("trims.transient_lags", raw.transient_lags, "lags", (0.0, 20.0))?;
@@ -60,8 +60,8 @@ pub(super) fn slip(raw: &RawSlip) -> Result<(), ParamError> {
     in_range("slip.high", raw.high, "-", (0.0, 0.9))?;
     in_range("slip.serial_gain_1_s", raw.serial_gain_1_s, "1/s", (0.0, 5.0))?;
     in_range("slip.serial_limit", raw.serial_limit, "-", (0.0, 0.5))?;
-    positive("slip.pairing_s", raw.pairing_s, "s")?;
-    positive("slip.wanted_jump_m", raw.wanted_jump_m, "m")?;
+    in_range("slip.pairing_s", raw.pairing_s, "s", (0.001, 10.0))?;
+    in_range("slip.wanted_jump_m", raw.wanted_jump_m, "m", (1e-4, 10.0))?;
     Ok(())
 }
 

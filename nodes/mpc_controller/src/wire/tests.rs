@@ -80,7 +80,7 @@ fn a_gain_that_makes_the_error_grow_is_refused() {
     let params = Params::try_from(PARAMS).unwrap();
     for gain in [0.0, 2.0, 2.5] {
         let error = HeightController::new(params, law(gain), limits()).unwrap_err();
-        assert!(error.to_string().starts_with(&format!("gain = {gain} -: must be")), "{error}");
+        assert!(error.to_string().starts_with(&format!("gain = {gain} (no unit): must be")), "{error}");
     }
 }
 

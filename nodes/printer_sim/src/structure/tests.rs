@@ -108,7 +108,7 @@ fn a_blow_has_its_peak_in_the_middle_the_energy_of_its_window_and_no_mean() {
 fn what_is_no_structure_is_refused() {
     let mode = |frequency_hz, damping| Mode::try_from(RawMode { frequency_hz, damping });
     assert!(mode(48.0, 0.07).is_ok());
-    assert_eq!(mode(48.0, 1.0).unwrap_err().to_string(), "damping = 1 -: must be in [0.001, 0.9]");
+    assert_eq!(mode(48.0, 1.0).unwrap_err().to_string(), "damping = 1 (no unit): must be in [0.001, 0.9]");
     assert!(mode(0.0, 0.07).is_err() && mode(f64::NAN, 0.07).is_err());
     let impact = RawImpact {
         frequency_hz: 160.0,

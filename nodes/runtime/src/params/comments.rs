@@ -1,5 +1,6 @@
 //! What a parameter file says of its values: a comment beside each carries unit, range and source.
 
+use super::bounds::Bounds;
 use super::join;
 use super::tree::{Origin, Tree};
 use std::collections::BTreeMap;
@@ -8,8 +9,8 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Said {
     pub(super) text: String,
-    /// Allowed range, where the text says it of this value alone.
-    pub(super) range: Option<(f64, f64)>,
+    /// Unit and allowed range, where the text says them of this value alone.
+    pub(super) bounds: Bounds,
 }
 
 /// What is said of all values by their dotted names. It holds whatever takes the value's place later: a file without
@@ -18,7 +19,8 @@ pub(super) struct Said {
 pub(super) struct Descriptions(BTreeMap<String, Said>);
 
 /// What is said of a value of which nothing is said.
-static UNSAID: Said = Said { text: String::new(), range: None };
+static UNSAID: Said =
+    Said { text: String::new(), bounds: Bounds { unit: String::new(), ranges: Vec::new() } };
 
 /// A file that is read.
 struct Source<'a> {
@@ -56,7 +58,7 @@ impl Descriptions {
     pub(super) fn read(&mut self, file: &str, text: &str, merged: &Tree) {
         let mut source = Source { name: file, comments: comments(text), values: BTreeMap::new() };
         source.count(merged);
-        self.take(&source, merged, ("", ""));
+        self.take(&source, merged, ("", &UNSAID));
     }
 
     /// What is said of a value.
@@ -64,20 +66,25 @@ impl Descriptions {
         self.0.get(name).unwrap_or(&UNSAID)
     }
 
-    /// Takes in a block of this name; where nothing stands beside a value, what is said of its block holds, `above`.
-    fn take(&mut self, source: &Source<'_>, tree: &Tree, (path, above): (&str, &str)) {
+    /// Takes in a block of this name. Where nothing stands beside a value the text of its block holds; a range of a
+    /// block is that of its values where its text begins with `all`.
+    fn take(&mut self, source: &Source<'_>, tree: &Tree, (path, above): (&str, &Said)) {
         let Tree::Block(entries) = tree else { return };
         for (key, child, origin) in entries {
             let (path, line) = (join(path, key), source.line(origin));
             let own = line.and_then(|line| source.comments.get(&line)).copied();
-            let text = own.unwrap_or(above);
+            let text = own.unwrap_or(&above.text).to_owned();
             if matches!(child, Tree::Block(_)) {
-                self.take(source, child, (&path, text));
+                let all = own.and_then(|own| own.strip_prefix("all ")).map(Bounds::read);
+                let bounds = all.unwrap_or_else(|| above.bounds.clone());
+                self.take(source, child, (&path, &Said { text, bounds }));
             } else if line.is_some() && !text.is_empty() {
                 // Of several values on a line nothing tells whose range it is.
                 let alone = line.and_then(|line| source.values.get(&line)) == Some(&1);
-                let range = own.filter(|_| alone).and_then(range);
-                self.0.insert(path, Said { text: text.to_owned(), range });
+                let own = own.filter(|_| alone).map(Bounds::read).unwrap_or_default();
+                let said = self.0.entry(path).or_default();
+                said.text = text;
+                said.bounds.narrow(own.or(&above.bounds));
             }
         }
     }
@@ -88,21 +95,6 @@ fn comments(text: &str) -> BTreeMap<u64, &str> {
     let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim_start().starts_with('#'));
     // YAML wants a space before a comment.
     lines.filter_map(|(number, line)| Some((number, line.split_once(" #")?.1.trim()))).collect()
-}
-
-/// The range that a comment begins with, after its unit: `[s] in [0.05, 60]; why`, `[s] [0.05, 60] why` or `[s] 0.05..60,
-/// why`.
-fn range(comment: &str) -> Option<(f64, f64)> {
-    let said = match comment.strip_prefix('[') {
-        Some(unit) => unit.split_once(']')?.1.trim_start(),
-        None => comment,
-    };
-    let (from, to) = match said.strip_prefix("in ").unwrap_or(said).strip_prefix('[') {
-        Some(pair) => pair.split_once(']')?.0.split_once(',')?,
-        None => said.split([' ', ',', ';']).next()?.split_once("..")?,
-    };
-    let (from, to) = (from.trim().parse().ok()?, to.trim().parse().ok()?);
-    (from <= to).then_some((from, to))
 }
 
 #[cfg(test)]
@@ -124,11 +116,16 @@ mod tests {
         said
     }
 
+    /// A text with what it begins with.
+    fn said_as(text: &str) -> Said {
+        Said { text: text.to_owned(), bounds: Bounds::read(text) }
+    }
+
     #[test]
     fn a_comment_belongs_to_the_value_on_its_line() {
         let said =
             read(&["    # of the file\n    a: 1  # [s] in [0, 2]; why\n    # of nothing\n    b: 'x#y'\n"]);
-        assert_eq!(said.of("a"), &Said { text: "[s] in [0, 2]; why".into(), range: Some((0.0, 2.0)) });
+        assert_eq!(said.of("a"), &said_as("[s] in [0, 2]; why"));
         assert_eq!((said.of("b"), said.of("c")), (&UNSAID, &UNSAID));
     }
 
@@ -139,37 +136,31 @@ mod tests {
             "    l: {n: 3, s: 1.0} # [-] in [1, 8], [s] in [0.01, 60]\n    k: {n: 3} # [-] in [1, 9]\n",
         ]);
         for name in ["l.n", "l.s"] {
-            assert_eq!(said.of(name), &Said { text: "[-] in [1, 8], [s] in [0.01, 60]".into(), range: None });
+            assert_eq!(said.of(name).text, "[-] in [1, 8], [s] in [0.01, 60]");
+            assert_eq!(said.of(name).bounds, Bounds::default());
         }
-        assert_eq!(said.of("k.n").range, Some((1.0, 9.0)));
+        assert_eq!(said.of("k.n").bounds.range(), Some((1.0, 9.0)));
     }
 
-    /// What is said of a block is said of its values that have nothing of their own.
+    /// What is said of a block is said of its values that have nothing of their own; its range where it is that of all.
     #[test]
     fn a_value_without_a_comment_has_that_of_its_block() {
-        let said =
-            read(&["    w: # all [-] [0, 1e3]\n      a: 1\n      b: 2 # [-] [0, 5] own\n      c: {d: 1}\n"]);
-        assert_eq!(said.of("w.a"), &Said { text: "all [-] [0, 1e3]".into(), range: None });
-        assert_eq!(said.of("w.b"), &Said { text: "[-] [0, 5] own".into(), range: Some((0.0, 5.0)) });
-        assert_eq!(said.of("w.c.d").text, "all [-] [0, 1e3]");
+        let said = read(&[
+            "    w: # all [-] [0, 1e3]\n      a: 1\n      b: 2 # [-] [0, 5] own\n      c: {d: 1, e: 2} # why\n\
+                    \x20   v: # [-] [0, 1]\n      a: 1\n",
+        ]);
+        let all = Bounds::read("[-] [0, 1e3]");
+        assert_eq!(said.of("w.a"), &Said { text: "all [-] [0, 1e3]".into(), bounds: all.clone() });
+        assert_eq!(said.of("w.b"), &said_as("[-] [0, 5] own"));
+        assert_eq!(said.of("w.c.d"), &Said { text: "why".into(), bounds: all });
+        assert_eq!(said.of("v.a"), &Said { text: "[-] [0, 1]".into(), bounds: Bounds::default() });
     }
 
     /// `-p` and the files that launch_ros writes have no comments.
     #[test]
     fn what_takes_a_values_place_does_not_take_its_description() {
         let said = read(&["    a: 1 # [s] in [0, 2]\n    b: 1 # old\n", "    a: 2\n    b: 2 # new\n"]);
-        assert_eq!((said.of("a").text.as_str(), said.of("a").range), ("[s] in [0, 2]", Some((0.0, 2.0))));
+        assert_eq!(said.of("a"), &said_as("[s] in [0, 2]"));
         assert_eq!(said.of("b").text, "new");
-    }
-
-    #[test]
-    fn all_ways_to_write_a_range_are_read_and_nothing_else_is() {
-        assert_eq!(range("[s] in [0.05, 60]; ten periods"), Some((0.05, 60.0)));
-        assert_eq!(range("[s] [0.05, 60] ten periods"), Some((0.05, 60.0)));
-        assert_eq!(range("[m] -1..1, of the bed"), Some((-1.0, 1.0)));
-        assert_eq!(range("1e-4..0.1 of it"), Some((1e-4, 0.1)));
-        for none in ["[s] > 0", "[-]", "see 2 above", "[m] in [1, x]", "[m] 2..1", "all [s] in [0, 1]", ""] {
-            assert_eq!(range(none), None, "{none}");
-        }
     }
 }

@@ -4,11 +4,12 @@
 //! inactive all may, and it is configured anew with them. What is asked for is always checked by the node's own struct,
 //! so that a wrong value is refused with its allowed range, and a right one at a wrong time with what to do.
 
+mod change;
+
 use super::own;
-use super::tree::{Origin, Tree};
-use super::values::{from_ros, kind_name, to_ros};
+use super::tree::Tree;
+use super::values::to_ros;
 use super::{AUTOSTART, OWN, ParamFileError, Parameters, START_AFTER, USE_SIM_TIME};
-use crate::args::short;
 use fdm_loop_msgs::{
     FloatingPointRange, IntegerRange, ListParametersResult, Parameter, ParameterDescriptor, ParameterValue,
 };
@@ -176,86 +177,25 @@ impl View<'_> {
         names.iter().map(|name| self.descriptor(name, policy)).collect()
     }
 
-    /// The parameters with these set and the changes, or why they cannot be set: what is wrong comes before what is not
-    /// allowed.
-    fn changed(&self, wanted: &[Parameter], policy: Policy) -> Result<(Parameters, Vec<Changed>), String> {
-        let mut parameters = self.0.parameters.clone();
-        let mut changes = Vec::new();
-        for Parameter { name, value } in wanted {
-            let Some(before) = self.value(name) else {
-                return Err(format!("{}: there is no such parameter", short(name)));
-            };
-            let Some(asked) = from_ros(value) else {
-                return Err(format!("{name}: must be set, and finite"));
-            };
-            let (is, was) = (to_ros(&asked).kind, to_ros(&before).kind);
-            let numbers = |kind| matches!(kind, ParameterValue::INTEGER | ParameterValue::DOUBLE);
-            if is != was && !(numbers(is) && numbers(was)) {
-                let (was, is, asked) = (kind_name(was), kind_name(is), short(&asked.to_string()));
-                return Err(format!("{name}: is a {was}, and {asked} is a {is}"));
-            }
-            if OWN.contains(&name.as_str()) {
-                return Err(self
-                    .read_only(name, policy)
-                    .map_or_else(String::new, |why| format!("{name}: {why}")));
-            }
-            // A double stays one, also where a whole number is asked for.
-            let after =
-                if was == ParameterValue::DOUBLE { asked.as_f64().map_or(asked, Value::from) } else { asked };
-            parameters.tree.set(name, Tree::Leaf(after.clone()), Origin::Request);
-            let parameter = Parameter { name: name.clone(), value: to_ros(&after) };
-            changes.push(Changed { parameter, before, after });
-        }
-        if let Some(check) = &self.0.check {
-            check(&parameters).map_err(|error| error.to_string())?;
-        }
-        for Parameter { name, .. } in wanted {
-            if let Some(why) = self.read_only(name, policy) {
-                return Err(format!("{name}: {why}"));
-            }
-        }
-        // What stands beside a value in its file goes on to describe it.
-        for Changed { parameter: Parameter { name, .. }, after, .. } in &changes {
-            if let Some(place) = self.0.parameters.tree.origin(name) {
-                parameters.tree.set(name, Tree::Leaf(after.clone()), place.clone());
-            }
-        }
-        changes.retain(|change| change.before != change.after);
-        Ok((parameters, changes))
-    }
-
-    /// Why a parameter cannot be changed now.
-    fn read_only(&self, name: &str, policy: Policy) -> Option<String> {
-        let origin = self.0.parameters.tree.origin(name);
-        let place = origin.map_or_else(|| "the node's arguments".to_owned(), ToString::to_string);
-        if OWN.contains(&name) || policy == Policy::Nothing {
-            return Some(format!("read-only while the node runs: change {place} and start it again"));
-        }
-        match policy {
-            Policy::Declared if !self.0.declared.contains(&name) => Some(
-                "read-only while the node is active: deactivate it, set it, activate it again".to_owned(),
-            ),
-            Policy::UnderWay => {
-                Some("the node is on its way from one state to another: ask again".to_owned())
-            }
-            _ => None,
-        }
-    }
-
     fn descriptor(&self, name: &str, policy: Policy) -> ParameterDescriptor {
         let Some(value) = self.value(name) else {
             let description = "there is no such parameter".to_owned();
             return ParameterDescriptor { name: name.to_owned(), description, ..Default::default() };
         };
         let said = self.0.parameters.descriptions.of(name);
-        let description = if OWN.contains(&name) { own::description(name) } else { said.text.as_str() };
+        let description = match self.0.parameters.tree.origin(name) {
+            _ if OWN.contains(&name) => own::description(name).to_owned(),
+            // A launch file gives what no file has.
+            Some(origin) if said.text.is_empty() => format!("given by {origin}, described by no file"),
+            _ => said.text.clone(),
+        };
         let kind = to_ros(&value).kind;
-        let bounds = said.range.filter(|_| value.is_number());
+        let bounds = said.bounds.range().filter(|_| value.is_number());
         let read_only = self.read_only(name, policy);
         let mut descriptor = ParameterDescriptor {
             name: name.to_owned(),
             kind,
-            description: description.to_owned(),
+            description,
             read_only: read_only.is_some(),
             additional_constraints: read_only.unwrap_or_default(),
             ..Default::default()
@@ -289,7 +229,7 @@ impl View<'_> {
         }
         match self.0.parameters.tree.get(name)?.0 {
             Tree::Leaf(value) => Some(value.clone()),
-            Tree::Block(_) | Tree::NotFinite => None,
+            Tree::Block(_) | Tree::NotFinite(_) => None,
         }
     }
 }

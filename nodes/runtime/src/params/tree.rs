@@ -36,8 +36,8 @@ pub(super) enum Tree {
     Block(Vec<(String, Self, Origin)>),
     /// A scalar or a list.
     Leaf(Value),
-    /// A number that JSON has not: `.nan` or `.inf`.
-    NotFinite,
+    /// A number that JSON has not, alone or in a list: `.nan` or `.inf`.
+    NotFinite(f64),
 }
 
 impl Default for Tree {
@@ -77,25 +77,16 @@ impl Tree {
     pub(super) fn leaf_text(&self) -> Option<String> {
         match self {
             Self::Leaf(value) => Some(value.to_string()),
-            Self::NotFinite => Some("not finite".to_owned()),
+            Self::NotFinite(value) => Some(value.to_string()),
             Self::Block(_) => None,
         }
-    }
-
-    /// First value that is not finite, with its path.
-    pub(super) fn not_finite(&self) -> Option<(String, &Origin)> {
-        let Self::Block(entries) = self else { return None };
-        entries.iter().find_map(|(key, tree, origin)| match tree {
-            Self::NotFinite => Some((key.clone(), origin)),
-            _ => tree.not_finite().map(|(path, origin)| (join(key, &path), origin)),
-        })
     }
 
     /// The tree without its places.
     pub(super) fn to_json(&self) -> Value {
         match self {
             Self::Leaf(value) => value.clone(),
-            Self::NotFinite => Value::Null,
+            Self::NotFinite(_) => Value::Null,
             Self::Block(entries) => Value::Object(
                 entries.iter().map(|(key, tree, _)| (key.clone(), tree.to_json())).collect::<Map<_, _>>(),
             ),
@@ -114,7 +105,7 @@ impl Tree {
         let Self::Block(entries) = self else { return Vec::new() };
         let below = |(key, tree, _): &(String, Self, Origin)| match tree {
             Self::Block(_) => tree.leaves().iter().map(|name| join(key, name)).collect(),
-            Self::Leaf(_) | Self::NotFinite => vec![key.clone()],
+            Self::Leaf(_) | Self::NotFinite(_) => vec![key.clone()],
         };
         entries.iter().flat_map(below).collect()
     }

@@ -1,5 +1,7 @@
 //! Values as the files have them and as ROS 2 carries them.
 
+use super::bounds::number;
+use crate::args::short;
 use fdm_loop_msgs::ParameterValue;
 use serde_json::{Number, Value};
 
@@ -43,21 +45,32 @@ fn list_to_ros(list: &[Value]) -> ParameterValue {
 
 /// The value for the files; `None` for what is not set, not finite or of no known kind.
 pub(super) fn from_ros(value: &ParameterValue) -> Option<Value> {
-    let number = |value: f64| Number::from_f64(value).map(Value::Number);
+    let finite = |value: f64| Number::from_f64(value).map(Value::Number);
     Some(match value.kind {
         ParameterValue::BOOL => Value::from(value.bool_value),
         ParameterValue::INTEGER => Value::from(value.integer_value),
-        ParameterValue::DOUBLE => number(value.double_value)?,
+        ParameterValue::DOUBLE => finite(value.double_value)?,
         ParameterValue::STRING => Value::from(value.string_value.as_str()),
         ParameterValue::BYTE_ARRAY => Value::from(value.byte_array_value.clone()),
         ParameterValue::BOOL_ARRAY => Value::from(value.bool_array_value.clone()),
         ParameterValue::INTEGER_ARRAY => Value::from(value.integer_array_value.clone()),
         ParameterValue::DOUBLE_ARRAY => {
-            Value::Array(value.double_array_value.iter().copied().map(number).collect::<Option<_>>()?)
+            Value::Array(value.double_array_value.iter().copied().map(finite).collect::<Option<_>>()?)
         }
         ParameterValue::STRING_ARRAY => Value::from(value.string_array_value.clone()),
         _ => return None,
     })
+}
+
+/// What was asked for, for people.
+pub(super) fn text(value: &ParameterValue) -> String {
+    match (value.kind, from_ros(value)) {
+        (_, Some(Value::Number(value))) => value.as_f64().map(number).unwrap_or_default(),
+        (_, Some(value)) => short(&value.to_string()),
+        (ParameterValue::DOUBLE, None) => value.double_value.to_string(),
+        (ParameterValue::DOUBLE_ARRAY, None) => short(&format!("{:?}", value.double_array_value)),
+        (..) => "nothing".to_owned(),
+    }
 }
 
 /// Name of a kind as the ROS tools say it.

@@ -32,7 +32,8 @@ pub(super) fn reason(error: &serde_saphyr::Error) -> String {
 pub(super) enum Parsed {
     Block(Vec<(Spanned<String>, Self)>),
     Leaf(Value),
-    NotFinite,
+    /// A number that JSON has not, alone or in a list.
+    NotFinite(f64),
 }
 
 impl Parsed {
@@ -49,7 +50,7 @@ impl Parsed {
     fn convert(self, place: &impl Fn(u64) -> Origin) -> Tree {
         match self {
             Self::Leaf(value) => Tree::Leaf(value),
-            Self::NotFinite => Tree::NotFinite,
+            Self::NotFinite(value) => Tree::NotFinite(value),
             Self::Block(entries) => Tree::Block(
                 entries
                     .into_iter()
@@ -62,15 +63,15 @@ impl Parsed {
         }
     }
 
-    /// The value without lines, for lists; `None` where a number is not finite.
-    fn into_json(self) -> Option<Value> {
+    /// The value without lines, for lists; a number that is not finite is the error.
+    fn into_json(self) -> Result<Value, f64> {
         match self {
-            Self::Leaf(value) => Some(value),
-            Self::NotFinite => None,
+            Self::Leaf(value) => Ok(value),
+            Self::NotFinite(value) => Err(value),
             Self::Block(entries) => entries
                 .into_iter()
                 .map(|(key, child)| child.into_json().map(|value| (key.value, value)))
-                .collect::<Option<Map<_, _>>>()
+                .collect::<Result<Map<_, _>, _>>()
                 .map(Value::Object),
         }
     }
@@ -104,7 +105,8 @@ impl<'de> Visitor<'de> for ParsedVisitor {
     }
 
     fn visit_f64<E>(self, value: f64) -> Result<Parsed, E> {
-        Ok(Number::from_f64(value).map_or(Parsed::NotFinite, |number| Parsed::Leaf(Value::Number(number))))
+        Ok(Number::from_f64(value)
+            .map_or(Parsed::NotFinite(value), |number| Parsed::Leaf(Value::Number(number))))
     }
 
     fn visit_str<E>(self, value: &str) -> Result<Parsed, E> {
@@ -127,8 +129,8 @@ impl<'de> Visitor<'de> for ParsedVisitor {
         let mut values = Vec::new();
         while let Some(item) = list.next_element::<Parsed>()? {
             match item.into_json() {
-                Some(value) => values.push(value),
-                None => return Ok(Parsed::NotFinite),
+                Ok(value) => values.push(value),
+                Err(value) => return Ok(Parsed::NotFinite(value)),
             }
         }
         Ok(Parsed::Leaf(Value::Array(values)))

@@ -1,6 +1,6 @@
 //! Numbers of the check on swinging corrections.
 
-use models::params::{ParamError, positive};
+use models::params::{ParamError, in_range};
 use serde::Deserialize;
 
 use super::BurstParams;
@@ -38,9 +38,9 @@ impl TryFrom<RawOscillationParams> for OscillationParams {
 
     fn try_from(raw: RawOscillationParams) -> Result<Self, ParamError> {
         Ok(Self {
-            flow: positive("flow", raw.flow, "-")?,
-            speed: positive("speed", raw.speed, "-")?,
-            setpoint_k: positive("setpoint_k", raw.setpoint_k, "K")?,
+            flow: in_range("flow", raw.flow, "-", (0.001, 10.0))?,
+            speed: in_range("speed", raw.speed, "-", (0.001, 10.0))?,
+            setpoint_k: in_range("setpoint_k", raw.setpoint_k, "K", (0.01, 100.0))?,
             turns: raw.turns,
         })
     }

@@ -1,6 +1,6 @@
 //! Numbers of the checks of readings and inputs: steps, noise, drift, fan, stop contact.
 
-use models::params::{ParamError, in_range, ordered, positive};
+use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
 
 use super::thermal::count;
@@ -51,7 +51,7 @@ impl NoiseParams {
     /// # Errors
     /// A number outside its range.
     pub(super) fn check(&self) -> Result<(), ParamError> {
-        positive("noise.gate_k", self.gate_k, "K")?;
+        in_range("noise.gate_k", self.gate_k, "K", (0.01, 100.0))?;
         in_range("noise.share_max", self.share_max, "-", (0.01, 0.9))?;
         for (name, readings) in [("noise.window", self.window), ("noise.suspect_window", self.suspect_window)]
         {
@@ -95,7 +95,7 @@ impl DriftParams {
     /// # Errors
     /// A number outside its range.
     pub(super) fn check(&self) -> Result<(), ParamError> {
-        positive("drift.capacity_j_k", self.capacity_j_k, "J/K")?;
+        in_range("drift.capacity_j_k", self.capacity_j_k, "J/K", (0.1, 1e5))?;
         in_range("drift.lag_s", self.lag_s, "s", (0.0, 60.0))?;
         in_range("drift.learn_s", self.learn_s, "s", (1.0, 600.0))?;
         in_range("drift.usual_time_s", self.usual_time_s, "s", (10.0, 3600.0))?;
@@ -177,6 +177,9 @@ mod tests {
             NoiseParams { gate_k: 1.0, window: 1000, share_max: 0.2, suspect_window: 20, suspect_count: 2 };
         assert!(noise.check().is_err());
         let never = NoiseParams { window: 50, suspect_count: 21, ..noise };
-        assert_eq!(never.check().unwrap_err().to_string(), "noise.suspect_count = 21 -: must be in [1, 20]");
+        assert_eq!(
+            never.check().unwrap_err().to_string(),
+            "noise.suspect_count = 21 (no unit): must be in [1, 20]"
+        );
     }
 }

@@ -1,6 +1,6 @@
 //! Numbers of the thermal checks.
 
-use models::params::{ParamError, in_range, ordered, positive};
+use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
 
 /// Passes a count inside `[1, high]`.
@@ -270,9 +270,9 @@ impl TryFrom<RawHeaterParams> for HeaterParams {
 
     fn try_from(raw: RawHeaterParams) -> Result<Self, ParamError> {
         Ok(Self {
-            power_w: positive("power_w", raw.power_w, "W")?,
-            capacity_j_k: positive("capacity_j_k", raw.capacity_j_k, "J/K")?,
-            loss_w_k: positive("loss_w_k", raw.loss_w_k, "W/K")?,
+            power_w: in_range("power_w", raw.power_w, "W", (1.0, 2000.0))?,
+            capacity_j_k: in_range("capacity_j_k", raw.capacity_j_k, "J/K", (0.1, 1e5))?,
+            loss_w_k: in_range("loss_w_k", raw.loss_w_k, "W/K", (0.001, 100.0))?,
             fan_loss_w_k: in_range("fan_loss_w_k", raw.fan_loss_w_k, "W/K", (0.0, 1.0))?,
             feed_heat_j_k_m: in_range("feed_heat_j_k_m", raw.feed_heat_j_k_m, "J/(K m)", (0.0, 100.0))?,
             ambient_c: in_range("ambient_c", raw.ambient_c, "degC", (-20.0, 100.0))?,
@@ -280,7 +280,7 @@ impl TryFrom<RawHeaterParams> for HeaterParams {
             usual_time_s: in_range("usual_time_s", raw.usual_time_s, "s", (5.0, 3600.0))?,
             usual_max_w: in_range("usual_max_w", raw.usual_max_w, "W", (0.0, 100.0))?,
             capacity_error: in_range("capacity_error", raw.capacity_error, "-", (0.0, 1.0))?,
-            spike_k: positive("spike_k", raw.spike_k, "K")?,
+            spike_k: in_range("spike_k", raw.spike_k, "K", (0.01, 100.0))?,
             spike_samples: count("spike_samples", raw.spike_samples, 10)?,
             usual_noise_k: in_range("usual_noise_k", raw.usual_noise_k, "K", (0.001, 5.0))?,
             fast: raw.fast,

@@ -1,6 +1,6 @@
 //! What is learnt of the noise, and when the estimate is not to be trusted.
 
-use models::params::{ParamError, in_range, positive};
+use models::params::{ParamError, in_range};
 use serde::Deserialize;
 
 /// Scale of the variances behind a channel, from its own innovations.
@@ -65,7 +65,7 @@ impl RawHealth {
         in_range("health.again_s", self.again_s, "s", (1.0, 600.0))?;
         in_range("health.mismatch_s", self.mismatch_s, "s", (1.0, 600.0))?;
         in_range("health.gain_error", self.gain_error, "-", (0.01, 1.0))?;
-        positive("health.window_bound", self.window_bound, "-")?;
+        in_range("health.window_bound", self.window_bound, "-", (1.0, 1e6))?;
         Ok(())
     }
 }

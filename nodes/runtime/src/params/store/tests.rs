@@ -148,17 +148,53 @@ fn what_may_change_when() {
 #[test]
 fn what_is_wrong_is_said_with_its_range_and_what_is_right_with_its_place() {
     let far = reason(&[wanted("limits.flow_max", Value::from(3.0))]);
-    assert_eq!(far, "as asked: limits.flow_max = 3 -: must be in [1, 2]");
+    assert_eq!(far, "limits.flow_max = 3 (no unit): must be in [1, 2]");
     assert_eq!(
         reason(&[wanted("limits.flow_max", Value::from("much"))]),
-        "limits.flow_max: is a double, and \"much\" is a string"
+        "limits.flow_max = \"much\": is a string, and must be a double; allowed in [1, 2] (no unit)"
     );
     assert_eq!(reason(&[wanted("flow", Value::from(1.0))]), "flow: there is no such parameter");
-    assert_eq!(reason(&[wanted("rate_hz", Value::Null)]), "rate_hz: must be set, and finite");
+    assert_eq!(reason(&[wanted("rate_hz", Value::Null)]), "rate_hz = nothing: must be set, and finite");
     let right = reason(&[wanted("limits.flow_max", Value::from(1.5))]);
     assert!(
         right.starts_with("limits.flow_max: read-only while the node runs: change ")
             && right.contains(".yaml:6 ")
+    );
+}
+
+/// Whole numbers too, in what a person reads: no name of a type.
+#[test]
+fn a_whole_number_is_refused_with_its_range() {
+    let said = |value: Value| reason(&[wanted("limits.samples", value)]);
+    assert_eq!(said(Value::from(-1)), "limits.samples = -1 (no unit): must be in [1, 20]");
+    assert_eq!(
+        said(Value::from(1.5)),
+        "limits.samples = 1.5 (no unit): must be a whole number; allowed in [1, 20]"
+    );
+    let value = ParameterValue { kind: ParameterValue::DOUBLE, double_value: f64::NAN, ..Default::default() };
+    assert_eq!(
+        reason(&[Parameter { name: "limits.flow_max".into(), value }]),
+        "limits.flow_max = NaN (no unit): must be set, and finite; allowed in [1, 2]"
+    );
+}
+
+/// The answer begins with what was asked for, also where two do not go together.
+#[test]
+fn a_refusal_begins_with_what_was_asked_for() {
+    let one = |name: &str, value: f64| [wanted(name, Value::from(value))];
+    let store = store();
+    store.set(&one("limits.flow_min", 1.0), Policy::All).unwrap();
+    assert_eq!(
+        store.set(&one("limits.flow_max", 1.0), Policy::All).unwrap_err(),
+        "limits.flow_max = 1 (no unit): must be above limits.flow_min = 1; allowed in [1, 2]"
+    );
+    store.tell_check(|_| {
+        let (at, message) = ("a.yaml:3".to_owned(), "names: one is missing".to_owned());
+        Err(ParamFileError::Refused { at, message })
+    });
+    assert_eq!(
+        store.set(&one("rate_hz", 5.0), Policy::All).unwrap_err(),
+        "rate_hz = 5: does not go with the others: a.yaml:3: names: one is missing"
     );
 }
 
