@@ -174,7 +174,7 @@ fn the_file_is_the_nominal_one_with_the_learned_numbers() {
     assert!((printer.hotend.block_capacity_j_k / block_j_k - 1.0).abs() < 1e-4);
     assert_eq!(printer.extruder, setup.printer.extruder, "what was not learned stays");
     assert!((printer.hotend.heater_power_w - setup.printer.hotend.heater_power_w).abs() < 1e-12);
-    assert!(text.contains("[J/K] > 0 C_e; bag a_bag, 95 % ["), "{text}");
+    assert!(text.contains("[J/K] [0.1, 1e4] C_e; bag a_bag, 95 % ["), "{text}");
     assert!(
         text.contains("state_estimator:\n  ros__parameters:\n    thermistor:\n      sigma_k: 0.1"),
         "{text}"

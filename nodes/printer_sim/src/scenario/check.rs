@@ -1,5 +1,7 @@
 //! Which faults there are, and which numbers they may carry.
 
+use models::params::with_unit;
+
 use crate::faults::{Component, Kind};
 
 /// Why a fault cannot be injected.
@@ -31,7 +33,7 @@ pub enum FaultError {
         kind: String,
     },
     /// A number outside its range.
-    #[error("{name} = {value} {unit}: must be in [{low}, {high}]")]
+    #[error("{name} = {}: must be in [{low}, {high}]", with_unit(.value, .unit))]
     OutOfRange {
         /// Field.
         name: &'static str,
