@@ -43,7 +43,7 @@ impl TryFrom<RawParams> for Params {
     fn try_from(raw: RawParams) -> Result<Self, ParamError> {
         in_range("cell_m", raw.cell_m, "m", (1e-4, 1.0))?;
         in_range("valid_s", raw.valid_s, "s", (0.1, 1e5))?;
-        in_range("error_max_m", raw.error_max_m, "m", (1e-5, 0.1))?;
+        in_range("error_max_m", raw.error_max_m, "m", (1e-9, 0.1))?;
         Ok(Self(raw))
     }
 }

@@ -60,6 +60,7 @@ impl Record {
                 // Its recorder was ended before it had written anything.
                 continue;
             }
+            assert!(bytes.starts_with(mcap::MAGIC), "{}: no MCAP", file.display());
             let messages = mcap::MessageStream::new_with_options(&bytes, options.into());
             let messages = messages.unwrap_or_else(|error| panic!("{}: {error}", file.display()));
             for message in messages.map_while(Result::ok) {
