@@ -167,9 +167,7 @@ impl Source<'_> {
         let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
         Parameters::read(&files, &values, &path).map_err(|error| refused(node, sets, &error))
     }
-}
 
-impl Source<'_> {
     /// What this build asks of a node and the record does not say, and the other way round; nothing of a node that the
     /// record does not know at all.
     fn unlike(&self, node: &str) -> anyhow::Result<Unlike> {

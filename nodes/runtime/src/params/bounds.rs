@@ -82,11 +82,11 @@ impl Bounds {
 
     /// Why a value is refused that is not finite or outside of its range; `None` where it is not.
     pub(super) fn outside(&self, name: &str, tree: &Tree) -> Option<String> {
-        let rule = || self.rule();
         match tree {
             Tree::NotFinite(value) => {
-                Some(self.refusal(name, &value.to_string(), &format!("must be finite and{}", rule())))
-                    .map(|said| said.trim_end_matches(" and").to_owned())
+                let and = if self.ranges.is_empty() { "" } else { " and" };
+                let rule = format!("must be finite{and}{}", self.rule());
+                Some(self.refusal(name, &value.to_string(), &rule))
             }
             Tree::Leaf(Value::Array(items)) => {
                 let of = |at| if self.ranges.len() == items.len() { self.ranges.get(at) } else { None };
