@@ -6,12 +6,12 @@
 //! is slow on a straight, fast while a turn is foreseen, so that it is over before the speed falls, and at once where
 //! nothing is laid (`v = 0`). It never slows the tool.
 //!
-//! A host that executes trims of coming moves gets the foretold law over the feed with each of them instead: then no
-//! `K_A` changes while a road is laid. One behind which a change acts half a second and more late gets the material's
+//! A host that executes trims of coming moves gets the foretold law, or the melt's own, over the feed with each of them
+//! instead, times the factor that widths taught: then no `K_A` changes while a road is laid. One behind which a change acts half a second and more late gets the material's
 //! constant: what was meant for a pause of the filament would come in the midst of a road.
 
 use crate::params::{AdvanceSource, RawAdvance};
-use learning::Learning;
+use learning::{Learning, SLOW_M_S};
 use models::command::AdvanceLaw;
 use models::status::{HostProfile, PrinterStatus};
 use models::units::Seconds;
@@ -124,15 +124,25 @@ impl Advance {
         self.newest = Some(prediction);
     }
 
-    /// Follows feed and outlet, for what frames will show of them.
-    pub(crate) fn on_status(&mut self, status: &PrinterStatus) {
-        if let Some(foretold) = self.foretold(status.stamp.0) {
+    /// Follows feed and outlet, for what frames will show of them. `melt` is the nominal law of melt and filament now, `None`
+    /// while it is not known.
+    pub(crate) fn on_status(&mut self, status: &PrinterStatus, melt: Option<AdvanceLaw>) {
+        let foretold = match self.settings.source {
+            AdvanceSource::Planned => melt.map(|law| Foretold {
+                advance_s: law.advance_s(status.planned_feed_m_s.max(SLOW_M_S)),
+                half_width_s: 0.0,
+                law,
+                basis: Basis::Physics,
+            }),
+            _ => self.foretold(status.stamp.0),
+        };
+        if let Some(foretold) = foretold {
             self.learning.on_status(status, &foretold);
         }
     }
 
     pub(crate) fn on_width(&mut self, exposed: Seconds, width_m: f64) {
-        if self.settings.source == AdvanceSource::Predicted {
+        if matches!(self.settings.source, AdvanceSource::Planned | AdvanceSource::Predicted) {
             self.learning.on_width(exposed.0, width_m);
         }
     }
@@ -144,7 +154,12 @@ impl Advance {
 
     /// The foretold law for a coming move, with what was learnt; `None` where it is missing, stale or doubtful.
     pub(crate) fn law(&self, now_s: f64) -> Option<AdvanceLaw> {
-        Some(self.foretold(now_s)?.law.scaled(self.learning.factor()))
+        Some(self.with_learnt(self.foretold(now_s)?.law))
+    }
+
+    /// A law with what was learnt of the printer.
+    pub(crate) fn with_learnt(&self, law: AdvanceLaw) -> AdvanceLaw {
+        law.scaled(self.learning.factor())
     }
 
     /// The advance to send at `now_s`; `nominal_s` is the material's constant.

@@ -18,7 +18,7 @@ use std::collections::VecDeque;
 /// A smaller relative change from status to status is none.
 const CALM: f64 = 0.01;
 /// Slower feeds count as this one where the law is steep `[m/s]`: a tenth of what a slow road takes.
-const SLOW_M_S: f64 = 1e-4;
+pub(super) const SLOW_M_S: f64 = 1e-4;
 /// Statuses kept to meet a frame: 1.6 s at 50 Hz.
 const STATUSES: usize = 80;
 

@@ -17,7 +17,7 @@ pub(super) const LEARNING: RawLearning = RawLearning {
     error_max: 0.5,
 };
 
-const SETTINGS: RawAdvance = RawAdvance {
+pub(super) const SETTINGS: RawAdvance = RawAdvance {
     source: AdvanceSource::Predicted,
     age_limit_s: 5.0,
     schedule_validity_s: 5.0,

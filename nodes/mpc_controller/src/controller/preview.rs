@@ -21,7 +21,7 @@ impl Controller {
         }
         let (flow, speed) = self.scheduled();
         let advance = match self.params.advance.source {
-            AdvanceSource::Planned => self.melt_law(now, segment, flow * speed)?,
+            AdvanceSource::Planned => self.advance.with_learnt(self.melt_law(now, segment, flow * speed)?),
             AdvanceSource::Predicted => self.advance.law(now.0)?,
             AdvanceSource::None | AdvanceSource::File | AdvanceSource::Material => return None,
         };

@@ -1,8 +1,9 @@
 //! Laws of what is learnt, on a printer with a linear lag.
 
-use super::super::tests::{LEARNING, status};
+use super::super::tests::{LEARNING, SETTINGS, status};
 use super::*;
-use crate::advance::Basis;
+use crate::advance::{Advance, Basis};
+use crate::params::{AdvanceSource, RawAdvance};
 use models::advance::Compensation;
 use models::command::Trims;
 use models::extruder::{Pressure, StaticLaw};
@@ -84,28 +85,61 @@ fn frames_in_a_ramp_are_left_out() {
     assert!((learning.factor() - 1.0).abs() < 1e-12, "{}", learning.factor());
 }
 
-/// A printer whose law is 1.2 times the foretold one, `0.3 u + 1e-2 u^0.5` (secant 0.416 s from 1 to 3 mm/s), gets the law
-/// with each move: the factor meets 1.2 but for the prior, 0.05, and moves with what is learnt.
-#[test]
-fn the_factor_meets_a_law_over_the_feed() {
-    let law = AdvanceLaw { linear_s: 0.3, shear: 1e-2, index: 0.5 };
-    let foretold = Foretold { advance_s: 0.416, law, ..foretold() };
-    let plant = StaticLaw::of_compression(0.5, 1.2 * law.shear, 1.2 * law.linear_s);
+/// Foretold in the test of a law: secant 0.416 s from 1 to 3 mm/s.
+const LAW: AdvanceLaw = AdvanceLaw { linear_s: 0.3, shear: 1e-2, index: 0.5 };
+
+/// 200 s of a printer whose law is 1.2 times `LAW` and that gets `LAW` with each move, times the factor which `follow` makes
+/// of each status and, at 2 Hz, of a width and its time; the last factor.
+fn printed_with_law(follow: &mut dyn FnMut(&PrinterStatus, Option<(f64, f64)>) -> f64) -> f64 {
+    let plant = StaticLaw::of_compression(0.5, 1.2 * LAW.shear, 1.2 * LAW.linear_s);
     let mut pressure = Pressure::steady(&plant, feed_m_s(0.0));
-    let mut learning = Learning::new(RawLearning { reach: 0.4, ..LEARNING });
+    let mut factor = 1.0;
     for step in 1..=10_000_u32 {
         let at_s = 0.02 * f64::from(step);
         let (before, now) = (feed_m_s(at_s - 0.02), feed_m_s(at_s));
-        let factor = learning.factor();
-        let pushed_m = factor * (law.held_m(now) - law.held_m(before));
+        let pushed_m = factor * (LAW.held_m(now) - LAW.held_m(before));
         let laid_m_s = pressure.step(&plant, 0.5 * (before + now) + pushed_m / 0.02, Seconds(0.02)) / 0.02;
         let acting = Trims { advance_s: Some(0.5), ..Trims::NEUTRAL };
-        learning.on_status(&PrinterStatus { trims: acting, ..status(at_s, now) }, &foretold);
-        if step.is_multiple_of(23) {
-            let sides_m = HEIGHT_M * ROUND_SIDES;
-            let section = laid_m_s / (0.5 * (before + now));
-            learning.on_width(at_s - 0.01, section * (TARGET_M - sides_m) + sides_m);
-        }
+        let sides_m = HEIGHT_M * ROUND_SIDES;
+        let section = laid_m_s / (0.5 * (before + now));
+        let width = (at_s - 0.01, section * (TARGET_M - sides_m) + sides_m);
+        let status = PrinterStatus { trims: acting, ..status(at_s, now) };
+        factor = follow(&status, step.is_multiple_of(23).then_some(width));
     }
-    assert!((learning.factor() - 1.2).abs() < 0.05, "{}", learning.factor());
+    factor
+}
+
+/// The factor meets 1.2 but for the prior, 0.05, and moves with what is learnt.
+#[test]
+fn the_factor_meets_a_law_over_the_feed() {
+    let foretold = Foretold { advance_s: 0.416, law: LAW, ..foretold() };
+    let mut learning = Learning::new(RawLearning { reach: 0.4, ..LEARNING });
+    let factor = printed_with_law(&mut |status, width| {
+        learning.on_status(status, &foretold);
+        if let Some((at_s, width_m)) = width {
+            learning.on_width(at_s, width_m);
+        }
+        learning.factor()
+    });
+    assert!((factor - 1.2).abs() < 0.05, "{factor}");
+}
+
+/// The melt's own law is learnt too where it is planned, no word of a predictor needed; not where one K is sent.
+#[test]
+fn a_planned_law_is_learnt() {
+    let factor_with = |source| {
+        let settings = RawAdvance { source, learning: RawLearning { reach: 0.4, ..LEARNING }, ..SETTINGS };
+        let mut advance = Advance::new(settings);
+        printed_with_law(&mut |status, width| {
+            advance.on_status(status, Some(LAW));
+            if let Some((at_s, width_m)) = width {
+                advance.on_width(Seconds(at_s), width_m);
+            }
+            advance.with_learnt(LAW).linear_s / LAW.linear_s
+        })
+    };
+    let planned = factor_with(AdvanceSource::Planned);
+    assert!((planned - 1.2).abs() < 0.05, "{planned}");
+    let constant = factor_with(AdvanceSource::Material);
+    assert!((constant - 1.0).abs() < 1e-12, "{constant}");
 }
