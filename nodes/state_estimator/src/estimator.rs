@@ -75,7 +75,8 @@ pub(crate) struct Inbox {
     pub(crate) status: Option<PrinterStatus>,
     pub(crate) samples: Ring<Sample>,
     pub(crate) positions: Ring<(f64, f64)>,
-    pub(crate) temperature: Option<Kelvin>,
+    /// With its stamp `[s]`.
+    pub(crate) temperature: Option<(f64, Kelvin)>,
     pub(crate) frames: Ring<Frame>,
 }
 
@@ -170,7 +171,7 @@ impl Estimator {
         let temp_c = within(temp.0, (sensor.low_c, sensor.high_c))?;
         let stamp_s = self.ages(Channel::Thermistor, sensor.trust.age_limit_s).check(stamp)?;
         self.records[Channel::Thermistor as usize].seen_s = Some(stamp_s);
-        self.inbox.temperature = Some(Celsius(temp_c).into());
+        self.inbox.temperature = Some((stamp_s, Celsius(temp_c).into()));
         Ok(())
     }
 

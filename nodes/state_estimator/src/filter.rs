@@ -24,6 +24,8 @@ type Covariance = SMatrix<f64, { state::COUNT }, { state::COUNT }>;
 const FLOWS: usize = 320;
 /// Outlet speeds between which one power law stands for the melt's, over the reference feed `[-]`: a corner's and a straight's.
 const OUTLETS: (f64, f64) = (0.3, 1.2);
+/// Rounding of times and of quotients of two of them: must not add a step.
+const ROUNDING: f64 = 1e-9;
 
 /// The filter with what it remembers of its own past.
 #[derive(Debug)]
@@ -45,6 +47,10 @@ struct Running {
     ukf: Engine<{ state::COUNT }>,
     /// The encoder speaks: without it slip and gain are one.
     encoder_alive: bool,
+    /// Time without it `[s]`.
+    blind_s: f64,
+    /// Widths come: they tell flow and gain as one product.
+    width_alive: bool,
     at_s: f64,
     drive: Drive,
     flows: Ring<(f64, f64)>,
@@ -115,9 +121,10 @@ impl Filter {
         }
         let mut run = match self.running.take() {
             Some(run) => run,
-            None => self.start(status, inbox.temperature?),
+            None => self.start(status, inbox.temperature?.1),
         };
         run.encoder_alive = records[Channel::Encoder as usize].alive(now_s);
+        run.width_alive = records[Channel::Width as usize].alive(now_s);
         let sound = self.predict(&mut run, status, inbox) == Health::Sound
             && self.correct(&mut run, inbox, records)
             && self.plausible(&run.ukf.belief().mean);
@@ -143,6 +150,9 @@ impl Filter {
             let course = self.model.course(&belief.mean, &drive, self.law(&belief.mean).as_ref(), ahead_s);
             belief.mean = self.model.step_along(&belief.mean, &drive, &course, ahead_s);
             belief.covariance += self.noise(run, status, ahead_s);
+        }
+        if !run.encoder_alive {
+            belief.covariance += self.unseen(run, &belief.mean);
         }
         // below zero the state is a stroke, not a flow
         belief.mean[state::FLOW] = belief.mean[state::FLOW].max(0.0);
@@ -182,6 +192,8 @@ impl Filter {
                 Spread { alpha: spread.alpha, beta: spread.beta, kappa: spread.kappa },
             ),
             encoder_alive: false,
+            blind_s: 0.0,
+            width_alive: false,
             at_s: status.stamp.0,
             drive: self.drive(status, 0.0, None),
             flows: Ring::new(FLOWS),
@@ -211,27 +223,47 @@ impl Filter {
             let motor_speed_m_s =
                 motor_m.map_or(status.planned_feed_m_s, |before_m| (sample.motor_m - before_m) / dt_s);
             motor_m = Some(sample.motor_m);
-            let strokes_s = self.params.encoder.strokes_s;
-            let told = measurement::filament_in_strokes(inbox, (run.at_s, sample.stamp_s), strokes_s);
-            run.drive = self.drive(status, motor_speed_m_s, told.filter(|_| run.encoder_alive));
-            let noise = self.noise(run, status, dt_s);
-            let (model, drive) = (self.model, run.drive);
-            let mean = run.ukf.belief().mean;
-            let course = model.course(&mean, &drive, self.law(&mean).as_ref(), dt_s);
-            if run.ukf.predict(&noise, |x| model.step_along(x, &drive, &course, dt_s)) == Health::Diverged {
-                return Health::Diverged;
+            let strokes = run.encoder_alive
+                && measurement::is_stroking(&self.params.encoder, inbox, (run.at_s, sample.stamp_s));
+            let pieces = if strokes { (dt_s / self.params.period_s - ROUNDING).ceil().max(1.0) } else { 1.0 };
+            while run.at_s < sample.stamp_s {
+                let to_s = (run.at_s + dt_s / pieces).min(sample.stamp_s);
+                let to_s = if sample.stamp_s - to_s < ROUNDING { sample.stamp_s } else { to_s };
+                let told = measurement::filament_between(inbox, (run.at_s, to_s)).filter(|_| strokes);
+                // a slow host reports a mean over strokes, of which the encoder shows each
+                let shown_m_s = told.filter(|_| pieces > 1.0).unwrap_or(motor_speed_m_s);
+                run.drive = self.drive(status, shown_m_s, told);
+                if self.carry(run, status, to_s) == Health::Diverged {
+                    return Health::Diverged;
+                }
             }
-            run.at_s = sample.stamp_s;
-            run.flows.push((run.at_s, run.ukf.belief().mean[state::FLOW]));
-            let x = &run.ukf.belief().mean;
-            let off_m_s = (self.model.filament_speed(x, motor_speed_m_s) - x[state::FLOW]).abs();
-            let memory_s = self.params.width.memory_lags * self.model.lag_s();
-            run.imbalance_m_s = off_m_s.max(run.imbalance_m_s * (-dt_s / memory_s).exp());
+            // what comes next is more like the mean than like the last stroke
+            run.drive.motor_speed_m_s = motor_speed_m_s;
         }
-        if !run.encoder_alive {
+        if run.encoder_alive {
+            run.blind_s = 0.0;
+        } else {
             run.ukf.freeze(state::SLIP);
+            run.blind_s += run.at_s - from_s;
         }
         Health::Sound
+    }
+
+    /// Carries the belief to `to_s` under the drive as it is.
+    fn carry(&self, run: &mut Running, status: &PrinterStatus, to_s: f64) -> Health {
+        let dt_s = to_s - run.at_s;
+        let noise = self.noise(run, status, dt_s);
+        let (model, drive) = (self.model, run.drive);
+        let mean = run.ukf.belief().mean;
+        let course = model.course(&mean, &drive, self.law(&mean).as_ref(), dt_s);
+        let health = run.ukf.predict(&noise, |x| model.step_along(x, &drive, &course, dt_s));
+        run.at_s = to_s;
+        let x = &run.ukf.belief().mean;
+        run.flows.push((run.at_s, x[state::FLOW]));
+        let off_m_s = (model.filament_speed(x, drive.motor_speed_m_s) - x[state::FLOW]).abs();
+        let memory_s = self.params.width.memory_lags * model.lag_s();
+        run.imbalance_m_s = off_m_s.max(run.imbalance_m_s * (-dt_s / memory_s).exp());
+        health
     }
 
     fn average_feed(&mut self, status: &PrinterStatus, dt_s: f64) {

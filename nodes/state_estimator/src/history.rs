@@ -141,6 +141,16 @@ impl Ring<(f64, f64)> {
         Some(left.1 + share * (right.1 - left.1))
     }
 
+    /// Sum of all steps back in `[from_s, to_s]`, 0 or more.
+    pub(crate) fn way_back_m(&self, from_s: f64, to_s: f64) -> f64 {
+        let within = self.values.iter().filter(|pair| (from_s..=to_s).contains(&pair.0));
+        let mut before_m = None;
+        within.fold(0.0, |back_m, pair| {
+            let step_m = before_m.replace(pair.1).map_or(0.0, |before_m: f64| before_m - pair.1);
+            back_m + step_m.max(0.0)
+        })
+    }
+
     /// Newest pair that is not later than `at_s`.
     pub(crate) fn newest_until(&self, at_s: f64) -> Option<(f64, f64)> {
         self.values.iter().rev().find(|pair| pair.0 <= at_s).copied()

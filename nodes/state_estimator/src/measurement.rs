@@ -2,11 +2,14 @@
 
 use crate::estimator::{Frame, Inbox};
 use crate::history::{Ring, Sample};
-use crate::params::Params;
-use crate::printer_model::{PrinterModel, Road, State, state};
+use crate::params::{Params, RawEncoder};
+use crate::printer_model::{Drive, PrinterModel, Road, State, state};
 use crate::ukf::Measurement;
 use models::units::Kelvin;
 use nalgebra::{Matrix1, Vector1};
+
+/// Way back that is a stroke, no tremor of the wheel `[quanta]`.
+const STROKE_QUANTA: f64 = 2.5;
 
 /// A measurement with what is needed to predict it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,16 +23,12 @@ pub(crate) struct Observation {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Sensor {
-    Thermistor,
-    /// Mean motor speed over the encoder's interval.
-    Encoder {
-        motor_speed_m_s: f64,
-    },
+    /// What drives the printer since the newest status, and for how long until the reading.
+    Thermistor { drive: Drive, ahead_s: f64 },
+    /// Mean speeds over the encoder's interval of the motor's strokes forth and back, both 0 or more: only the former slip.
+    Encoder { forth_m_s: f64, back_m_s: f64 },
     /// Road at exposure, and how much the flow was above today's.
-    Width {
-        road: Road,
-        flow_change_m_s: f64,
-    },
+    Width { road: Road, flow_change_m_s: f64 },
 }
 
 impl Observation {
@@ -49,8 +48,11 @@ impl Observation {
 
     pub(crate) fn predicted(&self, model: &PrinterModel, x: &State) -> Vector1<f64> {
         Vector1::new(match self.sensor {
-            Sensor::Thermistor => x[state::SENSOR],
-            Sensor::Encoder { motor_speed_m_s } => model.filament_speed(x, motor_speed_m_s),
+            Sensor::Thermistor { drive, ahead_s } if ahead_s > 0.0 => {
+                model.step(x, &drive, ahead_s)[state::SENSOR]
+            }
+            Sensor::Thermistor { .. } => x[state::SENSOR],
+            Sensor::Encoder { forth_m_s, back_m_s } => model.filament_speed(x, forth_m_s) - back_m_s,
             Sensor::Width { road, flow_change_m_s } => {
                 model.width(x[state::FLOW] + flow_change_m_s, x[state::GAIN], road)
             }
@@ -58,19 +60,26 @@ impl Observation {
     }
 }
 
-pub(crate) fn thermistor(params: &Params, temperature: Kelvin) -> Observation {
+/// A reading against the belief at `at_s`, carried on to the reading's own time: a host may tell its state a few times a
+/// second, and a hot end that heats up gains a kelvin in between.
+pub(crate) fn thermistor(
+    params: &Params,
+    reading: (f64, Kelvin),
+    (at_s, drive): (f64, Drive),
+) -> Observation {
     let sigma_k = params.thermistor.sigma_k;
     Observation {
-        value: temperature.0,
+        value: reading.1.0,
         variance: sigma_k * sigma_k,
         passing: 0.0,
-        sensor: Sensor::Thermistor,
+        sensor: Sensor::Thermistor { drive, ahead_s: reading.0 - at_s },
     }
 }
 
 /// Mean speed over the interval from the last used position to the newest that a status covers.
 ///
-/// Motor and encoder are compared over the same interval by their own stamps. `used` moves on even where the
+/// Motor and encoder are compared over the same interval by their own stamps. The encoder tells the strokes back, which do
+/// not slip and which the reports of a slow host hide: what the motor went forth is the rest. `used` moves on even where the
 /// interval is not looked at, so that no later one reaches back into it.
 pub(crate) fn encoder(
     params: &Params,
@@ -95,14 +104,16 @@ pub(crate) fn encoder(
     }
     let (from, to) = (inbox.samples.motor_at(start.0)?, inbox.samples.motor_at(end.0)?);
     let motor_speed_m_s = (to.motor_m - from.motor_m) / span_s;
-    let (slowest_m_s, fastest_m_s) = inbox.samples.speed_range(start.0 - encoder.settle_s, end.0)?;
-    if slowest_m_s < 0.0 || motor_speed_m_s < encoder.speed_min_rel * reference_feed_m_s {
+    let back_m_s = inbox.positions.way_back_m(start.0, end.0) / span_s;
+    let forth_m_s = motor_speed_m_s + back_m_s;
+    let (slowest_m_s, fastest_m_s) = inbox.samples.speed_range(start.0, end.0)?;
+    if forth_m_s < encoder.speed_min_rel * reference_feed_m_s {
         return None;
     }
     // two quantisation errors, uniform over one quantum
     let quantum_m = encoder.quantum_m / 6.0_f64.sqrt();
     let timing_m = from.error_m + to.error_m + encoder.skew_s * (fastest_m_s - slowest_m_s);
-    let variance = [quantum_m / span_s, timing_m / span_s, encoder.relative * motor_speed_m_s]
+    let variance = [quantum_m / span_s, timing_m / span_s, encoder.relative * forth_m_s]
         .into_iter()
         .map(|deviation| deviation * deviation)
         .sum();
@@ -110,20 +121,23 @@ pub(crate) fn encoder(
         value: (end.1 - start.1) / span_s,
         variance,
         passing: 0.0,
-        sensor: Sensor::Encoder { motor_speed_m_s },
+        sensor: Sensor::Encoder { forth_m_s, back_m_s },
     })
 }
 
-/// Mean speed of the filament past the encoder over an interval of strokes, or one within `strokes_s` of a stroke back
-/// `[m/s]`.
+/// Whether the filament strokes in an interval, or has stroked back within `strokes_s` before it; a slow host's reports may
+/// hide that, the encoder does not.
 ///
 /// Pressure advance drives the motor forth and back by several times what it feeds. Only strokes forth slip, so a slip
 /// that is known to a hundredth leaves a tenth of the flow open, and the encoder tells no slip there: it tells the flow.
-pub(crate) fn filament_in_strokes(inbox: &Inbox, (from_s, to_s): (f64, f64), strokes_s: f64) -> Option<f64> {
-    let (slowest_m_s, _) = inbox.samples.speed_range(from_s - strokes_s, to_s)?;
-    if slowest_m_s >= 0.0 {
-        return None;
-    }
+pub(crate) fn is_stroking(encoder: &RawEncoder, inbox: &Inbox, (from_s, to_s): (f64, f64)) -> bool {
+    let since_s = from_s - encoder.strokes_s;
+    let shown = inbox.samples.speed_range(since_s, to_s).is_some_and(|(slowest_m_s, _)| slowest_m_s < 0.0);
+    shown || inbox.positions.way_back_m(since_s, to_s) > STROKE_QUANTA * encoder.quantum_m
+}
+
+/// Mean speed of the filament past the encoder `[m/s]`; `None` where it is not known.
+pub(crate) fn filament_between(inbox: &Inbox, (from_s, to_s): (f64, f64)) -> Option<f64> {
     Some((inbox.positions.value_at(to_s)? - inbox.positions.value_at(from_s)?) / (to_s - from_s))
 }
 

@@ -76,8 +76,10 @@ pub struct RawProcess {
     pub sensor_k: f64,
     /// Flow relative to the reference feed `[-]`.
     pub flow_rel: f64,
-    /// Slip `[-]`.
+    /// Slip that an encoder tells of `[-]`.
     pub slip: f64,
+    /// Slip that nothing tells of `[-]`.
+    pub slip_unseen: f64,
     /// Gain `[-]`.
     pub gain: f64,
     /// Uncertainty of the lag, relative: a flow off balance is known that much worse `[-]`.
@@ -166,8 +168,6 @@ pub struct RawEncoder {
     pub interval_max_s: f64,
     /// Slower than this share of the reference feed is not looked at `[-]`.
     pub speed_min_rel: f64,
-    /// Time after a stroke back from which on the encoder tells the slip `[s]`, in `[0, 2]`.
-    pub settle_s: f64,
     /// Time after a stroke back for which the encoder tells the flow itself `[s]`, in `[0, 2]`.
     pub strokes_s: f64,
     /// Deviation added to the slip on a step `[-]`.
@@ -274,6 +274,7 @@ fn check_process(raw: &RawProcess) -> Result<(), ParamError> {
     in_range("process.sensor_k", raw.sensor_k, "K", (1e-6, 100.0))?;
     in_range("process.flow_rel", raw.flow_rel, "-", (1e-6, 1.0))?;
     in_range("process.slip", raw.slip, "-", (1e-6, 1.0))?;
+    in_range("process.slip_unseen", raw.slip_unseen, "-", (1e-6, 1.0))?;
     in_range("process.gain", raw.gain, "-", (1e-6, 1.0))?;
     in_range("process.lag_rel", raw.lag_rel, "-", (0.0, 2.0))?;
     in_range("process.frozen", raw.frozen, "-", (0.0, 1.0))?;

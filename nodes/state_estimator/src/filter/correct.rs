@@ -17,8 +17,9 @@ impl Filter {
         records: &mut [Record; CHANNELS],
     ) -> bool {
         let mut observations: [Option<(Channel, Observation)>; 2] = [None, None];
-        if let Some(temperature) = inbox.temperature.take() {
-            observations[0] = Some((Channel::Thermistor, measurement::thermistor(&self.params, temperature)));
+        if let Some(reading) = inbox.temperature.take() {
+            let reading = measurement::thermistor(&self.params, reading, (run.at_s, run.drive));
+            observations[0] = Some((Channel::Thermistor, reading));
         }
         let encoder =
             measurement::encoder(&self.params, self.reference_feed_m_s, inbox, &mut run.encoder_used);

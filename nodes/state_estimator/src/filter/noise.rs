@@ -8,6 +8,10 @@ use models::status::PrinterStatus;
 
 /// Smallest deviation of a process noise `[-]`: a root has to exist.
 const FLOOR: f64 = 1e-9;
+/// Deviation of a slip of which nothing is known but that it is between none and all, `1/sqrt(12)` `[-]`.
+const ANY_SLIP: f64 = 0.289;
+/// Least share of the feed that is taken to get through where nothing tells how much does `[-]`.
+const LEAST_KEPT: f64 = 0.1;
 
 impl Filter {
     /// Other noises from now on; what is known stays as well known as it is.
@@ -49,15 +53,29 @@ impl Filter {
             if run.encoder_alive {
                 walk(process.slip, state::SLIP, self.params.prior.slip_std)
             } else {
-                frozen(process.slip)
+                frozen(process.slip_unseen)
             },
             // without the encoder the gain is that of gear and road together, and wanders as both do
             walk(
-                learnt * if run.encoder_alive { process.gain } else { process.gain.hypot(process.slip) },
+                learnt
+                    * if run.encoder_alive { process.gain } else { process.gain.hypot(process.slip_unseen) },
                 state::GAIN,
                 self.params.prior.gain_std,
             ),
         ])
+    }
+
+    /// What may have changed since there is no encoder and shows nowhere: a slip, and the flow that it takes. Widths show the
+    /// product of flow and gain alone, so that the gain seems to have changed instead (model book 1.5).
+    pub(super) fn unseen(&self, run: &Running, x: &State) -> Covariance {
+        let process = &self.params.process;
+        let walked = process.slip_unseen * (run.blind_s / process.reference_period_s).sqrt();
+        let kept = (1.0 - x[state::SLIP]).max(LEAST_KEPT);
+        let mut along = State::zeros();
+        along[state::SLIP] = 1.0;
+        along[state::FLOW] = -x[state::FLOW] / kept;
+        along[state::GAIN] = if run.width_alive { x[state::GAIN] / kept } else { 0.0 };
+        along * along.transpose() * walked.min(ANY_SLIP).powi(2)
     }
 
     /// Doubt added to the states behind a channel whose innovations stand on one side.

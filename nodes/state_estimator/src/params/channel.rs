@@ -30,7 +30,6 @@ pub(super) fn check_encoder(raw: &RawEncoder) -> Result<(), ParamError> {
     in_range("encoder.interval_max_s", raw.interval_max_s, "s", (0.001, 10.0))?;
     ordered(("encoder.interval_min_s", raw.interval_min_s), ("encoder.interval_max_s", raw.interval_max_s))?;
     in_range("encoder.speed_min_rel", raw.speed_min_rel, "-", (0.0, 1.0))?;
-    in_range("encoder.settle_s", raw.settle_s, "s", (0.0, 2.0))?;
     in_range("encoder.strokes_s", raw.strokes_s, "s", (0.0, 2.0))?;
     in_range("encoder.step_std", raw.step_std, "-", (0.0, 1.0))?;
     check_trust(&raw.trust)

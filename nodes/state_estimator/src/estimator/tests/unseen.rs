@@ -1,0 +1,75 @@
+//! What no sensor tells of is stated as unknown.
+
+use super::*;
+
+/// Without an encoder a slip of 9 % more looks like a gain of as much less. Widths hold the product alone: the stated
+/// covariance bears that, as long as the slip has had the time to walk so far.
+#[test]
+fn a_slip_that_nothing_shows_is_within_what_is_stated() {
+    let mut rig = Rig::new();
+    rig.encoder = false;
+    rig.run(3000);
+    rig.slip = 0.10;
+    let estimate = rig.run(6000);
+    let truth = [(state::FLOW, rig.flow_m_s), (state::SLIP, rig.slip), (state::GAIN, rig.gain)];
+    for (index, value) in truth {
+        let (error, std) = (value - estimate.x[index], estimate.p[(index, index)].sqrt());
+        assert!(error.abs() < 2.0 * std, "{index}: {error} of {std}");
+    }
+    // what widths tell is known as well as before: the product
+    let product = |flow_m_s: f64, gain: f64| flow_m_s * gain / FEED_M_S;
+    let told = product(estimate.x[state::FLOW], estimate.x[state::GAIN]);
+    assert!((told - product(rig.flow_m_s, rig.gain)).abs() < 0.02, "{told}");
+    assert!(estimate.p.cholesky().is_some());
+}
+
+/// The encoder is back: what it tells is stated as well known as ever.
+#[test]
+fn an_encoder_that_is_back_ends_the_doubt() {
+    let mut rig = Rig::new();
+    rig.encoder = false;
+    let blind = rig.run(3000).p[(state::SLIP, state::SLIP)].sqrt();
+    rig.encoder = true;
+    let seen = rig.run(200).p[(state::SLIP, state::SLIP)].sqrt();
+    // 30 s of 0.003 a tick: 0.073
+    assert!(blind > 0.07 && seen < 0.02, "{blind} {seen}");
+}
+
+/// A hot end that heats up at full power, told of twice a second and read ten times: a reading is judged by what the model
+/// says of its own time, 0.2 s and 0.3 K later in the mean.
+#[test]
+fn readings_between_slow_reports_are_judged_at_their_own_time() {
+    let slow = SHIPPED.replace("age_limit_s: 0.25 ", "age_limit_s: 1.2 ");
+    let mut estimator = estimator(&slow, nominal_hotend().heater_power_w);
+    let setting = crate::printer_model::Setting {
+        ambient: Kelvin(298.15),
+        filament_area_m2: bowden().filament_area_m2(),
+        substep: Seconds(0.025),
+    };
+    let model = PrinterModel::new(&nominal_hotend(), &pla(), setting);
+    let heating = crate::printer_model::Drive {
+        heater_power_w: 40.0,
+        motor_speed_m_s: 0.0,
+        filament_speed_m_s: None,
+        fan: 1.0,
+    };
+    let mut x = State::from([300.0, 300.0, 300.0, 0.0, 0.0, 1.0]);
+    let mut last = None;
+    for step in 1..=600_u32 {
+        let stamp = Seconds(f64::from(step) * 0.1);
+        x = model.step(&x, &heating, 0.1);
+        if step.is_multiple_of(5) {
+            let status = PrinterStatus {
+                hotend_duty: 1.0,
+                depositing: false,
+                planned_feed_m_s: 0.0,
+                ..status(stamp.0, 0.0)
+            };
+            estimator.on_event(Event::Printer(status));
+        }
+        estimator.on_event(Event::Hotend { stamp, temp: Kelvin(x[state::SENSOR]).into() });
+        last = estimator.on_event(Event::Tick { now: stamp }).or(last);
+    }
+    let nis = last.unwrap().nis_mean[Channel::Thermistor as usize].unwrap();
+    assert!(nis < 0.5, "{nis}");
+}
