@@ -149,7 +149,7 @@ impl Controller {
         let dt_s = before.map_or(0.0, |before| estimate.stamp.0 - before.stamp.0);
         self.follow_flow(&status, &estimate, dt_s);
         self.calibrate(&status, &estimate, dt_s);
-        let trims = self.trims(&status, &estimate);
+        let trims = self.trims(&status, &estimate, dt_s);
         self.sequence += 1;
         Some(Command {
             session: self.session,

@@ -1,6 +1,6 @@
 //! The plan: errors now, the solve at every tick, and the fast trims between.
 
-use super::{Controller, Printer};
+use super::{Controller, Printer, moves_of};
 use crate::fallback::Course;
 use crate::input::Estimate;
 use crate::params::Level;
@@ -141,8 +141,11 @@ impl Controller {
 
     /// Follows the flow error slowly: a road's transients are over before a correction could act on them.
     ///
-    /// Over such a time what passed the encoder has left the nozzle. In strokes of pressure advance that says more of the flow
-    /// than an estimate of it at the moments at which a road is steady: those are not the mean of all.
+    /// Where the printer makes up for the slip, what is lacking is the extruder loop's to give back, and has been laid thin: a
+    /// second loop on it would make later roads fat. What is left of the flow's error is what the trims in force make of it.
+    ///
+    /// Elsewhere, over such a time, what passed the encoder has left the nozzle. In strokes of pressure advance that says more
+    /// of the flow than an estimate of it at the moments at which a road is steady: those are not the mean of all.
     pub(super) fn follow_flow(&mut self, status: &PrinterStatus, estimate: &Estimate, dt_s: f64) {
         if !status.depositing || dt_s <= 0.0 {
             return;
@@ -151,6 +154,13 @@ impl Controller {
         if estimate.encoder_alive {
             let planned_m_s = status.planned_feed_m_s.max(0.0) * self.base.feed();
             let excess_m = self.balance.take_excess_m();
+            if self.is_made_up_for(status, estimate) {
+                let most = self.params.limits.feed;
+                let fed = moves_of(&status.trims, self.base.feed())[input::FEED].clamp(-most, most);
+                let flow_m_s = planned_m_s * (1.0 + fed);
+                self.flow_error.follow((flow_m_s, planned_m_s), dt_s, self.printer.material.lag_s);
+                return;
+            }
             let flow_m_s = planned_m_s + excess_m / dt_s;
             self.flow_error.follow((flow_m_s, planned_m_s), dt_s, settings.flow_averaging_s);
             return;
@@ -161,5 +171,11 @@ impl Controller {
             let flows_m_s = (estimate.flow_m_s, nominal_m_s);
             self.flow_error.follow(flows_m_s, dt_s, settings.flow_averaging_alone_s);
         }
+    }
+
+    /// Whether the slip is made up for, and within what can be.
+    fn is_made_up_for(&self, status: &PrinterStatus, estimate: &Estimate) -> bool {
+        let reach = self.params.slip.low..=self.params.slip.high;
+        status.trims.slip.is_some() && reach.contains(&estimate.slip)
     }
 }

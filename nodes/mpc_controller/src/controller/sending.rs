@@ -8,12 +8,12 @@ use models::command::Trims;
 use models::status::{HostProfile, JobPhase, PrinterStatus};
 
 impl Controller {
-    pub(super) fn trims(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Trims {
+    pub(super) fn trims(&mut self, status: &PrinterStatus, estimate: &Estimate, dt_s: f64) -> Trims {
         let printing = !matches!(status.phase, JobPhase::Idle | JobPhase::Done | JobPhase::Failed);
         if self.params.control == Level::Off || !printing {
             return Trims::NEUTRAL;
         }
-        let slip = self.slip(status, estimate);
+        let slip = self.slip(status, estimate, dt_s);
         let setpoint_offset_k =
             if self.params.control == Level::Mpc { self.held[input::SETPOINT] } else { 0.0 };
         let (flow, speed) = self.scheduled();
@@ -39,7 +39,7 @@ impl Controller {
         (flow.clamp(1.0 - most, 1.0 + most), 1.0 + speed)
     }
 
-    fn slip(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Option<f64> {
+    fn slip(&mut self, status: &PrinterStatus, estimate: &Estimate, dt_s: f64) -> Option<f64> {
         if !estimate.encoder_alive {
             self.catch_up.open();
             self.balance.open();
@@ -48,7 +48,7 @@ impl Controller {
         Some(match status.host {
             HostProfile::Native => estimate.slip.clamp(self.params.slip.low, self.params.slip.high),
             HostProfile::Serial | HostProfile::Moonraker | HostProfile::Octoprint => {
-                self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s)
+                self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s, dt_s)
             }
         })
     }
