@@ -90,7 +90,7 @@ const LAW: AdvanceLaw = AdvanceLaw { linear_s: 0.3, shear: 1e-2, index: 0.5 };
 
 /// 200 s of a printer whose law is 1.2 times `LAW` and that gets `LAW` with each move, times the factor which `follow` makes
 /// of each status and, at 2 Hz, of a width and its time; the last factor.
-fn printed_with_law(follow: &mut dyn FnMut(&PrinterStatus, Option<(f64, f64)>) -> f64) -> f64 {
+fn printed_with_law(mut follow: impl FnMut(&PrinterStatus, Option<(f64, f64)>) -> f64) -> f64 {
     let plant = StaticLaw::of_compression(0.5, 1.2 * LAW.shear, 1.2 * LAW.linear_s);
     let mut pressure = Pressure::steady(&plant, feed_m_s(0.0));
     let mut factor = 1.0;
@@ -114,7 +114,7 @@ fn printed_with_law(follow: &mut dyn FnMut(&PrinterStatus, Option<(f64, f64)>) -
 fn the_factor_meets_a_law_over_the_feed() {
     let foretold = Foretold { advance_s: 0.416, law: LAW, ..foretold() };
     let mut learning = Learning::new(RawLearning { reach: 0.4, ..LEARNING });
-    let factor = printed_with_law(&mut |status, width| {
+    let factor = printed_with_law(|status, width| {
         learning.on_status(status, &foretold);
         if let Some((at_s, width_m)) = width {
             learning.on_width(at_s, width_m);
@@ -130,7 +130,7 @@ fn a_planned_law_is_learnt() {
     let factor_with = |source| {
         let settings = RawAdvance { source, learning: RawLearning { reach: 0.4, ..LEARNING }, ..SETTINGS };
         let mut advance = Advance::new(settings);
-        printed_with_law(&mut |status, width| {
+        printed_with_law(|status, width| {
             advance.on_status(status, Some(LAW));
             if let Some((at_s, width_m)) = width {
                 advance.on_width(Seconds(at_s), width_m);
