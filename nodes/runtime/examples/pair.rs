@@ -6,11 +6,13 @@
 //! On simulated time (`-p use_sim_time:=true`): the pacer drives `/clock` at ten times real time, the sleeper ends well
 //! after 20 ticks of a second each, all a second apart on its clock.
 //!
-//! The chatterer writes more lines than any pipe holds, and ends well.
+//! The chatterer writes more lines than any pipe holds, and ends well. The teller writes as many as may wait for standard
+//! error, and ends a second later.
 
 use fdm_loop_msgs::{BeadWidth, Header, PrintInfo, SetModeRequest, SetModeResponse};
 use models::units::Seconds;
 use runtime::{CallError, Node, RuntimeError, topics};
+use std::time::Duration;
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -26,6 +28,7 @@ enum Role {
     Pacer,
     Sleeper,
     Chatterer,
+    Teller,
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -128,6 +131,8 @@ async fn sleep(node: Node) -> Result<(), PairError> {
 
 /// Lines of 100 bytes: a pipe holds 64 KiB.
 const LINES: u32 = 20_000;
+/// Fewer than the runtime lets wait for standard error.
+const TOLD: u32 = 4000;
 
 async fn pair(node: Node) -> Result<(), PairError> {
     let role = node.parameters::<Params>()?.role;
@@ -143,6 +148,14 @@ async fn pair(node: Node) -> Result<(), PairError> {
                     "line {line} of {LINES}, which are more than any pipe holds that nobody reads"
                 );
             }
+            Ok(())
+        }
+        Role::Teller => {
+            for line in 0..TOLD {
+                tracing::warn!("line {line} of {TOLD}, which somebody reads");
+            }
+            // An end leaves its last lines a moment only, whoever reads them.
+            tokio::time::sleep(Duration::from_secs(1)).await;
             Ok(())
         }
     }

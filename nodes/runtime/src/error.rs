@@ -1,6 +1,7 @@
 //! What can go wrong between the graph and a node.
 
 use crate::args::ArgsError;
+use crate::names::NamespaceError;
 use crate::params::ParamFileError;
 use std::error::Error;
 
@@ -22,6 +23,9 @@ pub enum RuntimeError {
         /// What names look like.
         rule: &'static str,
     },
+    /// A namespace is not valid in ROS 2.
+    #[error(transparent)]
+    Namespace(#[from] NamespaceError),
     /// The middleware refused to create an entity.
     #[error("cannot create {what}: {reason}")]
     Create {
@@ -59,7 +63,14 @@ impl RuntimeError {
     /// Whether the person who started the node has to change something: exit code 2.
     #[must_use]
     pub fn is_usage(&self) -> bool {
-        matches!(self, Self::Args(_) | Self::Parameters(_) | Self::Name { .. } | Self::SimulatedTime { .. })
+        matches!(
+            self,
+            Self::Args(_)
+                | Self::Parameters(_)
+                | Self::Name { .. }
+                | Self::Namespace(_)
+                | Self::SimulatedTime { .. }
+        )
     }
 }
 

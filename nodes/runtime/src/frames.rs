@@ -5,6 +5,7 @@
 //! ```
 
 use crate::error::RuntimeError;
+use crate::names::DEFAULT_NAMESPACE;
 use crate::node::Node;
 use crate::publisher::Publisher;
 use crate::topics;
@@ -36,7 +37,7 @@ pub struct FrameParams {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawFrames {
-    /// In front of each name: one a printer where several share a domain.
+    /// In front of each name: one a printer where several share a domain. Where it is empty, see [`Node::frames`].
     pub prefix: String,
     /// Parts by name.
     pub parts: BTreeMap<String, Part>,
@@ -97,13 +98,25 @@ pub struct Frames {
 }
 
 impl Node {
-    /// Prepares to tell where the parts of the printer are.
+    /// Prepares to tell where the parts of the printer are. All printers share one tree: in another namespace than
+    /// `/printer` parts without a prefix have the namespace's.
     ///
     /// # Errors
     /// As [`Node::publish_on`].
-    pub fn frames(&mut self, params: FrameParams) -> Result<Frames, RuntimeError> {
+    pub fn frames(&mut self, mut params: FrameParams) -> Result<Frames, RuntimeError> {
+        if params.prefix.is_empty() {
+            params.prefix = prefix_of(&self.name());
+        }
         let (fixed, moving) = (self.publish_on(&topics::TF_STATIC)?, self.publish_on(&topics::TF)?);
         Ok(Frames { params, fixed, moving, told: Seconds(f64::NEG_INFINITY) })
+    }
+}
+
+/// Prefix of the frames of a printer, by the name of one of its nodes: `left/` of `/left/printer_sim`.
+fn prefix_of(node: &str) -> String {
+    match node.rsplit_once('/') {
+        Some((DEFAULT_NAMESPACE | "", _)) | None => String::new(),
+        Some((namespace, _)) => format!("{}/", namespace.trim_start_matches('/')),
     }
 }
 
@@ -179,6 +192,13 @@ mod tests {
         let down = quaternion([PI, 0.0, 0.0]);
         assert!(near(turned(&down, [0.0, 0.0, 1.0]), [0.0, 0.0, -1.0]));
         assert!(near(turned(&down, [1.0, 0.0, 0.0]), [1.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn two_printers_have_frames_of_their_own() {
+        let prefix =
+            ["/printer/printer_sim", "/printer_sim", "/left/printer_sim", "/hall/left/printer_bridge"];
+        assert_eq!(prefix.map(prefix_of), ["", "", "left/", "hall/left/"]);
     }
 
     /// Roll first, then pitch, then yaw, about axes that stay: x goes to y by yaw alone; with pitch before it, down.

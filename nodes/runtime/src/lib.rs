@@ -100,6 +100,7 @@ pub use frames::{FrameParams, Frames};
 pub use heartbeat::Work;
 pub use inlet::{Inlet, Reason, Refused, check_age};
 pub use logging::write_last_lines;
+pub use names::{NamespaceError, check_namespace};
 pub use node::Node;
 pub use params::store::LiveParameters;
 pub use params::{NodePath, ParamFileError, Parameters};

@@ -5,7 +5,7 @@ use crate::error::RuntimeError;
 use ros2_client::{Name, NodeName};
 
 /// Namespace where none is asked for: every printer has its own.
-const DEFAULT_NAMESPACE: &str = "/printer";
+pub(crate) const DEFAULT_NAMESPACE: &str = "/printer";
 
 /// What a rule calls the node's own name and namespace.
 const OWN: [&str; 3] = ["__node", "__name", "__ns"];
@@ -26,6 +26,40 @@ fn is_valid(absolute: &str) -> bool {
     absolute.strip_prefix('/').is_some_and(|parts| parts.split('/').all(fits))
 }
 
+/// Passes a namespace as ROS writes it: `/`, or parts of letters, digits and `_` that begin with no digit, each behind a `/`.
+///
+/// # Errors
+/// What is wrong with it, and one that may be meant.
+pub fn check_namespace(namespace: &str) -> Result<String, NamespaceError> {
+    let fault = if namespace == "/" || is_valid(namespace) {
+        return Ok(namespace.to_owned());
+    } else if !namespace.starts_with('/') {
+        "begins with no /"
+    } else {
+        "each part of it has letters, digits and _ alone and begins with no digit"
+    };
+    let part = |part: &str| {
+        let letter = |letter: char| if letter.is_ascii_alphanumeric() { letter } else { '_' };
+        let gap = if part.starts_with(|first: char| first.is_ascii_digit()) { "/_" } else { "/" };
+        gap.chars().chain(part.chars().map(letter)).collect::<String>()
+    };
+    let meant: String = namespace.split('/').filter(|part| !part.is_empty()).map(part).collect();
+    Err(NamespaceError {
+        given: short(namespace),
+        fault,
+        meant: if meant.is_empty() { "/printer".to_owned() } else { short(&meant) },
+    })
+}
+
+/// A namespace that ROS does not know.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("namespace '{given}': {fault}: write {meant}")]
+pub struct NamespaceError {
+    given: String,
+    fault: &'static str,
+    meant: String,
+}
+
 /// Name of the node and the remappings in force.
 #[derive(Debug, Clone)]
 pub(crate) struct Names {
@@ -40,12 +74,11 @@ impl Names {
         let base = args.node.as_deref().or_else(|| own(args, default_node, "__node"));
         let base = base.or_else(|| own(args, default_node, "__name")).unwrap_or(default_node);
         let namespace = args.namespace.as_deref().or_else(|| own(args, base, "__ns"));
-        let namespace = namespace.unwrap_or(DEFAULT_NAMESPACE);
-        let node = NodeName::new(namespace, base).ok().filter(|node| is_valid(&node.fully_qualified_name()));
+        let namespace = check_namespace(namespace.unwrap_or(DEFAULT_NAMESPACE))?;
+        let node = NodeName::new(&namespace, base).ok().filter(|node| is_valid(&node.fully_qualified_name()));
         let node = node.ok_or_else(|| RuntimeError::Name {
-            name: short(&format!("{}/{base}", namespace.trim_end_matches('/'))),
-            rule: "a namespace begins with /; each part of it, and the node's name, has letters, digits and _ alone and \
-                   begins with no digit",
+            name: short(base),
+            rule: "a node's name has letters, digits and _ alone and begins with no digit",
         })?;
         let mut names = Self { node, remaps: Vec::new() };
         for (from, to) in &args.remaps {
@@ -141,14 +174,32 @@ mod tests {
     #[test]
     fn bad_names_are_refused() {
         assert!(names("--ros-args -r __node:=1st").is_err());
-        assert!(names("--ros-args -r __ns:=printer").is_err());
         assert!(names("--ros-args -r a:=b//c").is_err());
-        let said = names("--ros-args -r __ns:=/1a").unwrap_err().to_string();
-        assert!(
-            said.starts_with("name '/1a/thermistor' is not a valid ROS 2 name: a namespace begins with /"),
-            "{said}"
-        );
         let said = names("--ros-args -r a:=/x/1b").unwrap_err().to_string();
         assert!(said.ends_with("has letters, digits and _ alone and begins with no digit"), "{said}");
+    }
+
+    /// A namespace that is refused is told with one that may be meant.
+    #[test]
+    fn bad_namespaces_are_refused_with_a_good_one() {
+        let line = "--ros-args -r __ns:=left";
+        let said = names(line).unwrap_err().to_string();
+        assert_eq!(said, "namespace 'left': begins with no /: write /left");
+        let meant =
+            |given| check_namespace(given).unwrap_err().to_string().split("write ").nth(1).map(str::to_owned);
+        for (given, wanted) in [
+            ("/1a", "/_1a"),
+            ("/a b/", "/a_b"),
+            ("a//b", "/a/b"),
+            ("/left/", "/left"),
+            ("", "/printer"),
+            ("//", "/printer"),
+        ] {
+            assert_eq!(meant(given).as_deref(), Some(wanted), "{given}");
+            assert_eq!(check_namespace(wanted).as_deref(), Ok(wanted));
+        }
+        for fine in ["/", "/left", "/a/b_1"] {
+            assert_eq!(check_namespace(fine).as_deref(), Ok(fine));
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! A node: name, parameters, clock, endpoints, diagnostics, heartbeat, self loop.
 
 mod background;
+mod domain;
 mod endpoints;
 mod middleware;
 

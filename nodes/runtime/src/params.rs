@@ -227,8 +227,12 @@ pub fn from_yaml<T: DeserializeOwned>(file: &Path) -> Result<T, ParamFileError> 
             || file.display().to_string(),
             |location| format!("{}:{}", file.display(), location.line()),
         );
-        let reason = error.without_snippet().to_string();
-        let reason = reason.lines().next().unwrap_or_default().to_owned();
+        // A name that stands twice is told in our own words, with both lines.
+        let twice = yaml::read_yaml(&text).err().as_ref().map(yaml::reason);
+        let reason = twice.unwrap_or_else(|| {
+            let reason = error.without_snippet().to_string();
+            reason.lines().next().unwrap_or_default().to_owned()
+        });
         ParamFileError::Malformed { at, reason }
     })
 }

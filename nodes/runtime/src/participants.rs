@@ -38,14 +38,15 @@ impl Participants {
     pub(crate) fn join(environment: &Environment) -> Result<Self, RuntimeError> {
         let _turn = turn(environment.domain_id);
         let own = environment.participant().map_err(|error| RuntimeError::create("participant", &error))?;
-        if own.participant_id() >= ANNOUNCED {
+        let hears_itself = lo_has_multicast();
+        if own.participant_id() >= ANNOUNCED && !hears_itself {
             tracing::warn!(
                 "participant {} of domain {}: without multicast only the first {ANNOUNCED} processes see each other",
                 own.participant_id(),
                 environment.domain_id
             );
         }
-        let echo = if lo_has_multicast() { None } else { Some(echo(environment)?) };
+        let echo = if hears_itself { None } else { Some(echo(environment)?) };
         Ok(Self { own, echo, environment: *environment })
     }
 

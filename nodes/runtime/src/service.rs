@@ -55,7 +55,15 @@ impl<S: RosService> std::fmt::Debug for Server<S> {
 }
 
 impl<S: RosService> Server<S> {
-    pub(crate) fn new(server: RosServer<S>, gate: Gate) -> Self {
+    /// Its first answer is nobody's, and is given before any client is known. A reliable reader of Cyclone DDS takes all
+    /// that the first heartbeat it hears tells of for what was before its time. Of a writer without a sample that can be
+    /// the heartbeat of its first answer, which is lost then; a client acknowledges this one, and has heard a heartbeat.
+    pub(crate) fn new(server: RosServer<S>, gate: Gate) -> Self
+    where
+        S::Response: Default,
+    {
+        // Where the middleware does not take it, all else is as without it.
+        _ = server.send_response(RmwRequestId::default(), Wire(S::Response::default()));
         Self { server, undecodable: 0, gate, fresh: true }
     }
 

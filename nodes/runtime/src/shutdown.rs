@@ -73,12 +73,28 @@ fn orphaned() -> impl Future<Output = ()> {
     }
 }
 
+/// Whether an end that somebody demands now needs no more than the end of the process.
+static STARTING: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+
+/// From here on until [`follow_signals`] a SIGINT, SIGTERM or SIGHUP ends the process at once, and well: nothing is open
+/// yet that had to be closed.
+pub(crate) fn end_while_starting() -> Result<(), RuntimeError> {
+    let system = |source| RuntimeError::System { what: "cannot listen to signals", source };
+    STARTING.store(true, Ordering::Relaxed);
+    for signal in [Signal::INT, Signal::TERM, Signal::HUP] {
+        signal_hook::flag::register_conditional_shutdown(signal.as_raw(), 0, Arc::clone(&STARTING))
+            .map_err(system)?;
+    }
+    Ok(())
+}
+
 /// Turns SIGINT, SIGTERM and SIGHUP into a demand, and ends the process where the shell does not follow it in time.
 pub(crate) fn follow_signals(sender: ShutdownSender) -> Result<(), RuntimeError> {
     let system = |source| RuntimeError::System { what: "cannot listen to signals", source };
     let mut interrupt = signal(SignalKind::interrupt()).map_err(system)?;
     let mut terminate = signal(SignalKind::terminate()).map_err(system)?;
     let mut hang_up = signal(SignalKind::hangup()).map_err(system)?;
+    STARTING.store(false, Ordering::Relaxed);
     let orphaned = orphaned();
     tokio::spawn(async move {
         tokio::select! {

@@ -7,6 +7,7 @@ use crate::installed;
 use crate::lifecycle;
 use crate::logging;
 use crate::node::Node;
+use crate::shutdown;
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
@@ -66,6 +67,7 @@ where
     R: Future<Output = Result<(), E>>,
     E: Error + 'static,
 {
+    shutdown::end_while_starting()?;
     bounds::set()?;
     let mut args = installed::complete(Args::from_env()?, name);
     if args.rest.iter().any(|word| word == "--help" || word == "-h") {

@@ -18,18 +18,24 @@ impl Process {
 
     /// The same with its standard error to a place of one's own.
     fn telling(role: &str, domain: u32, told: Stdio) -> Self {
+        Self::begun(Self::command(role, domain).stderr(told))
+    }
+
+    fn command(role: &str, domain: u32) -> Command {
         let tests = std::env::current_exe().unwrap();
         let pair: PathBuf = tests.parent().unwrap().parent().unwrap().join("examples/pair");
         let simulated = matches!(role, "pacer" | "sleeper");
-        let child = Command::new(pair)
+        let mut command = Command::new(pair);
+        command
             .args(["--ros-args", "-r", &format!("__node:={role}"), "-p", &format!("role:={role}")])
             .args(["-p", &format!("use_sim_time:={simulated}")])
             .env("ROS_DOMAIN_ID", domain.to_string())
-            .env_remove("RUST_LOG")
-            .stderr(told)
-            .spawn()
-            .unwrap();
-        Self(child)
+            .env_remove("RUST_LOG");
+        command
+    }
+
+    fn begun(command: &mut Command) -> Self {
+        Self(command.spawn().unwrap())
     }
 
     fn signal(&self, signal: Signal) {
@@ -97,11 +103,41 @@ fn a_node_does_not_wait_for_who_reads_its_lines() {
     let mut unread = Process::telling("chatterer", domain(4), Stdio::piped());
     let status = unread.ended_within(Duration::from_secs(30)).expect("it ends though nobody reads");
     assert_eq!(status.code(), Some(0));
-    let mut read = Process::telling("chatterer", domain(4), Stdio::piped());
+    let mut read = Process::telling("teller", domain(4), Stdio::piped());
     let mut text = String::new();
     read.0.stderr.take().unwrap().read_to_string(&mut text).unwrap();
     assert_eq!(read.ended_within(Duration::from_secs(30)).unwrap().code(), Some(0));
-    assert!(text.contains("line 0 of 20000"), "{text}");
+    let told = |line: &str| line.split_once(" line ")?.1.split_once(" of 4000, ")?.0.parse().ok();
+    let lines: Vec<u32> = text.lines().filter_map(told).collect();
+    assert!(lines.iter().copied().eq(0..4000), "{} lines, each once and in order", lines.len());
+}
+
+/// An end that is demanded of a process that has not joined the graph yet is an end in order: launch files and `fdm up`
+/// take another exit code for a failure.
+#[test]
+fn a_node_that_is_interrupted_while_it_starts_ends_well() {
+    let turns = std::env::temp_dir().join(format!("fdm_turns_{}", std::process::id()));
+    std::fs::create_dir_all(&turns).unwrap();
+    // Who takes the turn of the domain keeps the others from joining for 3 s.
+    let path = turns.join(format!("fdm_loop_domain_{}.lock", domain(5)));
+    let turn = std::fs::File::create(&path).unwrap();
+    turn.lock().unwrap();
+    let mut talker = Process::begun(Process::command("talker", domain(5)).env("TMPDIR", &turns));
+    let files = format!("/proc/{}/fd", talker.0.id());
+    let waits = || {
+        let files = std::fs::read_dir(&files).unwrap();
+        files.flatten().any(|file| std::fs::read_link(file.path()).is_ok_and(|file| file == path))
+    };
+    let begin = Instant::now();
+    while !waits() {
+        assert!(begin.elapsed() < Duration::from_secs(10), "it waits for its turn");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    talker.signal(Signal::INT);
+    let ended = talker.ended_within(Duration::from_secs(10)).expect("it ends");
+    assert_eq!(ended.code(), Some(0), "{ended}");
+    drop(turn);
+    std::fs::remove_dir_all(turns).unwrap();
 }
 
 /// `/clock` drives the timers of another process, faster than real time.

@@ -109,7 +109,7 @@ impl Node {
     /// [`RuntimeError::Create`] or [`RuntimeError::Name`]
     pub fn serve<S>(&mut self, service: &Service<S>) -> Result<Server<S>, RuntimeError>
     where
-        S: RosService<Request: Clone>,
+        S: RosService<Request: Clone, Response: Default>,
     {
         let name = self.core.names.resolve(service.name());
         let ros_name = self.core.names.check(&name)?;

@@ -120,6 +120,16 @@ fn text_that_is_no_parameter_file_is_refused_with_its_line() {
     assert!(gone.starts_with("/no/such.yaml: "), "{gone}");
 }
 
+/// A file of another kind, as scenarios are, says it in the same words.
+#[test]
+fn a_name_that_stands_twice_is_told_with_both_lines() {
+    let file = std::env::temp_dir().join(format!("fdm_twice_{}.yaml", std::process::id()));
+    std::fs::write(&file, "faults:\n  kind: slip\n  kind: clog\n").unwrap();
+    let error = from_yaml::<serde_json::Value>(&file).unwrap_err().to_string();
+    std::fs::remove_file(&file).unwrap();
+    assert!(error.ends_with(": 'kind' stands twice in the same block: lines 2 and 3"), "{error}");
+}
+
 #[test]
 fn an_override_is_named_in_its_error() {
     let error = parse(&[GOOD], &[("limits.flow_max", "9")]).unwrap_err().to_string();
