@@ -53,6 +53,8 @@ fn a_replay_says_again_what_was_recorded_and_what_a_change_would_change() {
         ("estimate/state", 2000),
         ("control/command", 2000),
         ("safety/command", 5000),
+        ("control/schedule", 10),
+        ("safety/schedule", 10),
         ("advance/prediction", 100),
         ("events", 1),
     ] {
@@ -232,21 +234,37 @@ fn no_kill_costs_an_acknowledged_message() {
     assert!(figure("lost with the power") <= 1.0, "{figures}");
 }
 
-/// What is recorded is what is asked for; who asks for a topic that there is not is told.
+/// What is recorded is what is asked for; who asks for a topic that there is not is told of those that there are.
 #[test]
 fn the_recorder_is_started_as_asked() {
     let asked =
         ["record", "--bag", "x y", "--topics", "sensors/imu/batch,/clock", "--snapshot-s", "5", "--paused"];
-    let output = fdm(&[&asked[..], &["--dry-run"]].concat());
+    let output = fdm(&[&asked[..], &["--use-sim-time=false", "--dry-run"]].concat());
+    assert!(output.status.success(), "{output:?}");
     let line = String::from_utf8(output.stdout).unwrap();
     for part in [
         "bag_dir:=\"x y\"",
         "topics:=[\"sensors/imu/batch\",\"/clock\"]",
         "snapshot_s:=5.0",
         "start_paused:=true",
+        "use_sim_time:=false",
     ] {
         assert!(line.contains(part), "{part}: {line}");
     }
+    for option in ["--topics", "--leave-out"] {
+        let refused = fdm(&["record", "--bag", "x y", option, "/clock,sensors/nonsense"]);
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!((refused.status.code(), said.lines().count()), (Some(2), 1), "{said}");
+        assert!(
+            said.contains(&format!("{option} sensors/nonsense: no topic of this system; there are ")),
+            "{said}"
+        );
+        assert!(said.contains(", sensors/imu/batch, "), "{said}");
+    }
+    assert!(!PathBuf::from("x y").exists());
+    let refused = fdm(&["record", "--namespace", "left"]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(refused.status.code() == Some(2) && said.contains("begins with no /: write /left"), "{said}");
 }
 
 /// Figures take no recording's place, whatever command has them.

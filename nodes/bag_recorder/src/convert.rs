@@ -1,5 +1,6 @@
 //! Between the graph's types and the bag's.
 
+use crate::clock::{CLOCK, MONOTONIC, SIMULATED};
 use crate::contents::Channel;
 use crate::offered_qos::OfferedQos;
 use crate::params::Params;
@@ -57,12 +58,12 @@ pub(crate) fn note_of_run(node: &Node) -> BTreeMap<String, String> {
     let parameters = node.raw_parameters();
     let wall_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
     let clock = node.clock();
-    let kind = if clock.is_simulated() { "simulated" } else { "monotonic" };
+    let kind = if clock.is_simulated() { SIMULATED } else { MONOTONIC };
     text([
         ("recorder_build", build()),
         ("recorder_parameters", parameters.text()),
         ("recorder_parameters_sha256", parameters.sha256()),
-        ("clock", kind.to_owned()),
+        (CLOCK, kind.to_owned()),
         ("start_clock_s", clock.now().0.to_string()),
         ("start_wall_ns", wall_ns.to_string()),
     ])

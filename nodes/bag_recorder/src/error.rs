@@ -1,5 +1,6 @@
 //! Why recording cannot begin or go on.
 
+use crate::clock;
 use runtime::RuntimeError;
 use std::error::Error;
 use std::io::ErrorKind;
@@ -7,6 +8,11 @@ use std::path::{Path, PathBuf};
 
 /// What is tried of a file that is only read.
 const READ: &str = "read";
+
+/// What can be recorded, as declared.
+fn topic_names() -> String {
+    runtime::topics::ALL.iter().map(|topic| topic.name).collect::<Vec<_>>().join(", ")
+}
 
 /// The recorder's errors.
 #[derive(Debug, thiserror::Error)]
@@ -51,8 +57,23 @@ pub enum RecorderError {
     /// The folder is another recorder's.
     #[error("{}: another recorder is writing to this bag", .0.display())]
     InUse(PathBuf),
+    /// The bag's times are of another clock than this run's would be.
+    #[error(
+        "{name}: its times are of the {was} clock, those of this run would be of the {is} one: record to another folder, or \
+         start with use_sim_time:={wanted} (fdm record --use-sim-time={wanted})",
+        name = .file.display(),
+        wanted = was == clock::SIMULATED
+    )]
+    OtherClock {
+        /// The bag's newest file.
+        file: PathBuf,
+        /// Its clock.
+        was: String,
+        /// The clock of this run.
+        is: String,
+    },
     /// A name in `leave_out` or `topics` is no topic.
-    #[error("{parameter}: '{name}' is no topic of this system")]
+    #[error("{parameter}: '{name}' is no topic of this system; there are {}", topic_names())]
     NoTopic {
         /// The parameter.
         parameter: &'static str,

@@ -25,6 +25,8 @@
 //! | `node`, `writer`, `file`, `folder`, `recovery`, `walk` | the shell, behind the feature `ros`: files and threads; `fdm` uses them too |
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "ros")]
+mod clock;
 pub mod contents;
 #[cfg(feature = "ros")]
 mod convert;

@@ -3,6 +3,7 @@
 mod report;
 mod services;
 
+use crate::clock::Passed;
 use crate::convert;
 use crate::error::RecorderError;
 use crate::folder::Folder;
@@ -53,7 +54,11 @@ pub async fn run(mut node: Node) -> Result<(), RecorderError> {
         compact_end: Duration::from_secs_f64(params.compact_end.0),
     };
     tally.paused.store(params.start_paused, Ordering::Relaxed);
-    let recorder = Recorder::start(folder, settings)?;
+    let recorder = Recorder::start(folder, settings).inspect_err(|error| {
+        if matches!(error, RecorderError::OtherClock { .. }) {
+            node.refuse();
+        }
+    })?;
     let services = Services::serve(&mut node, params.snapshot.span_ns > 0)?;
 
     let mut readers = JoinSet::new();
@@ -186,6 +191,7 @@ async fn watch(
     let mut keep_severity = params.room.keep_severity;
     let mut ticks = interval(REPORT);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let mut passed = Passed::new(node);
     let mut looks = interval(LOOK);
     looks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let hand_over = |item| {
@@ -205,7 +211,10 @@ async fn watch(
                 hand_over(Item::Wish(Wish::SplitBy(params.split)));
             }
             asked = services.next() => services.grant(&asked, &queue, &report.tally),
-            _ = ticks.tick() => report.publish(),
+            _ = ticks.tick() => {
+                report.publish();
+                passed.look(node);
+            }
             _ = looks.tick() => if recorder.has_failed() {
                 return Ok(()); // its reason comes from `finish`
             },

@@ -7,6 +7,7 @@ mod queue;
 
 pub use queue::{Item, Queue, Sample, Wish};
 
+use crate::clock;
 use crate::contents::Channel;
 use crate::error::RecorderError;
 use crate::folder::Folder;
@@ -76,9 +77,10 @@ impl Recorder {
     /// Begins the next file of the folder. Leftovers of a kill are recovered beside it: nothing waits for them.
     ///
     /// # Errors
-    /// A folder that cannot be listed or written to.
+    /// A folder that cannot be listed or written to, or has times of another clock.
     pub fn start(folder: Folder, settings: Settings) -> Result<Self, RecorderError> {
         let survey = folder.survey()?;
+        clock::check(&folder, &survey, &settings.note)?;
         let tally = Arc::clone(&settings.tally);
         let plain = take_in(&folder, &survey.finished, &tally)?;
         let (queue, items) = Queue::new(settings.queue_length);

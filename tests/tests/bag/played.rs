@@ -37,6 +37,12 @@ impl Group {
         Self::start(domain.command(&program("fdm")).arg("play").arg(bag.path()).args(how))
     }
 
+    /// Plays a bag with its clock, over and over.
+    pub(crate) fn clock(bag: &Bag, domain: Domain) -> Self {
+        let how = ["--clock", "--times", "100", "--json", "-"];
+        Self::start(domain.command(&program("fdm")).arg("play").arg(bag.path()).args(how))
+    }
+
     /// Records all.
     pub(crate) fn record(bag: &Bag, domain: Domain) -> Self {
         Self::start(domain.command(&program("fdm")).args(["record", "--all", "--bag"]).arg(bag.path()))

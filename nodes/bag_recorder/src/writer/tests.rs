@@ -19,6 +19,14 @@ fn scratch(test: &str) -> Scratch {
 const ROOM: Room = Room { bag_bytes: None, free_bytes: 0, keep_severity: 2 };
 
 fn start(path: &Path, change: impl FnOnce(&mut Settings)) -> (Recorder, Arc<Tally>) {
+    let (recorder, tally) = try_start(path, change);
+    (recorder.unwrap(), tally)
+}
+
+fn try_start(
+    path: &Path,
+    change: impl FnOnce(&mut Settings),
+) -> (Result<Recorder, RecorderError>, Arc<Tally>) {
     let tally = Arc::new(Tally::new(1));
     let channel =
         Channel { topic: "/a".into(), type_name: "std_msgs/msg/Empty".into(), offered_qos: String::new() };
@@ -36,7 +44,7 @@ fn start(path: &Path, change: impl FnOnce(&mut Settings)) -> (Recorder, Arc<Tall
     };
     change(&mut settings);
     let folder = Folder::open(path, "bag", Arc::clone(&tally)).unwrap();
-    (Recorder::start(folder, settings).unwrap(), tally)
+    (Recorder::start(folder, settings), tally)
 }
 
 /// Hands over messages of 1 kB at 10 Hz from second `from` on.
@@ -51,6 +59,30 @@ fn send(recorder: &Recorder, from: u32, count: u32) {
 
 fn wish(recorder: &Recorder, wish: Wish) {
     assert!(recorder.queue().offer(Item::Wish(wish)));
+}
+
+/// A bag that was closed, and one that a kill left, takes no times of another clock; who does not say is taken as before.
+#[test]
+fn a_bag_has_one_clock() {
+    let folder = scratch("one_clock");
+    let on = |kind: &str| {
+        let note = BTreeMap::from([(clock::CLOCK.to_owned(), kind.to_owned())]);
+        try_start(&folder.0, |settings| settings.note = note).0
+    };
+    let first = on("simulated").unwrap();
+    send(&first, 10, 5);
+    first.finish().unwrap();
+    let refused = on("monotonic").map(drop).unwrap_err().to_string();
+    let file = folder.0.join("bag_0.mcap").display().to_string();
+    assert!(refused.starts_with(&format!("{file}: its times are of the simulated clock")), "{refused}");
+    assert!(refused.ends_with("(fdm record --use-sim-time=true)"), "{refused}");
+    std::fs::rename(&file, format!("{file}.active")).unwrap();
+    let refused = on("monotonic").map(drop).unwrap_err().to_string();
+    assert!(refused.starts_with(&format!("{file}.active: ")), "{refused}");
+    for kind in ["simulated", "simulated"] {
+        on(kind).unwrap().finish().unwrap();
+    }
+    try_start(&folder.0, |_| {}).0.unwrap().finish().unwrap();
 }
 
 /// What may change while the node is active: the files that follow end by it, and nothing is lost.

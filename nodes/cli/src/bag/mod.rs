@@ -1,6 +1,7 @@
 //! Bags: what is in one, mending one, writing one, playing one.
 
 mod info;
+mod kept;
 pub mod play;
 mod qos;
 pub mod record;

@@ -1,12 +1,19 @@
-//! `fdm record`: starts the recorder in place of this process, on its own.
+//! `fdm record`: starts the recorder on its own.
 
 use crate::config::ConfigDir;
-use crate::up::recipes::DEFAULT_NAMESPACE;
-use anyhow::{Context, bail};
+use crate::output;
+use crate::participant;
+use crate::up::recipes::{DEFAULT_NAMESPACE, clock_of};
+use anyhow::bail;
 use clap::Args;
-use std::os::unix::process::CommandExt;
-use std::path::PathBuf;
-use std::process::Command;
+use models::units::Seconds;
+use runtime::topics;
+use std::path::{Path, PathBuf};
+
+/// Time to hear of who publishes simulated time `[s]`: discovery takes 0.5 s.
+const LISTEN_S: f64 = 1.5;
+/// Between two looks for it `[s]`.
+const LOOK_S: f64 = 0.05;
 
 /// Records the topics of a printer to a bag until Ctrl-C.
 #[derive(Debug, Args)]
@@ -38,11 +45,11 @@ pub struct RecordArgs {
     /// Keep so much in memory while paused, for a snapshot `[s]`.
     #[arg(long)]
     snapshot_s: Option<f64>,
-    /// Time from /clock.
-    #[arg(long)]
-    use_sim_time: bool,
+    /// Time from /clock, or of this machine with `=false`. By default /clock counts where somebody publishes it at the start.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    use_sim_time: Option<bool>,
     /// Namespace of the printer; beside another one than /printer its own clock counts, as with `fdm up`.
-    #[arg(long, default_value = DEFAULT_NAMESPACE)]
+    #[arg(long, default_value = DEFAULT_NAMESPACE, value_parser = runtime::check_namespace)]
     namespace: String,
     /// Name of the node: not the one of the recorder that `fdm up` starts, whose services would answer too.
     #[arg(long, default_value = "fdm_record")]
@@ -55,7 +62,7 @@ pub struct RecordArgs {
     dry_run: bool,
 }
 
-/// Runs the command; it comes back only where the recorder cannot be started.
+/// Runs the command.
 ///
 /// # Errors
 /// One line that says what is wrong and where.
@@ -66,19 +73,83 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
     if !program.is_file() {
         bail!("{} is missing: build all nodes with `cargo build --release`", program.display());
     }
-    let arguments = arguments(args, &config);
+    check_topics(args)?;
     if args.dry_run {
-        return crate::output::line(&format!("{} {}", program.display(), arguments.join(" ")));
+        let arguments = arguments(args, args.use_sim_time, (&config, &bag_of(args)));
+        return output::line(&format!("{} {}", program.display(), arguments.join(" ")));
     }
-    // The recorder takes this process over: signals and exit code are its own.
-    let error = Command::new(&program).args(arguments).exec();
-    Err(error).with_context(|| program.display().to_string())
+    let simulated = match args.use_sim_time {
+        None => match hear_clock(&args.namespace)? {
+            Heard::Clock => Some(true),
+            Heard::Nothing => None,
+            Heard::Interrupt => return Ok(()),
+        },
+        given => given,
+    };
+    let bag = bag_of(args);
+    let arguments = arguments(args, simulated, (&config, &bag));
+    super::kept::run(&program, &arguments, &bag)
 }
 
-fn arguments(args: &RecordArgs, config: &ConfigDir) -> Vec<String> {
+/// Names are told before anything is started.
+fn check_topics(args: &RecordArgs) -> anyhow::Result<()> {
+    let base = args.namespace.trim_end_matches('/');
+    let known = |name: &String| {
+        let is = |topic: &str| *name == topic || *name == format!("{base}/{topic}");
+        topics::ALL.iter().any(|topic| is(topic.name)) || *name == clock_of(&args.namespace)
+    };
+    for (option, names) in [("--topics", &args.topics), ("--leave-out", &args.leave_out)] {
+        if let Some(unknown) = names.iter().find(|name| !known(name)) {
+            let all: Vec<&str> = topics::ALL.iter().map(|topic| topic.name).collect();
+            bail!("{option} {unknown}: no topic of this system; there are {}", all.join(", "));
+        }
+    }
+    Ok(())
+}
+
+/// What came first.
+enum Heard {
+    Clock,
+    Nothing,
+    Interrupt,
+}
+
+/// Listens for a while whether somebody publishes simulated time: stamps would be of it, and times of this machine would fit
+/// none of them.
+fn hear_clock(namespace: &str) -> anyhow::Result<Heard> {
+    let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let topic = clock_of(namespace);
+    let heard = executor.block_on(async {
+        let args = runtime::Args { namespace: Some(namespace.to_owned()), ..runtime::Args::default() };
+        let mut node = participant::join("fdm_record", args)?;
+        let (clock, mut looks) = (node.clock(), node.timer(Seconds(LOOK_S)));
+        let begun = clock.now();
+        while (clock.now() - begun).0 < LISTEN_S {
+            tokio::select! {
+                _ = looks.next() => {}
+                () = node.shutdown() => return anyhow::Ok(Heard::Interrupt),
+            }
+            if node.published_topics().contains(&topic) {
+                return Ok(Heard::Clock);
+            }
+        }
+        Ok(Heard::Nothing)
+    })?;
+    if matches!(heard, Heard::Clock) {
+        output::note(&format!(
+            "{topic} is published: the bag has its times (--use-sim-time=false: those of this machine)"
+        ));
+    }
+    Ok(heard)
+}
+
+/// The folder that was named, or a new one.
+fn bag_of(args: &RecordArgs) -> PathBuf {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
-    let bag =
-        args.bag.clone().unwrap_or_else(|| PathBuf::from("bags").join(format!("record-{}", now.as_secs())));
+    args.bag.clone().unwrap_or_else(|| PathBuf::from("bags").join(format!("record-{}", now.as_secs())))
+}
+
+fn arguments(args: &RecordArgs, simulated: Option<bool>, (config, bag): (&ConfigDir, &Path)) -> Vec<String> {
     // JSON is YAML: whatever a file is called.
     let mut values = vec![format!("bag_dir:={}", serde_json::json!(bag.to_string_lossy()))];
     if args.all || !args.leave_out.is_empty() {
@@ -93,7 +164,7 @@ fn arguments(args: &RecordArgs, config: &ConfigDir) -> Vec<String> {
         ("bag_mib", args.bag_mib.map(|value| value.to_string())),
         ("snapshot_s", args.snapshot_s.map(|value| format!("{value:?}"))),
         ("start_paused", args.paused.then(|| "true".to_owned())),
-        ("use_sim_time", args.use_sim_time.then(|| "true".to_owned())),
+        ("use_sim_time", simulated.map(|value| value.to_string())),
     ];
     values.extend(given.into_iter().filter_map(|(name, value)| Some(format!("{name}:={}", value?))));
     let file = config.file("bag_recorder.param.yaml").display().to_string();
@@ -102,7 +173,7 @@ fn arguments(args: &RecordArgs, config: &ConfigDir) -> Vec<String> {
     let mut arguments: Vec<String> =
         ["--ros-args", "-r", &name, "-r", &namespace, "--params-file", &file].map(str::to_owned).to_vec();
     if args.namespace != DEFAULT_NAMESPACE {
-        arguments.extend(["-r".to_owned(), format!("/clock:={}/clock", args.namespace)]);
+        arguments.extend(["-r".to_owned(), format!("/clock:={}", clock_of(&args.namespace))]);
     }
     arguments.extend(values.into_iter().flat_map(|value| ["-p".to_owned(), value]));
     arguments

@@ -29,6 +29,14 @@ pub const NODES: [&str; 11] = [
 /// The namespace whose clock is the domain's: tools that follow simulated time look for `/clock`.
 pub(crate) const DEFAULT_NAMESPACE: &str = "/printer";
 
+/// Where the clock of a printer is published.
+pub(crate) fn clock_of(namespace: &str) -> String {
+    if namespace == DEFAULT_NAMESPACE {
+        return "/clock".to_owned();
+    }
+    format!("{}/clock", namespace.trim_end_matches('/'))
+}
+
 /// Everything that one print is started with.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -198,7 +206,7 @@ impl Plan {
                     .to_vec();
             if self.namespace != DEFAULT_NAMESPACE {
                 // The time of one simulated printer is not that of another in the same domain.
-                arguments.extend(["-r".to_owned(), format!("/clock:={}/clock", self.namespace)]);
+                arguments.extend(["-r".to_owned(), format!("/clock:={}", clock_of(&self.namespace))]);
             }
             for file in files {
                 arguments.extend(["--params-file".to_owned(), file.display().to_string()]);
@@ -232,7 +240,10 @@ impl Plan {
                 .map(|(_, key, value)| (key.clone(), value.clone()))
                 .chain((name != "printer_sim").then(|| ("use_sim_time".to_owned(), "true".to_owned())))
                 .collect();
-            let path = NodePath { qualified: format!("{}/{name}", self.namespace), base: name.to_owned() };
+            let path = NodePath {
+                qualified: format!("{}/{name}", self.namespace.trim_end_matches('/')),
+                base: name.to_owned(),
+            };
             let parameters = Parameters::read(&files, &overrides, &path)?;
             nodes.push((name, program, parameters, (files, overrides)));
         }
