@@ -44,6 +44,8 @@ pub(crate) struct Brains<'a> {
     supervisor: Supervisor,
     predictor: Option<AdvancePredictor>,
     classifier: Option<Classifier>,
+    /// Trims of coming moves so far.
+    trims: u64,
     pub(crate) said: Vec<Said>,
 }
 
@@ -78,6 +80,7 @@ impl<'a> Brains<'a> {
             classifier: classifier
                 .map(|setup| Classifier::new(setup.params.clone(), setup.models.clone()))
                 .transpose()?,
+            trims: 0,
             said: Vec::new(),
         })
     }
@@ -132,6 +135,8 @@ impl<'a> Brains<'a> {
             }
             name if name == topics::ESTIMATE.name() => self.hear_estimate(now, payload),
             name if name == topics::CONTROL_COMMAND.name() => self.hear_command(now, payload),
+            name if name == topics::PRINTER_COMING.name() => self.hear_coming(now, payload),
+            name if name == topics::CONTROL_SCHEDULE.name() => self.hear_schedule(now, payload),
             _ => {}
         }
     }

@@ -3,8 +3,8 @@
 use super::schedule::{seconds, stamp_ns};
 use crate::report::decode::decode;
 use fdm_loop_msgs::{
-    AdvancePrediction, BeadWidth, ControlCommand, DefectReport, LayerQuality, PrintEvent, RosType,
-    StateEstimate,
+    AdvancePrediction, BeadWidth, ControlCommand, DefectReport, LayerQuality, MotionTrim, PrintEvent,
+    RosType, StateEstimate,
 };
 use runtime::topics;
 use serde::Serialize;
@@ -63,10 +63,12 @@ impl Output {
 }
 
 /// Outputs of brains that are looked at.
-pub(crate) const SAID: [&str; 8] = [
+pub(crate) const SAID: [&str; 10] = [
     topics::ESTIMATE.name(),
     topics::CONTROL_COMMAND.name(),
     topics::SAFETY_COMMAND.name(),
+    topics::CONTROL_SCHEDULE.name(),
+    topics::SAFETY_SCHEDULE.name(),
     topics::EVENTS.name(),
     topics::ADVANCE_PREDICTION.name(),
     topics::DEFECTS.name(),
@@ -162,6 +164,9 @@ fn value(topic: &str, payload: &[u8]) -> Option<Value> {
     }
     match topic {
         name if name == topics::ESTIMATE.name() => of::<StateEstimate>(payload),
+        name if name == topics::CONTROL_SCHEDULE.name() || name == topics::SAFETY_SCHEDULE.name() => {
+            of::<MotionTrim>(payload)
+        }
         name if name == topics::EVENTS.name() => of::<PrintEvent>(payload),
         name if name == topics::ADVANCE_PREDICTION.name() => of::<AdvancePrediction>(payload),
         name if name == topics::DEFECTS.name() => of::<DefectReport>(payload),

@@ -22,7 +22,7 @@ const GAP_NS: u64 = 24 * 3600 * 1_000_000_000;
 const HOUR_NS: f64 = 3.6e12;
 
 /// Topics that are read of a bag; frames are many times as long as all others together.
-const HEARD: [&str; 15] = [
+const HEARD: [&str; 18] = [
     topics::HOTEND_TEMPERATURE.name(),
     topics::BED_TEMPERATURE.name(),
     topics::FILAMENT_MOTION.name(),
@@ -36,6 +36,9 @@ const HEARD: [&str; 15] = [
     topics::ESTIMATE.name(),
     topics::CONTROL_COMMAND.name(),
     topics::SAFETY_COMMAND.name(),
+    topics::PRINTER_COMING.name(),
+    topics::CONTROL_SCHEDULE.name(),
+    topics::SAFETY_SCHEDULE.name(),
     topics::EVENTS.name(),
     topics::CAMERA_IMAGE.name(),
 ];

@@ -140,6 +140,8 @@ impl<'a> Schedule<'a> {
                 None
             }
             name if name == topics::CONTROL_COMMAND.name() => said(feeds.command),
+            name if name == topics::CONTROL_SCHEDULE.name() => heard(feeds.command),
+            name if name == topics::SAFETY_SCHEDULE.name() => None,
             name if name == topics::ADVANCE_PREDICTION.name() => heard(feeds.prediction),
             name if name == topics::DEFECTS.name() => heard(feeds.vision),
             name if name == topics::BEAD_WIDTH.name() => heard(feeds.vision && is_of_camera(&kept.payload)),

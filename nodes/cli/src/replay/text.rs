@@ -8,6 +8,9 @@ use std::fmt::Write;
 
 /// Fields that are told of an output; the JSON has all.
 const FIELDS: usize = 12;
+/// Digits of a value, and how many tell any two apart.
+const DIGITS: usize = 6;
+const DIGITS_MAX: usize = 17;
 
 /// The figures as text.
 pub(crate) fn page(figures: &Figures) -> String {
@@ -45,7 +48,7 @@ fn differing(output: &Output) -> String {
     let mut text = format!("\n{}", output.topic);
     if let Some(first) = &output.first_difference {
         let (stamp_s, field) = (first.stamp_s, &first.field);
-        let both = (short(&first.before), short(&first.after));
+        let both = apart(&first.before, &first.after);
         text.push_str(&match (&first.before, &first.after) {
             (Value::Bool(before), Value::Bool(_)) if field == "a message" => {
                 let which = if *before { "before" } else { "after" };
@@ -67,11 +70,35 @@ fn differing(output: &Output) -> String {
     text
 }
 
-fn short(value: &Value) -> String {
+/// Two values that differ, with as many digits as it takes to see it.
+fn apart(before: &Value, after: &Value) -> (String, String) {
+    let both = |digits| (short(before, digits), short(after, digits));
+    (DIGITS..=DIGITS_MAX)
+        .map(both)
+        .find(|(before, after)| before != after)
+        .unwrap_or_else(|| both(DIGITS_MAX))
+}
+
+fn short(value: &Value, digits: usize) -> String {
     match value {
         Value::Number(number) => {
-            number.as_f64().map_or_else(|| number.to_string(), |value| significant(value, 6))
+            number.as_f64().map_or_else(|| number.to_string(), |value| significant(value, digits))
         }
         other => crate::report::decode::short(&other.to_string(), 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_values_that_differ_do_not_read_alike() {
+        let told = |one: f64, other: f64| apart(&one.into(), &other.into());
+        assert_eq!(told(1.0, 1.25), ("1.00000".to_owned(), "1.25000".to_owned()));
+        assert_eq!(told(1.0, 1.000_000_4), ("1.0000000".to_owned(), "1.0000004".to_owned()));
+        let (one, other) = told(0.1, 0.1 + f64::EPSILON / 8.0);
+        assert_ne!(one, other);
+        assert_eq!(apart(&true.into(), &"no".into()), ("true".to_owned(), "\"no\"".to_owned()));
     }
 }

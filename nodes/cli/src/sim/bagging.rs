@@ -1,6 +1,7 @@
 //! A bag of a print in virtual time: what would be said over DDS, with the log times of the loop's own clock.
 
 use super::message::{Content, Message};
+use super::printing::CONTROLLER_SESSION;
 use anyhow::Context;
 use bag_recorder::file::Stamp;
 use bag_recorder::whole::WholeBag;
@@ -8,6 +9,7 @@ use bag_recorder::writer::Recorded;
 use bag_recorder::{order, recorded};
 use defect_classifier::convert as sight;
 use fdm_loop_msgs::{ControlCommand, FilamentMotion, Header, PrintInfo, RosType, Temperature};
+use models::command::{MotionTrim, Scheduled};
 use models::motion::Segment;
 use models::units::{Celsius, Seconds};
 use printer_sim::sensors::Pace;
@@ -41,6 +43,7 @@ pub struct Bagging {
     truth: Pace,
     told: Pace,
     segments: u64,
+    trims: u64,
     failed: Option<anyhow::Error>,
 }
 
@@ -71,6 +74,7 @@ impl Bagging {
             truth: Pace::new(TRUTH_PERIOD_S),
             told: Pace::new(topics::SAFETY_STATE_PERIOD.0),
             segments: 0,
+            trims: 0,
             failed: None,
         };
         bagging.put(Seconds(0.0), &topics::PRINT_INFO, info);
@@ -138,6 +142,32 @@ impl Bagging {
         self.put(now, &topics::PRINTER_MOTION, &sent);
         let read = wire::motion_from_wire(&sent).ok()?;
         Some((read.start, read.segment))
+    }
+
+    /// A move that is known before it begins, with its number; returns both as its message has them.
+    pub fn coming(
+        &mut self,
+        now: Seconds,
+        (stamp, path_time_s): (Seconds, f64),
+        (sequence, segment): (u64, &Segment),
+    ) -> Option<(u64, Segment)> {
+        let sent = wire::motion_to_wire(stamp, path_time_s, sequence.saturating_add(1), segment);
+        self.put(now, &topics::PRINTER_COMING, &sent);
+        mpc_controller::convert::coming(&sent).ok().map(|(_, read)| read)
+    }
+
+    /// The controller's trim of a coming move; returns it as its message has it.
+    pub fn wish_ahead(&mut self, now: Seconds, validity: Seconds, trim: MotionTrim) -> Option<Scheduled> {
+        self.trims += 1;
+        let wished = Scheduled { session: CONTROLLER_SESSION, sequence: self.trims, validity, trim };
+        let sent = wire::schedule_to_wire(now, &wished);
+        self.put(now, &topics::CONTROL_SCHEDULE, &sent);
+        wire::schedule_from_wire(&sent).ok()
+    }
+
+    /// What the supervisor lets through of it.
+    pub fn allow_ahead(&mut self, now: Seconds, allowed: &Scheduled) {
+        self.put(now, &topics::SAFETY_SCHEDULE, &wire::schedule_to_wire(now, allowed));
     }
 
     /// A prediction; returns what the controller reads in its message.

@@ -1,5 +1,6 @@
 //! The whole loop in one process and virtual time: the simulated printer and every brain, wired as over DDS.
 
+mod ahead;
 mod traffic;
 
 use super::bagging::Bagging;
@@ -26,7 +27,7 @@ const STEP_S: f64 = 1e-3;
 /// Period of the supervisor's permit `[s]`: faults.md, 50 Hz.
 const PERMIT_PERIOD_S: f64 = 0.02;
 /// Session ids: one process, so any two different ones do.
-const CONTROLLER_SESSION: u64 = 1;
+pub(super) const CONTROLLER_SESSION: u64 = 1;
 const SUPERVISOR_SESSION: u64 = 2;
 
 /// Everything that runs.
@@ -67,6 +68,8 @@ pub struct Printing {
     /// Slicer time of the first onset `[s]`.
     pub onset_path_s: Option<f64>,
     paused_since: Option<Seconds>,
+    /// How long a trim of a coming move holds, as its message says.
+    schedule_validity: Seconds,
     /// Phase of the job as the printer said it last.
     told_phase: Option<JobPhase>,
 }
@@ -110,6 +113,7 @@ impl Printing {
             settled: [None; 2],
             onset_path_s: None,
             paused_since: None,
+            schedule_validity: Seconds(setup.controller.advance.schedule_validity_s),
             told_phase: None,
         })
     }

@@ -6,6 +6,7 @@ use advance_predictor::convert as foresight;
 use bag_recorder::order;
 use defect_classifier::{Output as Saw, convert as sight};
 use fdm_loop_msgs::{ControlCommand, RosType};
+use models::command::Scheduled;
 use models::units::Seconds;
 use mpc_controller::convert as control;
 use runtime::topics::{self, Topic};
@@ -60,6 +61,30 @@ impl Brains<'_> {
             self.say(now, &topics::CONTROL_COMMAND, &message).filter(|_| self.feeds.command)
         {
             self.hear_command(now, &payload);
+        }
+    }
+
+    /// A move that is known before it begins: the controller's trim of it, where it has one.
+    pub(super) fn hear_coming(&mut self, now: Seconds, payload: &[u8]) {
+        let limit = Seconds(self.settings.controller.status_age_limit_s);
+        let Some(Ok((sequence, segment))) = taken(now, payload, limit, control::coming) else { return };
+        let Some(trim) = self.controller.on_coming(now, sequence, &segment) else { return };
+        self.trims += 1;
+        let validity = Seconds(self.settings.controller.advance.schedule_validity_s);
+        let session = self.settings.sessions.controller;
+        let wished = Scheduled { session, sequence: self.trims, validity, trim };
+        let payload = self.say(now, &topics::CONTROL_SCHEDULE, &wire::schedule_to_wire(now, &wished));
+        if let Some(payload) = payload.filter(|_| self.feeds.command) {
+            self.hear_schedule(now, &payload);
+        }
+    }
+
+    /// A trim of a coming move: what the supervisor lets through of it.
+    pub(super) fn hear_schedule(&mut self, now: Seconds, payload: &[u8]) {
+        let limit = self.settings.supervisor.stale.command.oldest_stamp();
+        let Some(Ok(wished)) = taken(now, payload, limit, safety::scheduled) else { return };
+        if let Some(allowed) = self.supervisor.on_scheduled(now, wished) {
+            self.say(now, &topics::SAFETY_SCHEDULE, &wire::schedule_to_wire(now, &allowed));
         }
     }
 

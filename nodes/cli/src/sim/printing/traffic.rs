@@ -45,9 +45,7 @@ impl Printing {
             }
             Output::Motion { start, segment } => self.move_on(now, start, *segment),
             Output::Coming { stamp, sequence, segment } => {
-                if let Some(trim) = self.controller.on_coming(stamp, sequence, &segment) {
-                    _ = self.simulator.on_schedule(trim, Seconds(f64::INFINITY));
-                }
+                self.foresee(now, (stamp, sequence), &segment);
             }
             Output::Note { .. } => {}
         }
