@@ -21,6 +21,7 @@ pub mod process;
 pub mod replay;
 pub mod report;
 pub mod sim;
+pub mod status;
 mod suspension;
 pub mod up;
 pub mod wire;
@@ -50,7 +51,7 @@ enum Command {
     /// `config/camera.param.yaml` names it (driver: video, mjpeg or folder), `monitor.launch.py` starts it.
     Up(up::UpArgs),
     /// See who is on the graph and what the printer does.
-    Status(operate::StatusArgs),
+    Status(status::StatusArgs),
     /// Pause the print.
     Pause(operate::AskArgs),
     /// Print on after a pause.
@@ -104,7 +105,7 @@ enum Command {
 pub fn main() -> ExitCode {
     let done = match Cli::parse().command {
         Command::Up(args) => up::run(&args),
-        Command::Status(args) => operate::status(&args),
+        Command::Status(args) => status::run(&args),
         Command::Pause(args) => operate::ask(Ask::Pause, &args),
         Command::Resume(args) => operate::ask(Ask::Resume, &args),
         Command::Stop(args) => operate::ask(Ask::Stop, &args),

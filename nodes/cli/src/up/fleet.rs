@@ -169,10 +169,10 @@ impl Fleet {
             .all(|member| member.child.as_mut().is_none_or(|child| !matches!(child.try_wait(), Ok(None))))
     }
 
-    /// Ends by force what still runs; returns the names.
-    pub fn kill_rest(&mut self) -> Vec<&'static str> {
+    /// Ends by force what still runs, but for `except`; returns the names.
+    pub fn kill_rest(&mut self, except: Option<&str>) -> Vec<&'static str> {
         let mut killed = Vec::new();
-        for member in &mut self.members {
+        for member in self.members.iter_mut().filter(|member| Some(member.recipe.name) != except) {
             if let Some(child) = &mut member.child
                 && matches!(child.try_wait(), Ok(None))
                 && child.kill().is_ok()
@@ -188,7 +188,7 @@ impl Fleet {
 impl Drop for Fleet {
     /// No process outlives the command, whatever ended it.
     fn drop(&mut self) {
-        self.kill_rest();
+        self.kill_rest(None);
     }
 }
 

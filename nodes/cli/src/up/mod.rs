@@ -67,7 +67,7 @@ pub struct UpArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Namespace of the printer.
-    #[arg(long, default_value = "/printer")]
+    #[arg(long, default_value = "/printer", value_parser = runtime::check_namespace)]
     pub namespace: String,
     /// Serve printer_sim/inject_fault.
     #[arg(long)]

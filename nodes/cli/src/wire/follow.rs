@@ -205,7 +205,7 @@ impl Follow {
             }
         }
         self.listen();
-        for name in fleet.kill_rest() {
+        for name in fleet.kill_rest(None) {
             output::note(&format!("{name} did not end in {END_S} s and was killed"));
         }
     }

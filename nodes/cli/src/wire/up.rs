@@ -30,7 +30,7 @@ pub struct UpArgs {
     #[arg(long)]
     bag: Option<PathBuf>,
     /// Namespace of the machine.
-    #[arg(long, default_value = "/printer")]
+    #[arg(long, default_value = "/printer", value_parser = runtime::check_namespace)]
     namespace: String,
     /// Folder with the parameter files.
     #[arg(long)]

@@ -9,7 +9,7 @@ use crate::report::scan::{Ended, Raw, Visitor, scan};
 use anyhow::bail;
 use runtime::qos::{Durability, End};
 use runtime::topics;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// What payloads begin with that can be sent: plain CDR, least significant byte first.
@@ -55,6 +55,8 @@ pub(super) struct Reel {
     pub(super) stretch: usize,
     /// Messages by topic that are not of the encoding that can be sent.
     pub(super) foreign: BTreeMap<String, u64>,
+    /// All topics that have a message.
+    pub(super) held: BTreeSet<String>,
 }
 
 impl Reel {
@@ -74,6 +76,7 @@ impl Reel {
                 Ended::NoBag => bail!("{}: no MCAP file", file.display()),
             }
         }
+        reel.check_names()?;
         for (topic, count) in &reel.foreign {
             reel.remarks
                 .push(format!("{topic}: {count} messages are not of little-endian CDR and are not played"));
@@ -85,6 +88,17 @@ impl Reel {
         }
         reel.begin_at(args.start)?;
         Ok(reel)
+    }
+
+    /// Refuses a name that no topic of the bag has.
+    pub(super) fn check_names(&self) -> anyhow::Result<()> {
+        match self.named.iter().find(|name| !self.held.iter().any(|topic| is_named(topic, name))) {
+            Some(unknown) => {
+                let held: Vec<&str> = self.held.iter().map(String::as_str).collect();
+                bail!("--topics {unknown}: the bag has no such topic, but {}", held.join(", "));
+            }
+            None => Ok(()),
+        }
     }
 
     /// Puts the messages of each stretch in the order of their log times, and the stretches one behind the other.
@@ -135,8 +149,7 @@ impl Reel {
 
     /// Whether a topic is played.
     pub(super) fn plays(&self, topic: &str) -> bool {
-        let ends =
-            |name: &str| topic == name || topic.strip_suffix(name).is_some_and(|front| front.ends_with('/'));
+        let ends = |name: &str| is_named(topic, name);
         if topic == topics::CLOCK.name() && self.clock
             || !self.commands && OBEYED.iter().any(|name| ends(name))
         {
@@ -163,8 +176,16 @@ impl Reel {
     }
 }
 
+/// Whether a name, with its namespace or without, is a topic's.
+fn is_named(topic: &str, name: &str) -> bool {
+    topic == name || topic.strip_suffix(name).is_some_and(|front| front.ends_with('/'))
+}
+
 impl Visitor for Reel {
     fn message(&mut self, raw: &Raw<'_>) {
+        if !self.held.contains(raw.topic) {
+            self.held.insert(raw.topic.to_owned());
+        }
         if !self.plays(raw.topic) {
             return;
         }

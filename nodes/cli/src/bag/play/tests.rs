@@ -44,6 +44,19 @@ fn played(reel: &Reel) -> Vec<(u8, u64, u64)> {
     reel.frames.iter().map(told).collect()
 }
 
+/// Who names what the bag has not is told what it has.
+#[test]
+fn a_topic_that_is_not_there_is_told_with_those_that_are() {
+    let mut reel = reel(&[("/printer/a/b", 1), ("/printer/safety/command", 2)]);
+    for fine in ["a/b", "/printer/a/b", "safety/command"] {
+        reel.named = vec![fine.to_owned()];
+        reel.check_names().unwrap();
+    }
+    reel.named = vec!["a/b".to_owned(), "nix".to_owned()];
+    let said = reel.check_names().unwrap_err().to_string();
+    assert_eq!(said, "--topics nix: the bag has no such topic, but /printer/a/b, /printer/safety/command");
+}
+
 /// A clock that jumps back in the midst of a bag, as it does where a simulation begins anew: every message is played, in the
 /// order in which it was recorded.
 #[test]

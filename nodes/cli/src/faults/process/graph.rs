@@ -133,7 +133,7 @@ impl Graph {
 
     /// Ends by force what still runs; its names.
     pub(super) fn kill_rest(&mut self) -> Vec<&'static str> {
-        self.fleets.iter_mut().flat_map(Fleet::kill_rest).collect()
+        self.fleets.iter_mut().flat_map(|fleet| fleet.kill_rest(None)).collect()
     }
 
     /// Leaves nothing on the disk.

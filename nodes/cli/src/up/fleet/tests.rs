@@ -90,5 +90,15 @@ fn all_end_when_asked() {
     while !fleet.all_ended(None) {
         std::thread::yield_now();
     }
-    assert!(fleet.kill_rest().is_empty());
+    assert!(fleet.kill_rest(None).is_empty());
+}
+
+/// The recorder is left its time when the others have had theirs.
+#[test]
+fn who_does_not_end_is_ended_by_force_but_for_the_recorder() {
+    let both = vec![recipe("hangs", "sleep 60"), recipe("bag_recorder", "sleep 60")];
+    let mut fleet = Fleet::start(both, &logs("force")).unwrap();
+    assert_eq!(fleet.kill_rest(Some("bag_recorder")), ["hangs"]);
+    assert!(fleet.all_ended(Some("bag_recorder")) && !fleet.all_ended(None));
+    assert_eq!(fleet.kill_rest(None), ["bag_recorder"]);
 }
