@@ -4,6 +4,7 @@ They run in a clone (`ros2 launch launch_scripts/sim.launch.py`) and installed (
 """
 
 import os
+import re
 import time
 
 from launch.actions import DeclareLaunchArgument, Shutdown
@@ -41,7 +42,35 @@ def declared(arguments):
 
 
 def chosen_of(arguments, context):
-    return {name: LaunchConfiguration(name).perform(context) for name, *_ in arguments}
+    chosen = {name: LaunchConfiguration(name).perform(context) for name, *_ in arguments}
+    check_namespace(chosen["namespace"])
+    return chosen
+
+
+def check_namespace(namespace):
+    """As the nodes do, before any is started."""
+    if re.fullmatch(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+", namespace):
+        return
+    parts = [re.sub("[^A-Za-z0-9_]", "_", part) for part in namespace.split("/") if part]
+    meant = "".join(f"/_{part}" if part[0].isdigit() else f"/{part}" for part in parts) or DEFAULT_NAMESPACE
+    fault = (
+        "each part of it has letters, digits and _ alone and begins with no digit"
+        if namespace.startswith("/")
+        else "begins with no /"
+    )
+    raise RuntimeError(f"namespace:={namespace}: {fault}: write {meant}")
+
+
+def number(chosen, name, low, high, kind=float):
+    """An argument as a number in its range."""
+    try:
+        value = kind(chosen[name])
+    except ValueError:
+        value = None
+    if value is None or not low <= value <= high:
+        what = "a whole number" if kind is int else "a number"
+        raise RuntimeError(f"{name}:={chosen[name]}: must be {what} in [{low}, {high}]")
+    return value
 
 
 def files_of(node, config, material):
@@ -79,12 +108,17 @@ def check_material(material, config):
 
 
 def new_bag(chosen, name, what):
-    """Absolute path of the bag; the folder of the nodes' own files is made beside it."""
+    """Absolute path of the bag."""
     bag = os.path.abspath(chosen["bag"] or os.path.join("bags", f"{name}-{int(time.time())}-{what}"))
     if os.path.isdir(bag) and os.listdir(bag):
         raise RuntimeError(f"bag:={bag}: the folder is there and not empty")
-    os.makedirs(bag + "_logs", exist_ok=True)
     return bag
+
+
+def beside(bag, started):
+    """What is started, with the folder of the nodes' own files beside the bag: where all is well up to here."""
+    os.makedirs(bag + "_logs", exist_ok=True)
+    return started
 
 
 def program(name, chosen):
@@ -105,7 +139,7 @@ def node(name, chosen, material, values):
         namespace=chosen["namespace"],
         parameters=files + ([values] if values else []),
         # The time of one simulated printer is not that of another in the same domain.
-        remappings=[] if chosen["namespace"] == DEFAULT_NAMESPACE else [("/clock", f"{chosen['namespace']}/clock")],
+        remappings=[] if chosen["namespace"] == DEFAULT_NAMESPACE else [("/clock", f"{chosen['namespace'].rstrip('/')}/clock")],
         ros_arguments=["--log-level", "info"],
         output="screen",
         respawn=not simulated,

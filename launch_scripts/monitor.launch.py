@@ -72,7 +72,7 @@ def values_of(node, chosen, bag):
     return {
         "bag_recorder": {"bag_dir": bag},
         "safety_supervisor": {"start_mode": chosen["mode"], "latch_file": latch_file(chosen)},
-        "printer_bridge": {"serial.path": chosen["device"], "serial.baud": int(chosen["baud"])},
+        "printer_bridge": {"serial.path": chosen["device"], "serial.baud": fdm_launch.number(chosen, "baud", 1200, 4_000_000, int)},
         "camera": camera_values(chosen),
         "mpc_controller": {"control": chosen["control"], "advance.source": chosen["advance"]},
     }.get(node, {})
@@ -88,7 +88,8 @@ def nodes(context):
     except OSError as error:
         raise RuntimeError(f"latch_file:={latch_file(chosen)}: {error.strerror}: name a folder that is yours") from error
     wanted = [name for name in NODES if name != "advance_predictor" or chosen["advance"] == "predicted"]
-    return [fdm_launch.node(name, chosen, chosen["material"], values_of(name, chosen, bag)) for name in wanted]
+    started = [fdm_launch.node(name, chosen, chosen["material"], values_of(name, chosen, bag)) for name in wanted]
+    return fdm_launch.beside(bag, started)
 
 
 def generate_launch_description():

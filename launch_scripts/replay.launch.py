@@ -55,8 +55,9 @@ def nodes(context):
     chosen = fdm_launch.chosen_of(ARGUMENTS, context)
     if not os.path.isfile(os.path.join(chosen["bag"], "metadata.yaml")):
         raise RuntimeError(f"bag:={chosen['bag']}: no bag (metadata.yaml is missing); fdm recover mends one after a crash")
-    if not 0.01 <= float(chosen["rate"]) <= 100.0:
-        raise RuntimeError(f"rate:={chosen['rate']}: must be in [0.01, 100]")
+    fdm_launch.number(chosen, "rate", 0.01, 100.0)
+    fdm_launch.number(chosen, "start", 0.0, 1e9)
+    fdm_launch.number(chosen, "times", 1, 2**32 - 1, int)
     if chosen["brains"] == "false":
         return [player(chosen)]
     fdm_launch.check_material(chosen["material"], chosen["config"])

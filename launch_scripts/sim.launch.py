@@ -77,9 +77,9 @@ def values_of(node, chosen, bag):
         "printer_sim": {
             "run.gcode": os.path.abspath(chosen["gcode"]),
             "run.scenario": scenario_path(chosen["scenario"], chosen["config"]),
-            "run.seed": int(chosen["seed"]),
-            "run.speed": float(chosen["speed"]),
-            "run.layers": int(chosen["layers"]),
+            "run.seed": fdm_launch.number(chosen, "seed", 0, 10**18, int),
+            "run.speed": fdm_launch.number(chosen, "speed", 0.1, 20.0),
+            "run.layers": fdm_launch.number(chosen, "layers", 0, 10**6, int),
             "run.warm": chosen["warm"] == "true",
             "run.material_set_points": bool(chosen["material"]),
             "run.allow_fault_injection": chosen["allow_fault_injection"] == "true",
@@ -109,7 +109,8 @@ def nodes(context):
     fdm_launch.check_material(material, chosen["config"])
     stem = os.path.splitext(os.path.basename(chosen["gcode"]))[0]
     bag = fdm_launch.new_bag(chosen, stem, chosen["control"])
-    return [fdm_launch.node(name, chosen, material, values_of(name, chosen, bag)) for name in wanted_of(chosen)]
+    started = [fdm_launch.node(name, chosen, material, values_of(name, chosen, bag)) for name in wanted_of(chosen)]
+    return fdm_launch.beside(bag, started)
 
 
 def generate_launch_description():

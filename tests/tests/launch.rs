@@ -264,6 +264,14 @@ fn what_is_wrong_is_told_before_anything_starts() {
             &[&gcode, "bag:=/tmp/fdm_never", "bin:=/tmp"],
             "build all programs with `cargo build --release",
         ),
+        (
+            "sim",
+            &[&gcode, "bag:=/tmp/fdm_never", "speed:=abc"],
+            "speed:=abc: must be a number in [0.1, 20.0]",
+        ),
+        ("sim", &[&gcode, "bag:=/tmp/fdm_never", "seed:=1.5"], "seed:=1.5: must be a whole number in [0, "),
+        ("sim", &[&gcode, "namespace:=left"], "namespace:=left: begins with no /: write /left"),
+        ("replay", &["bag:=config", "namespace:=/a b/1"], "begins with no digit: write /a_b/_1"),
         ("monitor", &["camera:=video"], "a driver of its own needs a source"),
         ("replay", &["bag:=config"], "no bag (metadata.yaml is missing)"),
         ("replay", &["bag:=config", "brains:=perhaps"], "brains:=perhaps is not one of"),
@@ -272,5 +280,5 @@ fn what_is_wrong_is_told_before_anything_starts() {
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && text.contains(said), "{arguments:?}: {text}");
     }
-    _ = std::fs::remove_dir_all("/tmp/fdm_never_logs");
+    assert!(!Path::new("/tmp/fdm_never_logs").exists(), "nothing is left of what was not started");
 }
