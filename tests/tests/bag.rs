@@ -155,7 +155,7 @@ fn a_bag_that_is_played_arrives_as_it_was_recorded() {
     }
     let run = counts(&bag.reported()["run"]);
     assert!(lost as u64 <= run["missed"], "{lost} lost, {run:?}");
-    for topic in [MOTION, "/printer/estimate/state", "/printer/events"] {
+    for topic in [MOTION, "/printer/printer/coming", "/printer/estimate/state"] {
         assert_eq!(heard[topic].len(), sent[topic].len(), "{topic} is reliable at both ends");
     }
 }
