@@ -226,15 +226,19 @@ fn ctrl_c_ends_a_play_and_a_recorder_in_order() {
 /// is told to start it again.
 #[test]
 fn a_recorder_that_was_stopped_leaves_a_bag() {
-    let (bag, domain) = (Bag::new("stopped"), Domain::new(6));
+    let (print, bag, domain) = (Bag::new("source"), Bag::new("stopped"), Domain::new(6));
+    played::simulate(&print);
     let record = played::Group::record(&bag, domain);
-    let _publisher = Publisher::start(domain, "stream");
+    played::until(|| bag.active_bytes() > 0);
+    let play = played::Group::play(&print, domain, "5");
     played::until(|| bag.active_bytes() > 20_000);
     record.signal(Signal::STOP);
     std::thread::sleep(Duration::from_secs(2));
     record.signal(Signal::CONT);
     assert_eq!(record.ended().0, Some(1));
     assert_eq!(bag.active_bytes(), 0, "no file is left open");
+    play.signal(Signal::INT);
+    play.ended();
     read_by_all(&bag);
 }
 
