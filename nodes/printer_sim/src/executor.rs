@@ -188,7 +188,11 @@ impl Executor {
                 *spent_s += used_s;
                 *wait_s <= 0.0
             }
-            Wait::Hotend => around.hotend.0 >= self.sliced.hotend.0 - band_k,
+            // The target in force: one that a trim holds lower would never be met at the file's own.
+            Wait::Hotend => {
+                let lower_k = around.trims.setpoint_offset_k.min(0.0);
+                around.hotend.0 >= self.sliced.hotend.0 + lower_k - band_k
+            }
             Wait::Bed => around.bed.0 >= self.sliced.bed.0 - band_k,
         };
         if over {

@@ -33,11 +33,11 @@ pub fn printer(message: &PrinterState) -> Result<(Seconds, Event), WireError> {
     Ok((status.stamp, Event::Printer(PrinterReport::from(&status))))
 }
 
-/// A wish, and what the controller says of the work behind it.
+/// A wish, and what the controller says of the work behind it: in this order, since of a stranger neither counts.
 pub fn command(message: &ControlCommand) -> Result<(Seconds, [Event; 2]), WireError> {
     let health = wire::control_health_from_wire(message)?;
     let wish = Event::Command(wire::command_from_wire(message)?);
-    Ok((wire::stamp_from_wire(&message.header)?, [Event::ControlHealth(health), wish]))
+    Ok((wire::stamp_from_wire(&message.header)?, [wish, Event::ControlHealth(health)]))
 }
 
 /// A trim of a coming move.

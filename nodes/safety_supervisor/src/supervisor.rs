@@ -36,6 +36,8 @@ pub struct Supervisor {
     checks: Checks,
     brains: Brains,
     envelope: Envelope,
+    /// The newest command was of a publisher that is not in force.
+    stranger: bool,
     schedule: Schedule,
     /// Trims of coming moves sent on so far.
     scheduled: u64,
@@ -74,6 +76,7 @@ impl Supervisor {
             checks: Checks::new(&params),
             brains: Brains::default(),
             envelope: Envelope::new(params.envelope, params.limits),
+            stranger: false,
             schedule: Schedule::new(params.envelope.schedule, params.limits),
             scheduled: 0,
             hotend: None,
@@ -123,6 +126,8 @@ impl Supervisor {
             Event::Printer(report) => self.on_printer(now, report),
             Event::EstimateHeartbeat { .. } => self.ages.estimate.note(now),
             Event::EstimateHealth(health) => self.brains.estimate = health,
+            // Of a stranger nothing is believed, what it says of its health neither.
+            Event::ControlHealth(_) if self.stranger => {}
             Event::ControlHealth(health) => self.brains.control = health,
         }
         None
@@ -144,6 +149,7 @@ impl Supervisor {
     fn on_command(&mut self, now: Seconds, command: models::command::Command) -> bool {
         let before = self.modes.mode();
         let verdict = self.envelope.on_command(now, command);
+        self.stranger = matches!(verdict, Verdict::Refused(models::command::Refusal::OtherSession));
         // What is not carried out swings nothing.
         if before != Mode::Act || self.is_held(now) {
             self.checks.oscillation.rest();
@@ -163,7 +169,7 @@ impl Supervisor {
                 if refusal == models::command::Refusal::NotFinite {
                     self.checks.bad_values.note(now);
                 }
-                (What::CommandRefused(refusal), "see the reason")
+                (What::CommandRefused(refusal), refusal.text())
             }
         };
         let decision = Decision { what, why, cause: None, before, after: before };

@@ -4,7 +4,8 @@
 mod common;
 
 use common::print::Print;
-use models::command::{ControlHealth, EstimateHealth, Mode, Trims};
+use models::command::{Command, ControlHealth, EstimateHealth, Mode, Trims};
+use models::units::Seconds;
 use safety_supervisor::{Cause, Event, Operator, What};
 
 /// K1, K2, K3, K5: at once, and the set mode is back 2 s after the controller is sound again.
@@ -28,6 +29,25 @@ fn a_controller_in_doubt_degrades_and_heals() {
         print.event(Event::ControlHealth(ControlHealth::Sound));
         assert!(print.until(Mode::Act) <= 2.1);
     }
+}
+
+/// C8, X2: what a second controller says of its health is not the controller's, neither good nor bad.
+#[test]
+fn the_health_of_a_stranger_is_not_believed() {
+    let told = |print: &mut Print, session, health| {
+        let (sequence, validity) = (1_000_000, Seconds(0.2));
+        print.event(Event::Command(Command { session, sequence, validity, trims: Trims::NEUTRAL }));
+        print.event(Event::ControlHealth(health));
+        print.run(0.1);
+    };
+    let mut print = Print::acting();
+    told(&mut print, 66, ControlHealth::NotFinite);
+    assert_ne!(print.output.state.cause, Some(Cause::PlanNotFinite));
+    let mut print = Print::acting();
+    print.event(Event::ControlHealth(ControlHealth::NotFinite));
+    told(&mut print, 66, ControlHealth::Sound);
+    print.run(20.0);
+    assert_eq!(print.output.state.cause, Some(Cause::PlanNotFinite), "a stranger does not heal it");
 }
 
 /// K4, first divergence: degraded, the mode stays set.

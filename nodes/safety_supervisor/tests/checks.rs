@@ -68,6 +68,24 @@ fn a_fall_faster_than_any_cooling_trips_and_nothing_slower_or_shorter() {
     assert!(after(50, 5.5, 0.24), "0.96 s are one");
 }
 
+/// A fall is known with its first fast span, long before it trips, and over with the first slow one.
+#[test]
+fn a_fall_is_known_before_it_trips() {
+    let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 });
+    let mut falling = |number: u32, temp_c: f64| {
+        check.on_sample(Seconds(f64::from(number) * 0.1), Celsius(temp_c));
+        (check.is_falling(), check.tripped())
+    };
+    for number in 0..5 {
+        assert_eq!(falling(number, 210.0), (false, false));
+    }
+    assert_eq!(falling(5, 207.0), (true, false));
+    for number in 6..9 {
+        falling(number, 207.0);
+    }
+    assert_eq!(falling(9, 207.0), (false, false));
+}
+
 #[test]
 fn a_spike_is_no_fall() {
     let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 });

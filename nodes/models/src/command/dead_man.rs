@@ -2,7 +2,8 @@
 //!
 //! No fresh permit: back to the slicer's values at once. What follows a longer silence is policy. A demand once
 //! made is held: it is lowered only by a session of the supervisor that has made it itself, so that a restarted
-//! supervisor which has forgotten a pause or a trip cannot undo it by chance.
+//! supervisor which has forgotten a pause or a trip cannot undo it by chance. Heaters off and an emergency stop are
+//! taken from every session, in force or not: whoever has taken the printer over must not keep it from being stopped.
 
 use serde::Deserialize;
 
@@ -106,11 +107,17 @@ impl DeadMan {
     ///
     /// # Errors
     /// The [`Refusal`]. A demand to stop that comes with broken trims is refused with them; the silence that
-    /// follows ends at the slicer's values.
+    /// follows ends at the slicer's values. One that comes from another session than that in force is counted as
+    /// refused, but held.
     pub fn on_permit(&mut self, now: Seconds, permit: Permit) -> Result<(), Refusal> {
         self.apply_policy(now);
         let session = self.gate.newest().map(|newest| newest.session);
-        self.gate.offer(now, permit)?;
+        if let Err(refusal) = self.gate.offer(now, permit) {
+            if refusal == Refusal::OtherSession && permit.request >= Request::HeatersOff {
+                self.held = self.held.max(permit.request);
+            }
+            return Err(refusal);
+        }
         let clamped = self.limits.clamp(&permit.trims).map_err(|_| Refusal::NotFinite)?;
         self.clamped = self.clamped.saturating_add(u64::from(clamped.changed.any()));
         self.trims = clamped.trims;

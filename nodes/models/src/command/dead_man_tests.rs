@@ -89,6 +89,24 @@ fn the_printers_own_limits_hold_whatever_the_permit_says() {
     assert_eq!(dead_man.refusals().not_finite, 1);
 }
 
+/// X2: a stranger that got in first, while the supervisor was started again, keeps nobody from switching off; and has no say
+/// in the end of it.
+#[test]
+fn a_stop_counts_from_a_session_that_is_not_in_force() {
+    for stop in [Request::HeatersOff, Request::EmergencyStop] {
+        let mut dead_man = dead_man(OnLoss::Baseline);
+        dead_man.on_permit(Seconds(0.0), permit(66, 1, Request::Run)).unwrap();
+        let refused = dead_man.on_permit(Seconds(0.1), permit(1, 1, stop));
+        assert_eq!(refused, Err(Refusal::OtherSession));
+        dead_man.on_permit(Seconds(0.12), permit(66, 2, Request::Run)).unwrap();
+        assert_eq!(dead_man.in_force(Seconds(0.12)).request, stop, "held against the stranger's own word");
+    }
+    let mut dead_man = dead_man(OnLoss::Baseline);
+    dead_man.on_permit(Seconds(0.0), permit(66, 1, Request::Run)).unwrap();
+    assert!(dead_man.on_permit(Seconds(0.1), permit(1, 1, Request::Standby)).is_err());
+    assert_eq!(dead_man.in_force(Seconds(0.1)).request, Request::Run, "a pause waits for its turn");
+}
+
 fn any_request() -> impl Strategy<Value = Request> {
     prop_oneof![
         5 => Just(Request::Run),
@@ -109,6 +127,8 @@ proptest! {
     ) {
         let mut dead_man = dead_man(OnLoss::HeatersOff);
         let mut now_s = 0.0;
+        // The session whose permit was taken last, and the highest demand that it has made since.
+        let mut bound = (None, Request::Run);
         for (step_s, session, sequence, request, flow) in arrivals {
             let before = dead_man.in_force(Seconds(now_s));
             now_s += step_s;
@@ -120,7 +140,13 @@ proptest! {
             prop_assert!((0.75..=1.25).contains(&now.trims.flow));
             prop_assert!(!now.lapsed || now.trims == Trims::NEUTRAL);
             prop_assert!(accepted || now.request >= before.request);
-            prop_assert!(now.request >= before.request || now.request == request);
+            if accepted {
+                let own = if bound.0 == Some(session) { bound.1.max(request) } else { request };
+                let needed = if before.request == Request::Standby { Request::Pause } else { before.request };
+                let lowered = now.request < before.request;
+                prop_assert!(!lowered || (now.request == request && own >= needed));
+                bound = (Some(session), if lowered { request } else { own });
+            }
         }
     }
 }

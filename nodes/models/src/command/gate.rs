@@ -62,6 +62,17 @@ impl Refusal {
             Self::OtherSession => "other_session",
         }
     }
+
+    /// What is wrong, for a person.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::NotFinite => "its validity or a correction is not a number",
+            Self::Validity => "its validity is not above 0 s, or longer than allowed",
+            Self::Sequence => "late or twice: its sequence is not above the last one",
+            Self::OtherSession => "another publisher is in force: two of them run",
+        }
+    }
 }
 
 /// Refused messages by reason.

@@ -173,7 +173,7 @@ mod tests {
         let (sessions, now) = (Sessions::default(), Seconds(1.0));
         let wish = Command { session: 7, sequence: 1, validity: Seconds(1.0), trims: Trims::NEUTRAL };
         let of = |process: u8| match command(&sessions, &command_to_wire(now, &wish), Gid([process; 16])) {
-            Ok((_, [_, Event::Command(command)])) => command.session,
+            Ok((_, [Event::Command(command), _])) => command.session,
             other => panic!("{other:?}"),
         };
         let of_schedule = |process: u8| {

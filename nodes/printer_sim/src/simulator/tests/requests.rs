@@ -79,6 +79,31 @@ fn corrections_lapse_in_a_pause_too() {
     assert_eq!(simulator.phase(), JobPhase::Paused);
 }
 
+/// A wait for heat is for the target in force: the file's own is never met while a correction holds the nozzle below it.
+#[test]
+fn a_wait_for_heat_ends_under_an_offset_that_cools() {
+    let mut simulator = warm(straight_job(2), &Scenario::default());
+    let trims = Trims { setpoint_offset_k: -8.0, ..Trims::NEUTRAL };
+    let cooler = Permit {
+        session: 1,
+        sequence: 0,
+        validity: Seconds(0.25),
+        mode: Mode::Act,
+        request: Request::Run,
+        trims,
+    };
+    // The nozzle cools to the target in force before the file's wait is met.
+    simulator.warm_up(&Preheat { hotend: Some(Celsius(218.0)), bed: Some(Celsius(60.0)) });
+    for step in 0..8_000 {
+        if step % 100 == 0 {
+            simulator.on_permit(Permit { sequence: step + 1, ..cooler }).unwrap();
+        }
+        simulator.step(Seconds(1e-3));
+    }
+    assert!(simulator.status().hotend_target.0 < 219.0, "the offset acts");
+    assert_eq!(simulator.phase(), JobPhase::Done);
+}
+
 #[test]
 fn an_opened_mains_relay_ends_a_stuck_heater() {
     let stuck = scenario(
