@@ -160,14 +160,16 @@ impl Learning {
         }
         let error =
             (width_m / moment.target_width_m - 1.0).clamp(-self.settings.error_max, self.settings.error_max);
-        let answer = moment.share * moment.lever - moment.factor * error;
+        // A feed that the loop itself has trimmed on that error would teach its own answer.
+        let lever = if moment.lever.abs() < self.settings.lever_min { 0.0 } else { moment.lever };
+        let answer = moment.share * lever - moment.factor * error;
         let kept = 1.0 - 1.0 / self.settings.frames;
         let sums = &mut self.sums;
         sums.weight = kept * sums.weight + 1.0;
-        sums.lever = kept * sums.lever + moment.lever;
+        sums.lever = kept * sums.lever + lever;
         sums.answer = kept * sums.answer + answer;
-        sums.lever_sq = kept * sums.lever_sq + moment.lever * moment.lever;
-        sums.product = kept * sums.product + moment.lever * answer;
+        sums.lever_sq = kept * sums.lever_sq + lever * lever;
+        sums.product = kept * sums.product + lever * answer;
     }
 }
 

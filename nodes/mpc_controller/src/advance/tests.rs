@@ -13,6 +13,7 @@ pub(super) const LEARNING: RawLearning = RawLearning {
     settle_s: 1.0,
     calm_s: 0.06,
     pairing_s: 0.03,
+    lever_min: 0.1,
     lever_max: 0.6,
     error_max: 0.5,
 };

@@ -61,6 +61,8 @@ pub struct RawLearning {
     pub calm_s: f64,
     /// Status and frame further apart are no pair `[s]`.
     pub pairing_s: f64,
+    /// Smaller levers count as none: what the loop's own trims do `[-]`.
+    pub lever_min: f64,
     /// Larger levers are left out: next to rest the lag is not linear `[-]`.
     pub lever_max: f64,
     /// Larger width errors count as this one `[-]`.
@@ -85,7 +87,12 @@ impl RawAdvance {
         in_range("advance.learning.settle_s", learning.settle_s, "s", (0.0, 10.0))?;
         in_range("advance.learning.calm_s", learning.calm_s, "s", (0.0, 10.0))?;
         in_range("advance.learning.pairing_s", learning.pairing_s, "s", (1e-3, 1.0))?;
+        in_range("advance.learning.lever_min", learning.lever_min, "-", (0.0, 1.0))?;
         in_range("advance.learning.lever_max", learning.lever_max, "-", (0.01, 10.0))?;
+        ordered(
+            ("advance.learning.lever_min", learning.lever_min),
+            ("advance.learning.lever_max", learning.lever_max),
+        )?;
         in_range("advance.learning.error_max", learning.error_max, "-", (0.01, 10.0))?;
         Ok(())
     }

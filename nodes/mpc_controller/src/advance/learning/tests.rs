@@ -85,6 +85,25 @@ fn frames_in_a_ramp_are_left_out() {
     assert!((learning.factor() - 1.0).abs() < 1e-12, "{}", learning.factor());
 }
 
+/// What the loop's own trims of 3 % do to the feed, on an error that they follow, is nothing to learn from.
+#[test]
+fn small_levers_teach_nothing() {
+    let factor_from = |lever_min| {
+        let mut learning = Learning::new(RawLearning { reach: 0.4, lever_min, ..LEARNING });
+        for step in 0..10_000_u32 {
+            let at_s = 0.02 * f64::from(step);
+            let phase = std::f64::consts::TAU * at_s / 4.0;
+            learning.on_status(&status(at_s, 2e-3 * (1.0 + 0.03 * phase.sin())), &foretold());
+            if step.is_multiple_of(23) {
+                learning.on_width(at_s, TARGET_M * (1.0 + 0.05 * phase.cos()));
+            }
+        }
+        learning.factor()
+    };
+    assert!((factor_from(LEARNING.lever_min) - 1.0).abs() < 1e-12);
+    assert!((factor_from(0.0) - 1.0).abs() > 0.1, "else there is nothing to guard against");
+}
+
 /// Foretold in the test of a law: secant 0.416 s from 1 to 3 mm/s.
 const LAW: AdvanceLaw = AdvanceLaw { linear_s: 0.3, shear: 1e-2, index: 0.5 };
 
