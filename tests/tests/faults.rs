@@ -114,3 +114,13 @@ fn a_missed_limit_is_told() {
     let table = String::from_utf8_lossy(&output.stdout);
     assert!(table.contains("missed: S1 hot end open, seed 72: 0."), "late, not absent: {table}");
 }
+
+/// What needs processes is no empty table of virtual time.
+#[test]
+fn what_only_processes_can_show_is_told() {
+    let path = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    let output = Command::new(path).current_dir(root()).args(["faults", "--only", "L1"]).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{told}");
+    assert!(told.contains("--process"), "{told}");
+}

@@ -87,6 +87,15 @@ pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
     let catalogue = Catalogue::read(&config.file("faults.yaml"))?;
     let chosen = chosen(&catalogue, &args.only)?;
+    if !(args.process
+        || args.only.is_empty()
+        || args.hours > 0.0
+        || chosen.iter().any(|fault| !fault.trials.is_empty()))
+    {
+        bail!(
+            "none of these IDs is tried in virtual time: with --process real processes are, and `fdm faults` names the tests"
+        );
+    }
     let figures = if args.process {
         let wish = process::Wish { seeds, soak_s: args.soak_s, keep: args.keep };
         process::run(&config, &catalogue, &chosen, &wish)?
