@@ -1,6 +1,9 @@
 //! The one writer of the command: text for people, JSON for programs, progress on standard error.
 
 mod of_bag;
+mod together;
+
+pub use together::write_all_whole;
 
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -87,7 +90,7 @@ pub fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
     if std::fs::symlink_metadata(path).is_ok_and(|found| !found.is_file()) {
         return std::fs::write(path, text).with_context(told);
     }
-    let half_made = beside(path);
+    let half_made = beside(path, "part");
     let written = std::fs::write(&half_made, text).and_then(|()| std::fs::rename(&half_made, path));
     if written.is_err() {
         _ = std::fs::remove_file(&half_made);
@@ -95,27 +98,10 @@ pub fn write_whole(path: &Path, text: &str) -> anyhow::Result<()> {
     written.with_context(told)
 }
 
-/// Writes files that belong together: older ones of their names stand until all of them are whole.
-///
-/// # Errors
-/// A file that cannot be written; then none is replaced.
-pub fn write_all_whole(files: &[(PathBuf, String)]) -> anyhow::Result<()> {
-    let written = files.iter().try_for_each(|(path, text)| {
-        std::fs::write(beside(path), text).with_context(|| path.display().to_string())
-    });
-    if written.is_err() {
-        files.iter().for_each(|(path, _)| _ = std::fs::remove_file(beside(path)));
-        return written;
-    }
-    files.iter().try_for_each(|(path, _)| {
-        std::fs::rename(beside(path), path).with_context(|| path.display().to_string())
-    })
-}
-
-/// Where a file is written before it has its name.
-fn beside(path: &Path) -> PathBuf {
+/// Where a file is written before it has its name, and kept until all of them have theirs.
+fn beside(path: &Path, what: &str) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
+    name.push(format!(".{}.{what}", std::process::id()));
     path.with_file_name(name)
 }
 
@@ -238,23 +224,6 @@ mod tests {
         assert!(!clashes("bag/new.html", &file) && !clashes("new.html", &bag) && !clashes("bag.html", &bag));
         assert_eq!(std::fs::read(&file).unwrap(), b"x");
         std::fs::remove_dir_all(folder).unwrap();
-    }
-
-    /// The second of two cannot be written, since its folder is not there: the first stays as it was.
-    #[test]
-    fn files_that_belong_together_are_replaced_together_or_not_at_all() {
-        let folder = folder("together");
-        let (first, second) = (folder.join("a.json"), folder.join("nowhere/b.json"));
-        std::fs::write(&first, "old").unwrap();
-        let files = [(first.clone(), "new".to_owned()), (second.clone(), "new".to_owned())];
-        let error = write_all_whole(&files).unwrap_err().to_string();
-        assert_eq!(error, second.display().to_string());
-        assert_eq!(std::fs::read_to_string(&first).unwrap(), "old");
-        let before = std::fs::read_dir(&folder).unwrap().count();
-        write_all_whole(&files[..1]).unwrap();
-        assert_eq!(std::fs::read_to_string(&first).unwrap(), "new");
-        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), before);
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     /// What is asked before the work leaves nothing behind, should the work be interrupted, and changes nothing.
