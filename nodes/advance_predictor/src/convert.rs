@@ -73,6 +73,63 @@ mod storm;
 mod tests {
     use super::storm::{all, is_a_stamp, storm};
     use super::*;
+    use crate::compensation::Prediction;
+    use crate::predictor::Advance;
+    use crate::turn::{Basis, Foresight};
+    use models::advance::Condition;
+    use models::command::AdvanceLaw;
+
+    /// Every number stands in its own field; what is not known is said so.
+    #[test]
+    fn what_is_known_is_said_field_by_field() {
+        let advance = Advance {
+            prediction: Prediction {
+                advance: Seconds(0.6),
+                half_width: Seconds(0.02),
+                source: Source::Network,
+            },
+            at: Condition { temperature: Celsius(215.0), height_m: 2e-4, width_m: 4e-4 },
+            law: AdvanceLaw { linear_s: 0.44, shear: 0.003, index: 0.55 },
+            speeds: 1.5,
+        };
+        let turn = Foresight {
+            probability: 0.8,
+            lead: Seconds(0.06),
+            way_m: 0.003,
+            basis: Basis::Buffer,
+            known_m: 0.002,
+        };
+        let output = Output { advance: Some(advance), turn: Some(turn), expected: true };
+        let said = prediction(Seconds(12.5), &output);
+        assert_eq!(said.header, Header::at(12.5));
+        let close = |said: f64, meant: f64| assert!((said - meant).abs() < 1e-12, "{said} {meant}");
+        close(said.advance_s, 0.9);
+        close(said.advance_half_width_s, 0.03);
+        for (said, meant) in [
+            (said.advance_linear_s, 0.44),
+            (said.advance_shear_m, 0.003),
+            (said.advance_index, 0.55),
+            (said.temperature_degc, 215.0),
+            (said.layer_height_m, 2e-4),
+            (said.line_width_m, 4e-4),
+            (said.turn_probability, 0.8),
+            (said.turn_lead_s, 0.06),
+            (said.turn_way_m, 0.003),
+            (said.known_way_m, 0.002),
+        ] {
+            close(said, meant);
+        }
+        assert!(said.advance_known && said.in_hull && said.source == AdvancePrediction::SOURCE_NETWORK);
+        assert!(said.turn_known && said.turn_expected && said.turn_shown);
+        let physics = Prediction { source: Source::Physics, ..advance.prediction };
+        let turn = Foresight { basis: Basis::Network, ..turn };
+        let advance = Some(Advance { prediction: physics, ..advance });
+        let said = prediction(Seconds(12.5), &Output { advance, turn: Some(turn), expected: false });
+        assert!(!said.in_hull && said.source == AdvancePrediction::SOURCE_PHYSICS);
+        assert!(said.turn_known && !said.turn_expected && !said.turn_shown);
+        let nothing = prediction(Seconds(12.5), &Output { advance: None, turn: None, expected: false });
+        assert!(!nothing.advance_known && !nothing.turn_known);
+    }
 
     /// C9: what nobody sends is refused, or a set-point that a printer may have.
     #[test]

@@ -94,21 +94,35 @@ struct Setup {
 impl Setup {
     fn read(node: &Node) -> Result<Self, NodeError> {
         node.check_parameters(|parameters| {
-            _ = parameters.block::<Physics>("advance_physics")?;
-            parameters.without(&["advance_physics"]).parse::<Params>().map(drop)
+            let physics: Physics = parameters.block("advance_physics")?;
+            let params: Params = parameters.without(&["advance_physics"]).parse()?;
+            check_polymer(&params, &physics)
         })?;
         let parameters = node.raw_parameters();
         let params: Params = parameters.without(&["advance_physics"]).parse()?;
         let physics: Physics = parameters.block("advance_physics")?;
         let ensemble = network(params.models.of(params.drive), |text| Ensemble::parse(text, params.drive))?;
         let network = network(&params.models.turn, TurnNetwork::parse)?;
-        Ok(Self { compensation: Predictor::new(physics, params.bounds, ensemble), params, network })
+        let path = params.models.of(params.drive).clone();
+        let compensation = Predictor::new(physics, params.bounds, ensemble)
+            .map_err(|source| NodeError::Network { path, source })?;
+        Ok(Self { compensation, params, network })
     }
 
     /// A predictor that has seen nothing: at the start, and when time jumped back.
     fn predictor(&self) -> AdvancePredictor {
         AdvancePredictor::new(self.params.clone(), self.compensation.clone(), self.network.clone())
     }
+}
+
+/// Refuses a polymer that nobody knows: nothing would ever be answered.
+fn check_polymer(params: &Params, physics: &Physics) -> Result<(), ParamFileError> {
+    if physics.polymers.contains_key(&params.polymer) {
+        return Ok(());
+    }
+    let names: Vec<&str> = physics.polymers.keys().map(String::as_str).collect();
+    let message = format!("polymer = '{}': must be one of {}", params.polymer, names.join(", "));
+    Err(ParamFileError::Refused { at: "advance_predictor".into(), message })
 }
 
 fn network<T>(path: &Path, parse: impl Fn(&str) -> Result<T, NetworkError>) -> Result<T, NodeError> {
@@ -124,5 +138,20 @@ fn show(diagnostics: &Diagnostics, predictor: &AdvancePredictor) {
     diagnostics.set("unanswered", counts.unanswered);
     if let Some(reason) = predictor.refused() {
         diagnostics.set("last_unanswered", reason);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensation::tests::{params, physics};
+
+    #[test]
+    fn a_polymer_that_nobody_knows_is_refused_with_the_choices() {
+        let of =
+            |polymer: &str| check_polymer(&Params { polymer: polymer.to_owned(), ..params() }, &physics());
+        assert!(of("PETG").is_ok());
+        let error = of("WOOD").unwrap_err().to_string();
+        assert_eq!(error, "advance_predictor: polymer = 'WOOD': must be one of ABS, PETG, PLA");
     }
 }

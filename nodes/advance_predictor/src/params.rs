@@ -31,10 +31,10 @@ pub struct Params {
     pub turn: TurnParams,
 }
 
-/// A time between 50 ms and a minute.
+/// A time between 50 ms and 5 s, after which the controller as shipped forgets an answer.
 fn repeat<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Seconds, D::Error> {
     let repeat_s = f64::deserialize(deserializer)?;
-    in_range("repeat_s", repeat_s, "s", (0.05, 60.0)).map_err(serde::de::Error::custom)?;
+    in_range("repeat_s", repeat_s, "s", (0.05, 5.0)).map_err(serde::de::Error::custom)?;
     Ok(Seconds(repeat_s))
 }
 

@@ -1,10 +1,17 @@
-//! What an ensemble reaches: errors, intervals, the printed points, trends, widths.
+//! What an ensemble reaches: errors, intervals, the printed points, trends, widths, a person's own lines.
+
+mod own;
+
+pub use own::OwnLines;
 
 use super::data::{DataParams, DataSet, Line, Use};
 use super::ensemble::Ensemble;
+use super::measured::Measured;
 use crate::network::training::mean;
 use models::advance::published::Published;
-use models::advance::{Condition, DriveKind, Physics};
+use models::advance::{Condition, DriveKind, Physics, VirtualLine};
+use models::command::AdvanceLaw;
+use models::extruder::StaticLaw;
 use models::units::{Celsius, Seconds};
 use serde::Serialize;
 
@@ -24,8 +31,10 @@ const ORDER: [&str; 3] = ["PETG", "ABS", "PLA"];
 pub struct Figures {
     /// Drive.
     pub drive: DriveKind,
-    /// Lines trained with.
+    /// Virtual lines trained with.
     pub trained: usize,
+    /// A person's own lines; `None` without any of this drive. All other figures are of virtual lines then, scaled to these.
+    pub own: Option<OwnLines>,
     /// Lines of the grid at inner temperatures that were never trained with.
     pub held_out: Errors,
     /// Conditions anywhere in the hull, off the grid.
@@ -104,24 +113,34 @@ pub struct Widths {
     pub foretold_law: f64,
 }
 
-/// Judges an ensemble on lines that it was not trained with.
+/// Lines that an ensemble is judged on.
+#[derive(Debug, Clone, Copy)]
+pub struct Judges<'a> {
+    /// How virtual lines were made.
+    pub data: &'a DataParams,
+    /// Virtual lines, scaled to a person's printer.
+    pub set: &'a DataSet,
+    /// How many of them that left out.
+    pub left_out: usize,
+    /// The person's own lines; those of other drives are left out.
+    pub measured: &'a [Measured],
+}
+
+/// Judges an ensemble on lines that it was not trained with, and on a person's own.
 #[must_use]
-pub fn assess(
-    ensemble: &Ensemble,
-    physics: &Physics,
-    (data, set): (&DataParams, &DataSet),
-    published: &Published,
-) -> Figures {
+pub fn assess(ensemble: &Ensemble, physics: &Physics, judges: Judges, published: &Published) -> Figures {
+    let set = judges.set;
     let held_out: Vec<&Line> = set.lines.iter().filter(|line| line.purpose == Use::HeldOut).collect();
     let anywhere: Vec<&Line> = set.anywhere.iter().collect();
     Figures {
         drive: set.drive,
         trained: set.lines.iter().filter(|line| line.purpose == Use::Train).count(),
+        own: OwnLines::of(ensemble, judges),
         held_out: errors(ensemble, &held_out),
         anywhere: errors(ensemble, &anywhere),
         published: points(ensemble, published),
         trends: trends(ensemble, &set.lines),
-        widths: widths(ensemble, physics, data, &held_out),
+        widths: widths(ensemble, physics, judges.data, &held_out),
     }
 }
 
@@ -220,7 +239,7 @@ fn widths(ensemble: &Ensemble, physics: &Physics, data: &DataParams, held_out: &
         .take(WIDTHS)
         .filter_map(|line| {
             let foretold_s = ensemble.predict(&line.polymer, &line.at)?.advance.0;
-            let printer = physics.line(ensemble.drive(), &line.polymer, &line.at, data.step())?;
+            let printer = printer(ensemble.drive(), physics, data, line)?;
             let rms = |advance_s: f64| printer.errors(advance_s).map(|errors| errors.rms);
             let law = physics.law(ensemble.drive(), &line.polymer, &line.at, Seconds(foretold_s))?;
             Some([rms(0.0)?, rms(line.true_s)?, rms(foretold_s)?, printer.errors_by_law(&law)?.rms])
@@ -234,4 +253,12 @@ fn widths(ensemble: &Ensemble, physics: &Physics, data: &DataParams, held_out: &
         foretold: column(2),
         foretold_law: column(3),
     }
+}
+
+/// The virtual printer of a line, scaled as the line is.
+fn printer(drive: DriveKind, physics: &Physics, data: &DataParams, line: &Line) -> Option<VirtualLine> {
+    let (polymer, drive) = (physics.polymers.get(&line.polymer)?, physics.drive(drive));
+    let AdvanceLaw { linear_s, shear, index } = drive.law(polymer, &line.at).advance().scaled(line.factor);
+    let law = StaticLaw::of_compression(index, shear, linear_s);
+    Some(VirtualLine::of_law(law, drive.outlet_m_s(&line.at, 1.0), &physics.test_line, data.step()))
 }

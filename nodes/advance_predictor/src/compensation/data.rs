@@ -1,6 +1,7 @@
 //! Test lines to train with: the grid of Table 1 and more, printed by the virtual test line, scored with noise.
 
 use super::ensemble::Hull;
+use super::measured::Factor;
 use crate::network::chance::Stream;
 use models::advance::published::Published;
 use models::advance::{Condition, DriveKind, Physics, Polymer};
@@ -106,6 +107,8 @@ pub struct Line {
     pub polymer: String,
     /// Condition.
     pub at: Condition,
+    /// A person's printer over the physical model, which the compensations hold already `[-]`; 1 without own lines.
+    pub factor: f64,
     /// The best compensation, without noise `[s]`.
     pub true_s: f64,
     /// The same as scored `[s]`.
@@ -129,7 +132,41 @@ pub struct DataSet {
     pub anywhere: Vec<Line>,
 }
 
+impl DataSet {
+    /// Lines of all uses.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.lines.len() + self.calibration.len() + self.anywhere.len()
+    }
+
+    /// The same lines on a person's printer. Those that come to lie outside of the drive's range are left out.
+    #[must_use]
+    pub fn scaled(&self, factor: &Factor, [low_s, high_s]: [f64; 2]) -> Self {
+        let scaled = |lines: &[Line]| -> Vec<Line> {
+            let lines = lines.iter().map(|line| {
+                let factor = factor.at(&line.polymer, &line.at);
+                let (true_s, scored_s) = (factor * line.true_s, factor * line.scored_s);
+                Line { factor, true_s, scored_s, ..line.clone() }
+            });
+            let within = |value_s: f64| (low_s..=high_s).contains(&value_s);
+            lines.filter(|line| within(line.true_s) && within(line.scored_s)).collect()
+        };
+        Self {
+            drive: self.drive,
+            lines: scaled(&self.lines),
+            calibration: scaled(&self.calibration),
+            anywhere: scaled(&self.anywhere),
+        }
+    }
+}
+
 impl DataParams {
+    /// Standard deviation of a score `[s]`: of the eye, and of a step of the pattern within which it may lie anywhere.
+    pub(super) fn noise_s(&self, drive: DriveKind) -> f64 {
+        let Scoring { sigma_s, reading_s } = self.scoring(drive);
+        sigma_s.hypot(reading_s / 12.0_f64.sqrt())
+    }
+
     fn scoring(&self, drive: DriveKind) -> Scoring {
         match drive {
             DriveKind::Bowden => self.0.bowden,
@@ -224,7 +261,7 @@ impl DataParams {
         let scored_s = (noisy_s / scoring.reading_s).round() * scoring.reading_s;
         // Table 1 varies the width at its highest layer alone.
         let in_table = (at.width_m - 4e-4).abs() < 1e-9 || (at.height_m - 4e-4).abs() < 1e-9;
-        Some(Line { polymer: name.to_owned(), at, true_s, scored_s, in_table, purpose })
+        Some(Line { polymer: name.to_owned(), at, factor: 1.0, true_s, scored_s, in_table, purpose })
     }
 }
 

@@ -21,15 +21,41 @@ pub struct Hull {
 /// Rounding that two writings of the same condition may differ by, relative.
 const SAME: f64 = 1e-9;
 
+/// What of a condition lies outside of a hull.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outside {
+    /// What it is.
+    pub field: &'static str,
+    /// Its value and the hull's ends, in the unit.
+    pub value: f64,
+    /// See `value`.
+    pub range: [f64; 2],
+    /// Unit for people: degC or mm.
+    pub unit: &'static str,
+}
+
 impl Hull {
     /// Whether a condition lies inside.
     #[must_use]
     pub fn holds(&self, at: &Condition) -> bool {
-        let within =
-            |[low, high]: [f64; 2], value: f64| (low * (1.0 - SAME)..=high * (1.0 + SAME)).contains(&value);
-        within(self.temperature_c, at.temperature.0)
-            && within(self.height_m, at.height_m)
-            && within(self.width_m, at.width_m)
+        self.outside(at).is_empty()
+    }
+
+    /// What of a condition lies outside.
+    #[must_use]
+    pub fn outside(&self, at: &Condition) -> Vec<Outside> {
+        // Without what rounding adds.
+        let mm = |value_m: f64| (1e9 * value_m).round() / 1e6;
+        let fields = [
+            ("temperature", at.temperature.0, self.temperature_c, "degC"),
+            ("layer height", mm(at.height_m), self.height_m.map(mm), "mm"),
+            ("line width", mm(at.width_m), self.width_m.map(mm), "mm"),
+        ];
+        let outside = fields.into_iter().filter(|(_, value, [low, high], _)| {
+            // A NaN is in no range.
+            !(low * (1.0 - SAME)..=high * (1.0 + SAME)).contains(value)
+        });
+        outside.map(|(field, value, range, unit)| Outside { field, value, range, unit }).collect()
     }
 }
 
@@ -39,6 +65,7 @@ pub struct Ensemble {
     pub(super) drive: DriveKind,
     /// What it was trained with, for people.
     pub(super) trained: String,
+    pub(super) measured: usize,
     /// Names and hulls, in the order of the inputs.
     pub(super) polymers: Vec<(String, Hull)>,
     /// Range of the output `[s]`.
@@ -72,6 +99,12 @@ impl Ensemble {
     #[must_use]
     pub fn trained(&self) -> &str {
         &self.trained
+    }
+
+    /// A person's own lines that it was trained with.
+    #[must_use]
+    pub fn measured(&self) -> usize {
+        self.measured
     }
 
     /// The hull of a polymer's data; `None` for one that it was not trained with.

@@ -23,6 +23,9 @@ pub(super) struct RawEnsemble {
     pub(super) drive: DriveKind,
     /// What it was trained with, for people.
     pub(super) trained: String,
+    /// A person's own lines among them; a file without any does not name them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) measured: Option<usize>,
     /// In the order of the inputs.
     pub(super) polymers: Vec<RawPolymerHull>,
     pub(super) range_s: [f64; 2],
@@ -115,6 +118,7 @@ impl RawEnsemble {
             version: VERSION,
             drive,
             trained: trained.into(),
+            measured: None,
             polymers: vec![],
             range_s,
             floor_s: 0.0,
@@ -152,8 +156,16 @@ impl RawEnsemble {
         if self.range_s[0] < 0.0 || self.range_s[0] >= self.range_s[1] {
             return refuse("range_s", format!("{:?}", self.range_s), "0 or more, in order");
         }
-        for polymer in &self.polymers {
+        for (place, polymer) in self.polymers.iter().enumerate() {
             polymer.hull.check(&polymer.name)?;
+            if self.polymers[..place].iter().any(|other| other.name == polymer.name) {
+                return refuse(format!("polymers[{place}].name"), &polymer.name, "there once");
+            }
+        }
+        let width_s = self.range_s[1] - self.range_s[0];
+        if self.floor_s.max(self.floor_s * self.factor) > width_s {
+            let wanted = format!("an interval within the range's width, {width_s}");
+            return refuse("floor_s, factor", format!("{}, {}", self.floor_s, self.factor), wanted);
         }
         if self.floor_s < 0.0 || self.factor <= 0.0 || self.clip <= 0.0 {
             return refuse("floor_s, factor, clip", "negative or 0", "0 or more, above 0, above 0");
@@ -167,6 +179,7 @@ impl RawEnsemble {
         Ok(Ensemble {
             drive: self.drive,
             trained: self.trained.clone(),
+            measured: self.measured.unwrap_or(0),
             polymers: self.polymers.iter().map(|polymer| (polymer.name.clone(), polymer.hull)).collect(),
             range_s: self.range_s,
             floor_s: self.floor_s,

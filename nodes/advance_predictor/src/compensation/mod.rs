@@ -7,11 +7,14 @@ mod ensemble;
 mod file;
 pub mod measured;
 #[cfg(test)]
+mod own_tests;
+#[cfg(test)]
 pub(crate) mod tests;
 pub mod training;
 
-pub use ensemble::{Ensemble, Hull};
+pub use ensemble::{Ensemble, Hull, Outside};
 
+use crate::network::{NetworkError, refuse};
 use models::advance::{Condition, DriveKind, Physics};
 use models::command::AdvanceLaw;
 use models::extruder::StaticLaw;
@@ -127,6 +130,18 @@ pub enum Unanswered {
         /// Unit of all three.
         unit: &'static str,
     },
+    /// The physical model's answer is none that such a drive can need.
+    #[error("no answer: K {advance_s:.3} s by the physical model is outside of {low_s} to {high_s} s of a {} drive", .drive.name())]
+    Range {
+        /// Its answer `[s]`.
+        advance_s: f64,
+        /// Least that the drive can need `[s]`.
+        low_s: f64,
+        /// Largest `[s]`.
+        high_s: f64,
+        /// Drive.
+        drive: DriveKind,
+    },
 }
 
 /// Foretells `K_A` for one drive.
@@ -139,9 +154,17 @@ pub struct Predictor {
 
 impl Predictor {
     /// A predictor; the ensemble's drive is the predictor's.
-    #[must_use]
-    pub fn new(physics: Physics, bounds: Bounds, ensemble: Ensemble) -> Self {
-        Self { physics, bounds, ensemble }
+    ///
+    /// # Errors
+    /// [`NetworkError`] for networks that answer beyond the range of that drive.
+    pub fn new(physics: Physics, bounds: Bounds, ensemble: Ensemble) -> Result<Self, NetworkError> {
+        let ([low_s, high_s], [least_s, most_s]) =
+            (physics.drive(ensemble.drive()).advance_range_s, ensemble.range_s);
+        if least_s < low_s || most_s > high_s {
+            let wanted = format!("within [{low_s}, {high_s}], advance_range_s of the drive");
+            return refuse("range_s", format!("[{least_s}, {most_s}]"), wanted);
+        }
+        Ok(Self { physics, bounds, ensemble })
     }
 
     /// Its drive.
@@ -165,7 +188,12 @@ impl Predictor {
         if let Some(foretold) = self.ensemble.predict(polymer, at) {
             return Ok(foretold);
         }
-        let advance_s = self.physics.secant_s(self.drive(), polymer, at).ok_or(Unanswered::Polymer)?;
+        let drive = self.drive();
+        let advance_s = self.physics.secant_s(drive, polymer, at).ok_or(Unanswered::Polymer)?;
+        let [low_s, high_s] = self.physics.drive(drive).advance_range_s;
+        if !(low_s..=high_s).contains(&advance_s) {
+            return Err(Unanswered::Range { advance_s, low_s, high_s, drive });
+        }
         Ok(Prediction {
             advance: Seconds(advance_s),
             half_width: Seconds(advance_s * self.bounds.0.physics_doubt),

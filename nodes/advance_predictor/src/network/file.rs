@@ -66,7 +66,11 @@ pub(crate) fn check_seal<T: Sealed>(raw: &T) -> Result<(), NetworkError> {
     if written == found {
         Ok(())
     } else {
-        refuse("sha256", format!("'{written}'"), format!("{found} by the contents"))
+        refuse(
+            "sha256",
+            format!("'{written}'"),
+            format!("{found} by the contents (damaged? fdm advance train)"),
+        )
     }
 }
 

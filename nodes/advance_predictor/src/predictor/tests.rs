@@ -47,6 +47,31 @@ fn the_answer_is_for_the_roads_cross_section() {
     assert!(output.turn.is_some());
 }
 
+/// A road at one speed from rest, 25 mm/s: the lag is the chord of the static law from 0 to there, which is longer than the test
+/// line's secant from 20 to 80 mm/s. K and its interval grow alike; roads as slow as 2 mm/s stop at the bound.
+#[test]
+fn the_answer_follows_the_speeds_that_are_printed() {
+    let advance = |speed_m_s: f64| {
+        let mut predictor = predictor();
+        _ = predictor.on_event(target(215.0));
+        let Event::Move(road) = road([0.0, 0.0], [10.0, 0.0], 0.45) else { panic!("a road is a move") };
+        let profile = Trapezoid::new(road.length_m, (speed_m_s, speed_m_s), speed_m_s, 0.5);
+        let said = predictor.on_event(Event::Move(Segment { profile, ..road })).unwrap().advance.unwrap();
+        let (law, per_way) = predictor.compensation.static_law("PLA", &said.at).unwrap();
+        let outlet_m_s = per_way * speed_m_s;
+        let line_s = predictor.compensation.secant_s("PLA", &said.at).unwrap();
+        (said, law.compression_m(outlet_m_s) / outlet_m_s / line_s)
+    };
+    for speed_m_s in [0.025, 0.05, 0.08] {
+        let (said, chord) = advance(speed_m_s);
+        assert!(chord > 1.05 && (said.speeds - chord).abs() < 1e-9, "{chord} {said:?}");
+        assert!((said.advance().0 / said.prediction.advance.0 - chord).abs() < 1e-9, "{said:?}");
+        assert!((said.half_width().0 / said.prediction.half_width.0 - chord).abs() < 1e-9, "{said:?}");
+    }
+    let (slow, chord) = advance(0.002);
+    assert!(chord > 1.6 && (slow.speeds - 1.6).abs() < 1e-12, "{chord} {slow:?}");
+}
+
 /// A set-point that changes is told at once; one that stays, or a heater that is off, is not answered for.
 #[test]
 fn a_changed_set_point_is_told_and_an_equal_one_is_not() {

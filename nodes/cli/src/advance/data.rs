@@ -29,10 +29,15 @@ pub struct DataArgs {
 pub fn run(args: &DataArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
     args.out.as_deref().map_or(Ok(()), output::check_writable)?;
+    Setup::check_apart(args.out.as_deref(), &config, None)?;
     let set = Setup::load(&config)?.lines(&Settings::load(&config)?, args.drive.into());
     let text = text(&set);
     match &args.out {
-        Some(path) => output::write_whole(path, &text),
+        Some(path) => {
+            output::write_whole(path, &text)?;
+            output::note(&format!("{}: {} lines", path.display(), set.lines.len()));
+            Ok(())
+        }
         None => output::line(&text),
     }
 }
@@ -43,7 +48,7 @@ fn text(set: &DataSet) -> String {
         "# synthetic: the virtual test line of the model book, 2.4; no printer was involved\n\
          drive,polymer,temperature_c,height_mm,width_mm,advance_s,true_s,in_table_1,use\n",
     );
-    for Line { polymer, at, true_s, scored_s, in_table, purpose } in &set.lines {
+    for Line { polymer, at, true_s, scored_s, in_table, purpose, .. } in &set.lines {
         // Writing to a string cannot fail.
         _ = writeln!(
             text,

@@ -1,11 +1,12 @@
 //! `fdm advance export`: tables for slicers, start code for firmware.
 
-use super::networks::{IntervalOf, Networks};
+use super::networks::{IntervalOf, Networks, outside};
+use super::predict::BY_PHYSICS;
 use super::{Place, Printed, Setup};
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
 use advance_predictor::compensation::{Predictor, Source};
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::Args;
 use models::advance::DriveKind;
 use serde::Serialize;
@@ -17,11 +18,11 @@ use std::fmt::Write;
 pub struct ExportArgs {
     #[command(flatten)]
     printed: Printed,
-    /// Temperatures of the hot end `[degC]`; the start code asks for the nearest one.
-    #[arg(long, value_delimiter = ',', default_values_t = [215.0])]
+    /// Temperatures of the hot end `[degC]`, separated by commas or blanks; the start code asks for the nearest one.
+    #[arg(long, num_args = 1.., value_delimiter = ',', default_values_t = [215.0])]
     temperature: Vec<f64>,
-    /// Layer heights `[mm]`; the start code asks for the nearest one.
-    #[arg(long, value_delimiter = ',', default_values_t = [0.1, 0.15, 0.2, 0.25, 0.3])]
+    /// Layer heights `[mm]`, separated by commas or blanks; the start code asks for the nearest one.
+    #[arg(long, num_args = 1.., value_delimiter = ',', default_values_t = [0.1, 0.15, 0.2, 0.25, 0.3])]
     height: Vec<f64>,
     /// Width of the line `[mm]`.
     #[arg(long, default_value_t = 0.45)]
@@ -53,7 +54,7 @@ pub struct Export {
 }
 
 /// One row of the table.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
     /// Temperature.
     pub temperature_c: f64,
@@ -67,6 +68,8 @@ pub struct Row {
     pub interval_of: IntervalOf,
     /// Inside the hull of the networks' data.
     pub in_hull: bool,
+    /// What of the condition lies outside of it: the physical model answered.
+    pub outside: Vec<String>,
 }
 
 /// Runs the command.
@@ -77,6 +80,8 @@ pub fn run(args: &ExportArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.printed.config.as_deref())?;
     let json = Json::new(args.printed.json.as_deref());
     json.check()?;
+    let printed = &args.printed;
+    Setup::check_apart(printed.json.as_deref(), &config, printed.models.as_deref())?;
     let setup = Setup::load(&config)?;
     let (predictor, networks) = args.printed.predictor(&setup, &config)?;
     let export = export(args, &setup, (&predictor, networks))?;
@@ -99,14 +104,17 @@ fn export(
         for height in &heights_mm {
             let place = Place { temperature, height: *height, width: args.width };
             setup.check(&polymer, &place)?;
-            let foretold = predictor.predict(&polymer, &place.condition())?;
+            let foretold = predictor
+                .predict(&polymer, &place.condition())
+                .with_context(|| format!("--temperature {temperature} --height {height}"))?;
             rows.push(Row {
                 temperature_c: temperature,
                 height_mm: *height,
                 advance_s: foretold.advance.0,
                 half_width_s: foretold.half_width.0,
-                interval_of: foretold.source.into(),
+                interval_of: IntervalOf::of(foretold.source, predictor.ensemble()),
                 in_hull: foretold.source == Source::Network,
+                outside: outside(predictor.ensemble(), &polymer, &place.condition()),
             });
         }
     }
@@ -169,7 +177,17 @@ fn macro_text(temperature: &str, command: &str, rows: &[Row]) -> String {
     if rows.len() > 1 {
         text.push_str("{endif}");
     }
-    text
+    text + &by_physics(rows)
+}
+
+/// A comment that names the conditions of which the physical model answered.
+fn by_physics(rows: &[Row]) -> String {
+    let outside: Vec<String> = rows
+        .iter()
+        .filter(|row| !row.in_hull)
+        .map(|row| format!("{} degC {} mm", row.temperature_c, row.height_mm))
+        .collect();
+    if outside.is_empty() { String::new() } else { format!("{BY_PHYSICS} at {}", outside.join(", ")) }
 }
 
 fn text(export: &Export) -> String {
@@ -185,10 +203,12 @@ fn text(export: &Export) -> String {
             row.height_mm,
             row.advance_s,
             row.half_width_s,
-            if row.in_hull { "" } else { "  physical model: outside of the networks' data" }
+            if row.in_hull { String::new() } else { format!("  physical model: {}", row.outside.join(", ")) }
         ));
     }
-    let [inside, outside] = [IntervalOf::VirtualTestLine, IntervalOf::AssumedDoubt].map(IntervalOf::text);
+    let inside = export.rows.iter().find(|row| row.in_hull).map(|row| row.interval_of);
+    let [inside, outside] =
+        [inside.unwrap_or(IntervalOf::VirtualTestLine), IntervalOf::AssumedDoubt].map(IntervalOf::text);
     lines.push(format!("+- is {inside}; of the physical model {outside}"));
     for (slicer, firmware, code) in [
         ("PrusaSlicer", "Marlin", &export.prusaslicer_marlin),
@@ -202,65 +222,4 @@ fn text(export: &Export) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::tests::setup;
-    use super::*;
-
-    fn row(temperature_c: f64, height_mm: f64, advance_s: f64) -> Row {
-        let interval_of = IntervalOf::VirtualTestLine;
-        Row { temperature_c, height_mm, advance_s, half_width_s: 0.01, interval_of, in_hull: true }
-    }
-
-    #[test]
-    fn a_conditional_names_the_nearest_height() {
-        let rows = [row(215.0, 0.1, 0.9), row(215.0, 0.2, 0.63), row(215.0, 0.3, 0.59)];
-        assert_eq!(
-            macro_text(PRUSASLICER, MARLIN, &rows),
-            "M900 K{if layer_height<0.150}0.9000{elsif layer_height<0.250}0.6300{else}0.5900{endif}"
-        );
-        assert_eq!(macro_text(PRUSASLICER, MARLIN, &rows[..1]), "M900 K0.9000");
-    }
-
-    /// Every temperature that was asked for is in the start code, in the order in which a slicer meets the conditions.
-    #[test]
-    fn a_conditional_names_the_nearest_temperature_first() {
-        let rows = [row(200.0, 0.1, 1.0), row(200.0, 0.2, 0.7), row(220.0, 0.1, 0.8), row(220.0, 0.2, 0.6)];
-        assert_eq!(
-            macro_text(PRUSASLICER, KLIPPER, &rows),
-            "SET_PRESSURE_ADVANCE ADVANCE={if temperature[0]<210.000 and layer_height<0.150}1.0000\
-             {elsif temperature[0]<210.000}0.7000{elsif layer_height<0.150}0.8000{else}0.6000{endif}"
-        );
-        let one_height = [rows[0], rows[2]];
-        assert_eq!(
-            macro_text(ORCASLICER, MARLIN, &one_height),
-            "M900 K{if nozzle_temperature[0]<210.000}1.0000{else}0.8000{endif}"
-        );
-    }
-
-    #[test]
-    fn all_temperatures_are_exported_and_odd_ones_refused() {
-        let (config, setup) = setup();
-        let printed = Printed {
-            drive: super::super::DriveName::Bowden,
-            polymer: "PLA".to_owned(),
-            config: None,
-            models: None,
-            json: None,
-        };
-        let of = |temperature: &[f64], height: &[f64]| {
-            let (temperature, height) = (temperature.to_vec(), height.to_vec());
-            let args = ExportArgs { printed: printed.clone(), temperature, height, width: 0.45 };
-            let (predictor, networks) = args.printed.predictor(&setup, &config)?;
-            export(&args, &setup, (&predictor, networks))
-        };
-        let whole = of(&[220.0, 200.0], &[0.2, 0.1]).unwrap();
-        assert_eq!(whole.rows.len(), 4);
-        for row in &whole.rows {
-            assert!(whole.prusaslicer_marlin.contains(&format!("{:.4}", row.advance_s)), "{whole:?}");
-        }
-        let refused = |temperature: &[f64], height: &[f64]| of(temperature, height).unwrap_err().to_string();
-        assert_eq!(refused(&[215.0, 20.0], &[0.2]), "--temperature 20 degC: must be in [160, 320] degC");
-        assert_eq!(refused(&[215.0], &[0.2, 0.2]), "--height 0.2: is there twice");
-        assert_eq!(refused(&[215.0], &[]), "--height: no value");
-    }
-}
+mod tests;

@@ -11,10 +11,11 @@ pub mod train;
 pub(crate) mod turns;
 
 use crate::config::ConfigDir;
-use crate::process;
+use crate::{output, process};
 use advance_predictor::Params;
 use advance_predictor::compensation::Predictor;
 use advance_predictor::compensation::data::{DataParams, DataSet};
+use advance_predictor::compensation::measured::Prior;
 use advance_predictor::network::training::FitParams;
 use advance_predictor::turn::training::Training;
 use anyhow::{Context, bail};
@@ -24,7 +25,7 @@ use models::advance::{Condition, DriveKind, Physics};
 use models::units::Celsius;
 use runtime::params::{NodePath, Parameters};
 use serde::Deserialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Pressure advance without printing a pattern, and with one.
 #[derive(Debug, Args)]
@@ -141,6 +142,8 @@ pub struct Settings {
     pub seed: u64,
     /// Weight of a person's own line against a virtual one.
     pub measured_weight: f64,
+    /// How far a person's printer may be from the physical model.
+    pub measured_prior: Prior,
     /// How lines are made.
     pub data: DataParams,
     /// How networks are fitted.
@@ -162,6 +165,17 @@ impl Settings {
         Ok(settings)
     }
 }
+
+/// Files of the configuration folder that the commands read.
+const READ: [&str; 5] = [
+    "advance_predictor.param.yaml",
+    "advance/physics.yaml",
+    "advance/published.yaml",
+    "advance/pattern.yaml",
+    "models/advance_training.yaml",
+];
+/// Files of a folder of networks.
+const NETWORKS: [&str; 3] = ["advance_bowden.json", "advance_direct.json", "turn.json"];
 
 /// Everything that the predictor needs.
 pub struct Setup {
@@ -220,7 +234,36 @@ impl Setup {
                 bail!("{option} {value} {unit}: must be in [{low}, {high}] {unit}");
             }
         }
+        if place.height > place.width {
+            bail!("--height {} mm: must be at most the line's width, {} mm", place.height, place.width);
+        }
         Ok(())
+    }
+
+    /// Refuses an output that would take the place of a file that is read: those of the configuration folder, and the
+    /// networks of `models`.
+    ///
+    /// # Errors
+    /// The output and the file.
+    pub fn check_apart(
+        output: Option<&Path>,
+        config: &ConfigDir,
+        models: Option<&Path>,
+    ) -> anyhow::Result<()> {
+        let Some(output) = output.filter(|path| *path != Path::new("-")) else { return Ok(()) };
+        let mut read = READ.map(|name| config.file(name)).to_vec();
+        let folder = models.map_or_else(|| config.file("models"), Path::to_path_buf);
+        read.extend(NETWORKS.map(|name| folder.join(name)));
+        // A network that training makes need not be there yet.
+        let place = |path: &Path| {
+            let absolute = std::path::absolute(path).ok()?;
+            Some((std::fs::canonicalize(absolute.parent()?).ok()?, absolute.file_name()?.to_owned()))
+        };
+        if let Some(taken) = read.iter().find(|file| place(file).is_some_and(|at| Some(at) == place(output)))
+        {
+            bail!("{} would replace {}: choose another file", output.display(), taken.display());
+        }
+        output::check_apart(output, &read)
     }
 
     /// Prints and scores the lines of a drive.

@@ -4,9 +4,9 @@ use super::Printed;
 use super::Setup;
 use crate::config::ConfigDir;
 use crate::output;
-use advance_predictor::compensation::{Ensemble, Predictor, Source};
+use advance_predictor::compensation::{Ensemble, Outside, Predictor, Source};
 use anyhow::{Context, bail};
-use models::advance::DriveKind;
+use models::advance::{Condition, DriveKind};
 use serde::Serialize;
 use std::path::Path;
 
@@ -32,35 +32,53 @@ impl Networks {
 pub enum IntervalOf {
     /// It holds the best K of 95 % of virtual test lines. What a real printer needs was never compared.
     VirtualTestLine,
+    /// The same of virtual lines scaled to a person's own, and it holds 95 % of the own ones too.
+    VirtualAndMeasured,
     /// `bounds.physics_doubt` of the physical model's answer: an assumption.
     AssumedDoubt,
 }
 
-impl From<Source> for IntervalOf {
-    fn from(source: Source) -> Self {
+impl IntervalOf {
+    /// What the interval of an answer of these networks is of.
+    pub(super) fn of(source: Source, networks: &Ensemble) -> Self {
+        Self::label(source, networks.measured())
+    }
+
+    fn label(source: Source, measured: usize) -> Self {
         match source {
+            Source::Network if measured > 0 => Self::VirtualAndMeasured,
             Source::Network => Self::VirtualTestLine,
             Source::Physics => Self::AssumedDoubt,
         }
     }
-}
 
-impl IntervalOf {
     /// For people.
     pub(super) fn text(self) -> &'static str {
         match self {
             Self::VirtualTestLine => "95 % of virtual test lines; no printer was involved",
+            Self::VirtualAndMeasured => "95 % of virtual test lines scaled to measured ones, and of those",
             Self::AssumedDoubt => "an assumption",
         }
     }
 }
 
+/// What of a condition lies outside of the networks' data, each with the data's range; empty where they answer.
+pub(super) fn outside(networks: &Ensemble, polymer: &str, at: &Condition) -> Vec<String> {
+    let Some(hull) = networks.hull(polymer) else {
+        return vec![format!("polymer {polymer} is none of theirs")];
+    };
+    let told = |Outside { field, value, range: [low, high], unit }: Outside| {
+        format!("{field} {value} {unit} is outside of {low} to {high} {unit}")
+    };
+    hull.outside(at).into_iter().map(told).collect()
+}
+
 /// Who answered, for people.
-pub(super) fn answered(source: Source) -> &'static str {
-    match source {
-        Source::Network => "the networks, inside of their data",
-        Source::Physics => "the physical model: this lies OUTSIDE of the networks' data",
+pub(super) fn answered(outside: &[String]) -> String {
+    if outside.is_empty() {
+        return "the networks, inside of their data".to_owned();
     }
+    format!("the physical model, OUTSIDE of the networks' data: {}", outside.join(", "))
 }
 
 impl Printed {
@@ -98,7 +116,9 @@ pub(super) fn read(setup: &Setup, folder: &Path, drive: DriveKind) -> anyhow::Re
     let text = runtime::input::text(&path).with_context(told)?;
     let ensemble = Ensemble::parse(&text, drive).with_context(told)?;
     let networks = Networks { file: told(), trained: ensemble.trained().to_owned() };
-    Ok((Predictor::new(setup.physics.clone(), setup.params.bounds, ensemble), networks))
+    let predictor =
+        Predictor::new(setup.physics.clone(), setup.params.bounds, ensemble).with_context(told)?;
+    Ok((predictor, networks))
 }
 
 #[cfg(test)]
@@ -118,6 +138,19 @@ mod tests {
         let nowhere = printed(DriveName::Bowden, Some(Path::new("/nowhere/networks")));
         let error = nowhere.predictor(&setup, &config).unwrap_err().to_string();
         assert_eq!(error, "--models /nowhere/networks: no such folder");
+    }
+
+    /// A file that own lines had a part in says so in each answer.
+    #[test]
+    fn own_lines_are_in_the_label_of_the_interval() {
+        let (config, _) = setup();
+        let file = config.file("models/advance_bowden.json");
+        let shipped = Ensemble::parse(&std::fs::read_to_string(file).unwrap(), DriveKind::Bowden).unwrap();
+        assert_eq!(IntervalOf::of(Source::Network, &shipped), IntervalOf::VirtualTestLine);
+        let of = |source| IntervalOf::label(source, 4);
+        assert_eq!(of(Source::Network), IntervalOf::VirtualAndMeasured);
+        assert_eq!(of(Source::Physics), IntervalOf::AssumedDoubt);
+        assert!(!of(Source::Network).text().contains("no printer"));
     }
 
     /// The answer names its file, wherever that lies; one under the other drive's name is refused.

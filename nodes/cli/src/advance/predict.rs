@@ -1,6 +1,6 @@
 //! `fdm advance predict`: K of one condition.
 
-use super::networks::{IntervalOf, Networks, answered};
+use super::networks::{IntervalOf, Networks, answered, outside};
 use super::{Place, Printed, Setup};
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
@@ -43,6 +43,8 @@ pub struct Figures {
     pub law: Option<Law>,
     /// Whether the condition lies inside the hull of the networks' data.
     pub in_hull: bool,
+    /// What of the condition lies outside of it.
+    pub outside: Vec<String>,
     /// Who answered.
     pub source: Source,
     /// The networks that were asked.
@@ -72,6 +74,8 @@ pub fn run(args: &PredictArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.printed.config.as_deref())?;
     let json = Json::new(args.printed.json.as_deref());
     json.check()?;
+    let printed = &args.printed;
+    Setup::check_apart(printed.json.as_deref(), &config, printed.models.as_deref())?;
     let figures = figures(args, &config)?;
     if !json.is_stdout() {
         output::line(&text(&figures))?;
@@ -100,15 +104,19 @@ fn figures(args: &PredictArgs, config: &ConfigDir) -> anyhow::Result<Figures> {
         width_mm: args.place.width,
         advance_s: foretold.advance.0,
         half_width_s: foretold.half_width.0,
-        interval_of: foretold.source.into(),
+        interval_of: IntervalOf::of(foretold.source, predictor.ensemble()),
         law,
         in_hull: foretold.source == Source::Network,
+        outside: outside(predictor.ensemble(), &polymer, &at),
         source: foretold.source,
         networks,
         physics_s: setup.physics.secant_s(drive, &polymer, &at),
         polymer,
     })
 }
+
+/// What start code says of an answer that is not the networks'.
+pub(super) const BY_PHYSICS: &str = " ; by the physical model";
 
 /// The law first: where moves carry trims the graph executes it, and one K holds at one speed alone.
 fn text(figures: &Figures) -> String {
@@ -126,13 +134,14 @@ fn text(figures: &Figures) -> String {
          from         {}\n\
          networks     {}\n\
          physics      {physics}\n\
-         Marlin       M900 K{k:.4}\n\
-         Klipper      SET_PRESSURE_ADVANCE ADVANCE={k:.4}",
+         Marlin       M900 K{k:.4}{by}\n\
+         Klipper      SET_PRESSURE_ADVANCE ADVANCE={k:.4}{by}",
         figures.half_width_s,
         figures.interval_of.text(),
-        answered(figures.source),
+        answered(&figures.outside),
         figures.networks.text(),
         k = figures.advance_s,
+        by = if figures.in_hull { "" } else { BY_PHYSICS },
     )
 }
 
@@ -142,17 +151,24 @@ mod tests {
     use super::super::tests::setup;
     use super::*;
 
-    fn figures_of(temperature: f64) -> Figures {
+    fn of(polymer: &str, place: Place) -> anyhow::Result<Figures> {
         let (config, _) = setup();
-        let printed = Printed {
-            drive: DriveName::Bowden,
-            polymer: "pla".to_owned(),
-            config: None,
-            models: None,
-            json: None,
-        };
-        figures(&PredictArgs { printed, place: Place { temperature, height: 0.2, width: 0.4 } }, &config)
-            .unwrap()
+        let (drive, polymer) = (DriveName::Bowden, polymer.to_owned());
+        let printed = Printed { drive, polymer, config: None, models: None, json: None };
+        figures(&PredictArgs { printed, place }, &config)
+    }
+
+    fn figures_of(temperature: f64) -> Figures {
+        of("pla", Place { temperature, height: 0.2, width: 0.4 }).unwrap()
+    }
+
+    /// 160 degC is no temperature of ABS: the physical model comes to 97 s.
+    #[test]
+    fn a_k_that_no_drive_has_is_no_answer() {
+        let error =
+            of("abs", Place { temperature: 160.0, height: 0.05, width: 0.15 }).unwrap_err().to_string();
+        assert!(error.starts_with("no answer: K 9"), "{error}");
+        assert!(error.ends_with(" is outside of 0.3 to 1.5 s of a bowden drive"), "{error}");
     }
 
     /// Nobody is to read the interval of synthetic lines as one of printers.
@@ -164,7 +180,11 @@ mod tests {
         assert!(text(&inside).contains("95 % of virtual test lines; no printer was involved"));
         let outside = figures_of(240.0);
         assert_eq!(serde_json::to_value(&outside).unwrap()["interval_of"], "assumed_doubt");
-        assert!(text(&outside).contains("(an assumption)") && text(&outside).contains("OUTSIDE"));
+        assert!(text(&outside).contains("(an assumption)"));
+        let told = "OUTSIDE of the networks' data: temperature 240 degC is outside of 200 to 230 degC\n";
+        assert!(text(&outside).contains(told), "{}", text(&outside));
+        assert_eq!(text(&outside).matches(BY_PHYSICS).count(), 2, "{}", text(&outside));
+        assert!(!text(&inside).contains("physical model") && inside.outside.is_empty());
         assert!(text(&outside).contains(&outside.networks.file), "{}", text(&outside));
     }
 

@@ -1,13 +1,15 @@
 //! `fdm advance train`: the networks anew, and what they reach on lines and files that they never saw.
 
+mod own;
+
 use super::measured;
 use super::turns::{self, FileFigures};
 use super::{Settings, Setup};
 use crate::config::ConfigDir;
 use crate::output::{self, Json};
 use advance_predictor::compensation::Ensemble;
-use advance_predictor::compensation::assess::{Errors, Figures, Widths, assess};
-use advance_predictor::compensation::measured::Measured;
+use advance_predictor::compensation::assess::{Errors, Figures, Judges, Widths, assess};
+use advance_predictor::compensation::measured::{Factor, Measured};
 use advance_predictor::compensation::training::{Material, train};
 use anyhow::Context;
 use clap::Args;
@@ -60,10 +62,12 @@ pub fn run(args: &TrainArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
     let json = Json::new(args.json.as_deref());
     json.check()?;
+    Setup::check_apart(args.json.as_deref(), &config, None)?;
     let (settings, setup) = (Settings::load(&config)?, Setup::load(&config)?);
     let measured = args.measured.as_deref().map(|path| read(path, &setup)).transpose()?.unwrap_or_default();
     let out = args.out.clone().unwrap_or_else(|| config.file("models"));
     check_folder(&out)?;
+    Setup::check_apart(args.json.as_deref(), &config, Some(&out))?;
     args.gcode.as_deref().map(turns::listed).transpose()?;
     let (trained, files) = trained(args, (&config, &settings, &setup), &measured)?;
     // All networks or none: what was asked for in one command belongs together.
@@ -127,31 +131,36 @@ fn compensation(
     (drive, measured): (DriveKind, &[Measured]),
 ) -> anyhow::Result<(Figures, NetworkFile)> {
     output::note(&format!("printing and scoring virtual lines, {}", drive.name()));
-    let set = setup.lines(settings, drive);
+    let (physics, data) = (&setup.physics, &settings.data);
+    let whole = setup.lines(settings, drive);
+    let factor = Factor::of((physics, data), drive, measured, &settings.measured_prior);
+    let set = whole.scaled(&factor, physics.drive(drive).advance_range_s);
     output::note("fitting the networks");
-    let material = Material {
-        physics: &setup.physics,
-        data: &settings.data,
-        set: &set,
-        measured,
-        measured_weight: settings.measured_weight,
-    };
+    let measured_weight = settings.measured_weight;
+    let material = Material { physics, data, set: &set, measured, measured_weight };
     let text = train(&material, &settings.fit, settings.seed)?;
     let ensemble = Ensemble::parse(&text, drive)?;
-    let figures = assess(&ensemble, &setup.physics, (&settings.data, &set), &setup.published);
+    let judges = Judges { data, set: &set, left_out: whole.count() - set.count(), measured };
+    let figures = assess(&ensemble, physics, judges, &setup.published);
     Ok((figures, (format!("advance_{}.json", drive.name()), text)))
 }
 
 fn text(trained: &Trained) -> String {
-    let mut lines = vec!["synthetic lines and seven printed points; no printer was involved".to_owned()];
-    if trained.measured > 0 {
+    let mut lines = vec![];
+    if trained.measured == 0 {
+        lines.push("synthetic lines and seven printed points; no printer was involved".to_owned());
+    } else {
         let Trained { measured, measured_outside_hull: outside, .. } = trained;
         lines.push(format!(
             "measured     {measured} lines, {outside} of them outside of the networks' data, where the physical model answers"
         ));
     }
     for figures in &trained.compensation {
-        lines.push(format!("{}: trained with {} lines", figures.drive.name(), figures.trained));
+        let (drive, virtuals) = (figures.drive.name(), figures.trained);
+        let own = figures.own.as_ref();
+        let measured = own.map_or(0, |own| own.count);
+        lines.push(format!("{drive}: trained with {virtuals} virtual and {measured} measured lines"));
+        lines.extend(own.into_iter().flat_map(own::text));
         lines.push(format!("  held out     {}", errors(&figures.held_out)));
         lines.push(format!("  anywhere     {}", errors(&figures.anywhere)));
         for point in &figures.published {
@@ -214,6 +223,16 @@ mod tests {
         ] {
             assert!(told.contains(part), "{told}");
         }
+    }
+
+    /// Nobody who brought own lines is told that no printer was involved.
+    #[test]
+    fn the_first_line_says_whether_a_printer_was_involved() {
+        let trained = |measured| {
+            let (compensation, turns) = (vec![], vec![]);
+            text(&Trained { compensation, measured, measured_outside_hull: 1, turns })
+        };
+        assert!(trained(0).contains("no printer was involved") && !trained(5).contains("no printer"));
     }
 
     /// A file stands where the folder is to be: told before anything is trained, and nothing is left behind elsewhere.

@@ -42,9 +42,10 @@ impl ConfigDir {
         let file = params.models.of(params.drive);
         let ensemble =
             compensation::Ensemble::parse(&text(file)?, params.drive).with_context(|| told(file))?;
+        let compensation = compensation::Predictor::new(physics, params.bounds, ensemble);
+        let compensation = compensation.with_context(|| told(file))?;
         let file = &params.models.turn;
         let network = turn::TurnNetwork::parse(&text(file)?).with_context(|| told(file))?;
-        let compensation = compensation::Predictor::new(physics, params.bounds, ensemble);
         Ok(Foresight { params, compensation, network })
     }
 
