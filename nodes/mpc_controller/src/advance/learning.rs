@@ -65,6 +65,8 @@ pub(crate) struct Learning {
     calm_since_s: f64,
     moments: VecDeque<Moment>,
     sums: Sums,
+    /// Factor in force: follows what the sums say slowly, since a change while a road is laid is itself a width error.
+    factor: f64,
 }
 
 impl Learning {
@@ -77,6 +79,7 @@ impl Learning {
             calm_since_s: f64::NEG_INFINITY,
             moments: VecDeque::with_capacity(STATUSES),
             sums: Sums::default(),
+            factor: 1.0,
         }
     }
 
@@ -92,6 +95,11 @@ impl Learning {
 
     /// Factor on the foretold advance `[-]`, within `1 +- reach`.
     pub(crate) fn factor(&self) -> f64 {
+        self.factor
+    }
+
+    /// The factor that widths speak for `[-]`, within `1 +- reach`.
+    fn goal(&self) -> f64 {
         let Sums { weight, lever, answer, lever_sq, product } = self.sums;
         if weight <= 0.0 || self.settings.reach <= 0.0 {
             return 1.0;
@@ -112,6 +120,8 @@ impl Learning {
         if (feed_m_s - before_m_s).abs() > CALM * feed_m_s.max(before_m_s) {
             self.calm_since_s = stamp_s;
         }
+        let most = self.settings.slew_1_s * dt_s.clamp(0.0, 1.0);
+        self.factor += (self.goal() - self.factor).clamp(-most, most);
         let (law, share) = self.executed(status, foretold);
         let wanted_m = law.held_m(feed_m_s);
         if !(foretold.advance_s > 0.0 && (0.0..=foretold.advance_s).contains(&dt_s)) {

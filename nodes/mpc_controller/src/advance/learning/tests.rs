@@ -104,6 +104,28 @@ fn small_levers_teach_nothing() {
     assert!((factor_from(0.0) - 1.0).abs() > 0.1, "else there is nothing to guard against");
 }
 
+/// A change of the factor while a road is laid is a width error of its own: it is slow whatever widths say.
+#[test]
+fn the_factor_changes_slowly() {
+    let mut learning = Learning::new(RawLearning { reach: 0.4, slew_1_s: 0.01, ..LEARNING });
+    let plant = Compensation { lag_s: 1.3 * FORETOLD_S, advance_s: status(0.0, 1e-3).advance_s };
+    let mut state = plant.steady(feed_m_s(0.0));
+    let mut before = learning.factor();
+    for step in 1..=5_000_u32 {
+        let at_s = 0.02 * f64::from(step);
+        let (last, now) = (feed_m_s(at_s - 0.02), feed_m_s(at_s));
+        state = plant.step(state, (last, now), Seconds(0.02));
+        learning.on_status(&status(at_s, now), &foretold());
+        assert!((learning.factor() - before).abs() <= 0.01 * 0.02 + 1e-12);
+        before = learning.factor();
+        if step.is_multiple_of(23) {
+            let sides_m = HEIGHT_M * ROUND_SIDES;
+            learning.on_width(at_s, plant.outlet(state, now) / now * (TARGET_M - sides_m) + sides_m);
+        }
+    }
+    assert!(before > 1.2, "and yet it comes: {before}");
+}
+
 /// Foretold in the test of a law: secant 0.416 s from 1 to 3 mm/s.
 const LAW: AdvanceLaw = AdvanceLaw { linear_s: 0.3, shear: 1e-2, index: 0.5 };
 
