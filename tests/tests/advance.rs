@@ -37,19 +37,18 @@ fn printed(file: &str, advance: &str) -> (f64, f64) {
     (run["corner_width_rms_rel"].as_f64().unwrap(), run["print_time_s"].as_f64().unwrap())
 }
 
-/// Corners at least 30 % truer than without a prediction, and than with the material's constant, and at most a quarter less
-/// true than with the melt model of the file's own material, which a network that foretells nonsense misses by far; no
-/// print takes longer.
+/// Corners' errors at most half of those without a prediction, and with the material's constant, and at most 1.9 times those
+/// with the melt model of the file's own material, whose factor is learnt as well, from nearer; no print takes longer.
 #[test]
 fn a_foretold_advance_makes_corners_truer_and_no_print_longer() {
     for file in ["prusa_ring_pla_marlin_arcfit_G2G3.gcode", "prusa_cube_pla_marlin_relE.gcode"] {
         let (foretold, foretold_s) = printed(file, "predicted");
         for other in ["none", "material"] {
             let (rms, time_s) = printed(file, other);
-            assert!(foretold <= 0.7 * rms, "{file}: {foretold} with the prediction, {rms} with {other}");
+            assert!(foretold <= 0.5 * rms, "{file}: {foretold} with the prediction, {rms} with {other}");
             assert!(foretold_s <= time_s + 1e-3, "{file}: {foretold_s} s, {time_s} s with {other}");
         }
         let (planned, _) = printed(file, "planned");
-        assert!(foretold <= 1.25 * planned, "{file}: {foretold} with the prediction, {planned} planned");
+        assert!(foretold <= 1.9 * planned, "{file}: {foretold} with the prediction, {planned} planned");
     }
 }
