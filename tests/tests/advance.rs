@@ -38,7 +38,7 @@ fn printed(file: &str, advance: &str) -> (f64, f64) {
 }
 
 /// Corners' errors at most half of those without a prediction, and with the material's constant, and at most 1.9 times those
-/// with the melt model of the file's own material, whose factor is learnt as well, from nearer; no print takes longer.
+/// with the melt model of the file's own material, whose factor may be learnt as well; no print takes longer.
 #[test]
 fn a_foretold_advance_makes_corners_truer_and_no_print_longer() {
     for file in ["prusa_ring_pla_marlin_arcfit_G2G3.gcode", "prusa_cube_pla_marlin_relE.gcode"] {

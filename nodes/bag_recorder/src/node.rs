@@ -1,15 +1,16 @@
 //! The shell: listens to every topic, hands the bytes to the writer, reports.
 
+mod passed;
 mod report;
 mod services;
 
-use crate::clock::Passed;
 use crate::convert;
 use crate::error::RecorderError;
 use crate::folder::Folder;
 use crate::params::{LIVE, Params};
 use crate::tally::Tally;
 use crate::writer::{Item, Queue, Recorded, Recorder, Sample, Settings, Wish};
+use passed::Passed;
 use report::Report;
 use runtime::{Gid, Node, RawMessage, RawSubscription, RuntimeError, Shutdown, Work, topics};
 use services::Services;

@@ -10,7 +10,7 @@
 //! instead, times the factor that widths taught: then no `K_A` changes while a road is laid. One behind which a change acts half a second and more late gets the material's
 //! constant: what was meant for a pause of the filament would come in the midst of a road.
 
-use crate::params::{AdvanceSource, RawAdvance};
+use crate::params::{AdvanceSource, RawAdvance, RawLearning};
 use learning::{Learning, SLOW_M_S};
 use models::command::AdvanceLaw;
 use models::status::{HostProfile, PrinterStatus};
@@ -107,7 +107,12 @@ impl Advance {
             newest: None,
             held_s: None,
             at_s: 0.0,
-            learning: Learning::new(settings.learning),
+            learning: Learning::new(match settings.source {
+                AdvanceSource::Planned => {
+                    RawLearning { reach: settings.learning.planned_reach, ..settings.learning }
+                }
+                _ => settings.learning,
+            }),
             report: AdvanceReport::default(),
         }
     }

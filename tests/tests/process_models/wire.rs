@@ -147,13 +147,13 @@ fn refused_heights_are_said() {
 
 #[test]
 fn options_of_a_wall_are_refused_before_it_starts() {
-    refused(
-        &["wire", "up", "--namespace", "bad ns", "--dry-run"],
-        &["--namespace 'bad ns'", "letters, digits and _"],
-    );
-    let output = run(&["wire", "up", "--layers", "0"]);
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.code() == Some(2) && said.contains("--layers <LAYERS>"), "{said}");
+    for (option, value, told) in
+        [("--namespace", "bad ns", "write /bad_ns"), ("--layers", "0", "--layers <LAYERS>")]
+    {
+        let output = run(&["wire", "up", option, value, "--dry-run"]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && said.contains(told), "{said}");
+    }
 }
 
 /// Height RMS of each layer, mean over the seeds, of walls whose first layer alone has dips and bumps.

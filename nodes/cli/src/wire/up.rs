@@ -43,20 +43,6 @@ pub struct UpArgs {
     json: Option<PathBuf>,
 }
 
-/// Names of ROS 2: words of letters, digits and underscores that begin with no digit, each after a slash.
-fn check_namespace(namespace: &str) -> anyhow::Result<()> {
-    let word = |word: &str| {
-        word.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
-            && word.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
-    };
-    match namespace.strip_prefix('/') {
-        Some(words) if words.split('/').all(word) => Ok(()),
-        _ => bail!(
-            "--namespace '{namespace}': must be words of letters, digits and _ that begin with no digit, each after a /"
-        ),
-    }
-}
-
 /// One process to be: name of the node, its parameter files, its overrides.
 struct Member {
     name: &'static str,
@@ -78,7 +64,6 @@ pub(crate) const FILES: [(&str, &[&str]); 3] = [
 pub fn run(args: &UpArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
     in_range("--speed", args.speed, "-", (0.1, 20.0))?;
-    check_namespace(&args.namespace)?;
     let json = Json::new(args.json.as_deref());
     json.check()?;
     let bag = args.bag.as_deref().map(std::path::absolute).transpose()?;

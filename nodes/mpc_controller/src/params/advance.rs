@@ -51,6 +51,9 @@ pub struct RawAdvance {
 pub struct RawLearning {
     /// Largest correction, relative to the prediction `[-]`; 0 learns nothing.
     pub reach: f64,
+    /// The same of the law that is planned from the material's own melt `[-]`: a drive near its grip slips where a clog, or a
+    /// filament that runs stiffer, asks for more.
+    pub planned_reach: f64,
     /// How fast the correction follows `[1/s]`: times K it is the relative width error of a straight.
     pub slew_1_s: f64,
     /// Scatter of widths that no advance explains, relative `[-]`.
@@ -84,6 +87,7 @@ impl RawAdvance {
         in_range("advance.schedule_validity_s", self.schedule_validity_s, "s", (0.05, 60.0))?;
         let learning = &self.learning;
         in_range("advance.learning.reach", learning.reach, "-", (0.0, 0.5))?;
+        in_range("advance.learning.planned_reach", learning.planned_reach, "-", (0.0, 0.5))?;
         in_range("advance.learning.slew_1_s", learning.slew_1_s, "1/s", (1e-5, 10.0))?;
         in_range("advance.learning.width_noise", learning.width_noise, "-", (0.001, 1.0))?;
         in_range("advance.learning.frames", learning.frames, "-", (2.0, 1e5))?;

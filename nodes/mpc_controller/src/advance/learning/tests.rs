@@ -169,7 +169,11 @@ fn the_factor_meets_a_law_over_the_feed() {
 #[test]
 fn a_planned_law_is_learnt() {
     let factor_with = |source| {
-        let settings = RawAdvance { source, learning: RawLearning { reach: 0.4, ..LEARNING }, ..SETTINGS };
+        let settings = RawAdvance {
+            source,
+            learning: RawLearning { reach: 0.3, planned_reach: 0.4, ..LEARNING },
+            ..SETTINGS
+        };
         let mut advance = Advance::new(settings);
         printed_with_law(|status, width| {
             advance.on_status(status, Some(LAW));
