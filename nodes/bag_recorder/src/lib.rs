@@ -22,7 +22,7 @@
 //! | [`params`] | the parameters |
 //! | [`retention`] | which file goes where room is short |
 //! | [`ring`] | the last seconds in memory, for a snapshot |
-//! | `node`, `writer`, `file`, `folder`, `recovery`, `walk` | the shell, behind the feature `ros`: files and threads; `fdm` uses them too |
+//! | `node`, `clock`, `writer`, `file`, `folder`, `recovery`, `walk` | the shell, behind the feature `ros`: files and threads; `fdm` uses them too |
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "ros")]

@@ -7,8 +7,9 @@
 //! nothing is laid (`v = 0`). It never slows the tool.
 //!
 //! A host that executes trims of coming moves gets the foretold law, or the melt's own, over the feed with each of them
-//! instead, times the factor that widths taught: then no `K_A` changes while a road is laid. One behind which a change acts half a second and more late gets the material's
-//! constant: what was meant for a pause of the filament would come in the midst of a road.
+//! instead, times the factor that widths taught: then no `K_A` changes while a road is laid. One behind which a change
+//! acts half a second and more late gets the material's constant: what was meant for a pause of the filament would come
+//! in the midst of a road.
 
 use crate::params::{AdvanceSource, RawAdvance, RawLearning};
 use learning::{Learning, SLOW_M_S};

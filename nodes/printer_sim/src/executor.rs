@@ -179,7 +179,7 @@ impl Executor {
 
     /// Whether motion may go on; a dwell uses up time of the step.
     fn ready(&mut self, left_s: f64, spent_s: &mut f64, around: &Surroundings) -> bool {
-        let band_k = self.settings.reached_band_k;
+        let (band_k, lower_k) = (self.settings.reached_band_k, around.trims.setpoint_offset_k.min(0.0));
         let over = match &mut self.wait {
             Wait::None => true,
             Wait::Until { left_s: wait_s } => {
@@ -189,10 +189,7 @@ impl Executor {
                 *wait_s <= 0.0
             }
             // The target in force: one that a trim holds lower would never be met at the file's own.
-            Wait::Hotend => {
-                let lower_k = around.trims.setpoint_offset_k.min(0.0);
-                around.hotend.0 >= self.sliced.hotend.0 + lower_k - band_k
-            }
+            Wait::Hotend => around.hotend.0 >= self.sliced.hotend.0 + lower_k - band_k,
             Wait::Bed => around.bed.0 >= self.sliced.bed.0 - band_k,
         };
         if over {

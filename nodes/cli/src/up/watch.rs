@@ -17,6 +17,8 @@ use printer_sim::score::Integrals;
 use runtime::Timer;
 use std::io::IsTerminal;
 
+mod shown;
+
 /// How often processes and topics are looked at `[s]`.
 const LOOK_S: f64 = 0.05;
 /// Longest time that the nodes get to end `[s]`. They take 0.2 s on a busy host; what is said after that nobody waits for.
@@ -27,8 +29,6 @@ const RECORDER_END_S: f64 = 2.0;
 const LISTEN_S: f64 = 1.0;
 /// From here on after the onset the feed error counts as settled `[s]`.
 const SETTLE_S: f64 = 2.0;
-/// Pace of the progress where no terminal shows a bar `[s]`.
-const TELL_S: f64 = 10.0;
 /// The printer's state stays away this long after it was heard: the simulation is over or dead `[s]`.
 const LOST_S: f64 = 20.0;
 
@@ -270,33 +270,5 @@ impl Watch {
         if truth.fault_set_in && stamp_s >= truth.first_onset_s + SETTLE_S {
             self.marks.settled.get_or_insert(integrals);
         }
-    }
-
-    /// A line now and then where standard error is no terminal: a log, a pipe.
-    fn tell_progress(&mut self, now: Seconds) {
-        let due = self.told.is_some_and(|told| (now - told).0 >= TELL_S);
-        let Some(state) = self.newest_state.as_ref().filter(|_| due) else { return };
-        self.told = Some(now);
-        output::note(&format!(
-            "{:.1} % at {:.0} s: {}",
-            state.progress * 100.0,
-            self.marks.last_s,
-            self.bar.message()
-        ));
-    }
-
-    fn show(&self) {
-        let Some(state) = &self.newest_state else { return };
-        // A share of the file in permille, never outside of the bar.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded here")]
-        let permille = (state.progress.clamp(0.0, 1.0) * 1000.0) as u64;
-        self.bar.set_position(permille);
-        let mode = self.newest_safety.as_ref().map_or("-", |safety| mode_name(safety.mode));
-        let layer = if state.layer_known { format!("layer {}", state.layer + 1) } else { "heating".into() };
-        let factor = self.marks.last_s / self.elapsed_s().max(1e-3);
-        self.bar.set_message(format!(
-            "{layer}, {mode}, t = {:.0} s, {factor:.1} x real time, flow {:.3}, slip {:.3}",
-            self.marks.last_s, state.flow_factor, state.slip_compensation
-        ));
     }
 }

@@ -1,0 +1,37 @@
+//! What a person sees of a print that is followed: a bar, or a line now and then.
+
+use super::{Seconds, Watch, mode_name, output};
+
+/// Pace of the progress where no terminal shows a bar `[s]`.
+const TELL_S: f64 = 10.0;
+
+impl Watch {
+    /// A line now and then where standard error is no terminal: a log, a pipe.
+    pub(super) fn tell_progress(&mut self, now: Seconds) {
+        let due = self.told.is_some_and(|told| (now - told).0 >= TELL_S);
+        let Some(state) = self.newest_state.as_ref().filter(|_| due) else { return };
+        self.told = Some(now);
+        output::note(&format!(
+            "{:.1} % at {:.0} s: {}",
+            state.progress * 100.0,
+            self.marks.last_s,
+            self.bar.message()
+        ));
+    }
+
+    /// Brings the bar up to date.
+    pub(super) fn show(&self) {
+        let Some(state) = &self.newest_state else { return };
+        // A share of the file in permille, never outside of the bar.
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded here")]
+        let permille = (state.progress.clamp(0.0, 1.0) * 1000.0) as u64;
+        self.bar.set_position(permille);
+        let mode = self.newest_safety.as_ref().map_or("-", |safety| mode_name(safety.mode));
+        let layer = if state.layer_known { format!("layer {}", state.layer + 1) } else { "heating".into() };
+        let factor = self.marks.last_s / self.elapsed_s().max(1e-3);
+        self.bar.set_message(format!(
+            "{layer}, {mode}, t = {:.0} s, {factor:.1} x real time, flow {:.3}, slip {:.3}",
+            self.marks.last_s, state.flow_factor, state.slip_compensation
+        ));
+    }
+}
