@@ -86,6 +86,8 @@ pub struct AdvanceReport {
     pub without: u64,
     /// Commands that hurried a change since a turn was foreseen.
     pub hurried: u64,
+    /// Laws of coming moves that were held to `law_high_s`.
+    pub bounded: u64,
     /// Learnt factor on the foretold advance `[-]`.
     pub learnt: f64,
 }
@@ -166,6 +168,22 @@ impl Advance {
     /// A law with what was learnt of the printer.
     pub(crate) fn with_learnt(&self, law: AdvanceLaw) -> AdvanceLaw {
         law.scaled(self.learning.factor())
+    }
+
+    /// Force of the melt over its nominal one `[-]`, as far as widths told of a planned law: what is held compressed is
+    /// proportional to it.
+    pub(crate) fn stiffness(&self) -> f64 {
+        if self.settings.source == AdvanceSource::Planned { self.learning.factor() } else { 1.0 }
+    }
+
+    /// A law as it may be sent: within `law_high_s` at the feed at which the supervisor looks.
+    pub(crate) fn bounded(&mut self, law: AdvanceLaw) -> AdvanceLaw {
+        let (advance_s, high_s) = (law.advance_s(self.settings.law_feed_m_s), self.settings.law_high_s);
+        if advance_s <= high_s {
+            return law;
+        }
+        self.report.bounded += 1;
+        law.scaled(high_s / advance_s)
     }
 
     /// The advance to send at `now_s`; `nominal_s` is the material's constant.

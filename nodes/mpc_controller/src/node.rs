@@ -272,6 +272,7 @@ fn show(diagnostics: &Diagnostics, report: &Report) {
     diagnostics.set("refused_ticks", report.refusals.tick.invalid + report.refusals.tick.late);
     diagnostics.set("advance_without_prediction", report.advance.without);
     diagnostics.set("advance_hurried", report.advance.hurried);
+    diagnostics.set("advance_bounded", report.advance.bounded);
     diagnostics.set("advance_learnt", format_args!("{:.3}", report.advance.learnt));
     diagnostics.set("flow_error", format_args!("{:.4}", report.flow_error));
     diagnostics.set("base", format_args!("{:.4}", report.base));

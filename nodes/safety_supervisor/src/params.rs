@@ -69,7 +69,9 @@ pub struct EnvelopeParams {
 pub struct ScheduleParams {
     /// Longest validity that is accepted `[s]`.
     pub validity_max_s: f64,
-    /// Feed of the filament at which the limit of the advance is taken `[m/s]`.
+    /// Highest advance of a law at `feed_m_s` `[s]`.
+    pub advance_max_s: f64,
+    /// Feed of the filament at which that is taken `[m/s]`.
     pub feed_m_s: f64,
 }
 
@@ -82,6 +84,7 @@ impl ScheduleParams {
 
     fn check(&self) -> Result<(), ParamError> {
         in_range("envelope.schedule.validity_max_s", self.validity_max_s, "s", (0.05, 60.0))?;
+        in_range("envelope.schedule.advance_max_s", self.advance_max_s, "s", (0.0, 5.0))?;
         in_range("envelope.schedule.feed_m_s", self.feed_m_s, "m/s", (1e-5, 0.1)).map(drop)
     }
 }

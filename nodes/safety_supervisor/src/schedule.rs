@@ -23,8 +23,7 @@ impl Schedule {
     /// What may be sent on of a scheduled trim, and whether a limit has moved it; `bound` is the session whose command
     /// is in force.
     ///
-    /// The advance is a law over the feed: its limit is that of a command's `K_A`, taken at the feed of `params`, and
-    /// moves both parts of the law alike.
+    /// The advance is a law over the feed: its limit is taken at one feed, and moves both parts of the law alike.
     ///
     /// # Errors
     /// The [`Refusal`], which is counted.
@@ -35,19 +34,19 @@ impl Schedule {
     ) -> Result<(Scheduled, bool), Refusal> {
         self.gate.offer(bound, &scheduled)?;
         let mut trim = scheduled.trim;
-        let advance_s = trim.advance.advance_s(self.params.feed_m_s);
-        let wished =
-            Trims { flow: trim.flow, speed: trim.speed, advance_s: Some(advance_s), ..Trims::NEUTRAL };
+        let wished = Trims { flow: trim.flow, speed: trim.speed, ..Trims::NEUTRAL };
         let kept = self.limits.clamp(&wished).map_err(|_| Refusal::NotFinite)?;
-        let moved = kept.changed.any();
-        if moved {
-            self.clamped = self.clamped.saturating_add(1);
-            trim.flow = kept.trims.flow;
-            trim.speed = kept.trims.speed;
+        let advance_s = trim.advance.advance_s(self.params.feed_m_s);
+        if !advance_s.is_finite() {
+            return Err(Refusal::NotFinite);
         }
-        if let Some(kept_s) = kept.trims.advance_s.filter(|_| kept.changed.advance) {
-            trim.advance = trim.advance.scaled(kept_s / advance_s);
+        let far = advance_s > self.params.advance_max_s;
+        if far {
+            trim.advance = trim.advance.scaled(self.params.advance_max_s / advance_s);
         }
+        let moved = far || kept.changed.any();
+        self.clamped = self.clamped.saturating_add(u64::from(moved));
+        (trim.flow, trim.speed) = (kept.trims.flow, kept.trims.speed);
         Ok((Scheduled { trim, ..scheduled }, moved))
     }
 

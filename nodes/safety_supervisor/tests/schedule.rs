@@ -64,7 +64,7 @@ fn k6_a_schedule_out_of_the_envelope_is_clamped_and_degrades() {
     for sequence in 1..=3 {
         let sent = offer(&mut print, Scheduled { trim, ..wish(sequence) }).unwrap().trim;
         assert_eq!((sent.flow, sent.speed), (1.25, 0.7));
-        assert!((sent.advance.advance_s(FEED_M_S) - 2.0).abs() < 1e-9, "{:?}", sent.advance);
+        assert!((sent.advance.advance_s(FEED_M_S) - 2.6).abs() < 1e-9, "{:?}", sent.advance);
         assert!((sent.advance.linear_s / sent.advance.shear - 30.0).abs() < 1e-9, "{:?}", sent.advance);
     }
     print.step();

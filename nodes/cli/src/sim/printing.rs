@@ -70,6 +70,8 @@ pub struct Printing {
     paused_since: Option<Seconds>,
     /// How long a trim of a coming move holds, as its message says.
     schedule_validity: Seconds,
+    /// Trims of coming moves so far, where no bag counts them.
+    scheduled: u64,
     /// Phase of the job as the printer said it last.
     told_phase: Option<JobPhase>,
 }
@@ -114,6 +116,7 @@ impl Printing {
             onset_path_s: None,
             paused_since: None,
             schedule_validity: Seconds(setup.controller.advance.schedule_validity_s),
+            scheduled: 0,
             told_phase: None,
         })
     }

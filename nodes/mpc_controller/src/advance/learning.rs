@@ -184,4 +184,4 @@ impl Learning {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -27,6 +27,8 @@ pub(super) const SETTINGS: RawAdvance = RawAdvance {
     doubt_max: 0.3,
     low_s: 0.0,
     high_s: 1.5,
+    law_high_s: 2.5,
+    law_feed_m_s: 2e-3,
     straight_slew_s_s: 0.02,
     turn_slew_s_s: 0.3,
     turn_lead_s: 0.5,
@@ -129,6 +131,19 @@ fn what_is_sent_is_bounded() {
     let mut advance = Advance::new(SETTINGS);
     advance.on_prediction(word(0.0, 4.0, None));
     assert_eq!(sent(&mut advance, 0.0), Some(1.5));
+}
+
+/// `LAW` has 0.4 + 1e-3 / sqrt(2e-3) s at 2 mm/s.
+#[test]
+fn the_law_of_a_coming_move_is_bounded() {
+    let at_s = 0.4 + 1e-3 / 2e-3_f64.sqrt();
+    let mut advance = Advance::new(SETTINGS);
+    let kept = LAW.scaled(2.49 / at_s);
+    assert_eq!((advance.bounded(kept), advance.report().bounded), (kept, 0));
+    let held = advance.bounded(LAW.scaled(5.0 / at_s));
+    assert!((held.advance_s(2e-3) - 2.5).abs() < 1e-12 && (held.index - LAW.index).abs() < 1e-15);
+    assert!((held.linear_s / held.shear - LAW.linear_s / LAW.shear).abs() < 1e-9, "{held:?}");
+    assert_eq!(advance.report().bounded, 1);
 }
 
 /// 0.02 s/s over 50 ms is 1 ms.

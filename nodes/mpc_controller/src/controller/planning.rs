@@ -124,7 +124,9 @@ impl Controller {
         let Printer { hotend, material, melt, .. } = &self.printer;
         let block: Kelvin = status.hotend_sliced_target.into();
         let reference = nozzle_reference(hotend, material, block, (self.params.reference.flow_m3_s, ambient));
-        let flow_max = melt.flow_max_m3_s(estimate.nozzle, ambient, self.params.limits.force_margin);
+        let stiffer = self.advance.stiffness().max(1.0);
+        let margin = self.params.limits.force_margin / stiffer;
+        let flow_max = melt.flow_max_m3_s(estimate.nozzle, ambient, margin);
         self.report.flow_error = flow_error;
         self.report.gain_error = estimate.gain * self.base.feed() - 1.0;
         self.report.temperature_error_k = estimate.nozzle.0 - reference.0;

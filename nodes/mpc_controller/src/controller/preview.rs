@@ -25,7 +25,7 @@ impl Controller {
             AdvanceSource::Predicted => self.advance.law(now.0)?,
             AdvanceSource::None | AdvanceSource::File | AdvanceSource::Material => return None,
         };
-        let trim = MotionTrim { sequence, flow, speed, advance };
+        let trim = MotionTrim { sequence, flow, speed, advance: self.advance.bounded(advance) };
         trim.is_valid().then(|| {
             self.report.scheduled += 1;
             trim

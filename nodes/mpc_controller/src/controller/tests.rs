@@ -20,6 +20,7 @@ struct Node {
     parameters: Params,
 }
 
+mod force;
 mod health;
 mod rig;
 mod storm;

@@ -33,6 +33,10 @@ pub struct RawAdvance {
     pub low_s: f64,
     /// Highest advance sent `[s]`.
     pub high_s: f64,
+    /// Highest advance of a law of a coming move `[s]`, at `law_feed_m_s`: below the supervisor's.
+    pub law_high_s: f64,
+    /// Feed of the filament at which that is taken `[m/s]`.
+    pub law_feed_m_s: f64,
     /// Change while a road is laid `[s/s]`: the relative width error that it makes.
     pub straight_slew_s_s: f64,
     /// Change while a turn is foreseen `[s/s]`.
@@ -51,8 +55,7 @@ pub struct RawAdvance {
 pub struct RawLearning {
     /// Largest correction, relative to the prediction `[-]`; 0 learns nothing.
     pub reach: f64,
-    /// The same of the law that is planned from the material's own melt `[-]`: a drive near its grip slips where a clog, or a
-    /// filament that runs stiffer, asks for more.
+    /// The same of the law that is planned from the material's own melt `[-]`; its factor is one on the melt's force, too.
     pub planned_reach: f64,
     /// How fast the correction follows `[1/s]`: times K it is the relative width error of a straight.
     pub slew_1_s: f64,
@@ -81,6 +84,8 @@ impl RawAdvance {
         in_range("advance.low_s", self.low_s, "s", (0.0, 5.0))?;
         in_range("advance.high_s", self.high_s, "s", (0.0, 5.0))?;
         ordered(("advance.low_s", self.low_s), ("advance.high_s", self.high_s))?;
+        in_range("advance.law_high_s", self.law_high_s, "s", (0.0, 5.0))?;
+        in_range("advance.law_feed_m_s", self.law_feed_m_s, "m/s", (1e-5, 0.1))?;
         in_range("advance.straight_slew_s_s", self.straight_slew_s_s, "s/s", (1e-4, 10.0))?;
         in_range("advance.turn_slew_s_s", self.turn_slew_s_s, "s/s", (self.straight_slew_s_s, 10.0))?;
         in_range("advance.turn_lead_s", self.turn_lead_s, "s", (0.0, 5.0))?;

@@ -1,42 +1,48 @@
 //! Moves that the host knows before they begin, and the trims that are attached to them.
 
-use super::Printing;
-use models::command::MotionTrim;
+use super::{CONTROLLER_SESSION, Printing};
+use models::command::Scheduled;
 use models::motion::Segment;
 use models::units::Seconds;
 
 impl Printing {
-    /// A move is known: the printer gets the controller's trim of it, where there is one.
-    pub(super) fn foresee(&mut self, now: Seconds, (stamp, sequence): (Seconds, u64), segment: &Segment) {
-        let trim = if self.bagging.is_none() {
-            self.controller.on_coming(stamp, sequence, segment)
-        } else {
-            self.foresee_by_wire(now, (stamp, sequence), segment)
-        };
-        if let Some(trim) = trim {
-            _ = self.simulator.on_schedule(trim, Seconds(f64::INFINITY));
+    /// A move is known: the printer gets what the supervisor lets through of the controller's trim of it, where there is one.
+    pub(super) fn foresee(&mut self, now: Seconds, coming: (Seconds, u64), segment: &Segment) {
+        if !self.simulator.schedules() {
+            return;
         }
+        let wished = if self.bagging.is_none() {
+            self.wish_ahead(coming, segment)
+        } else {
+            self.wish_ahead_by_wire(now, coming, segment)
+        };
+        let Some(allowed) = wished.and_then(|wished| self.supervisor.on_scheduled(now, wished)) else {
+            return;
+        };
+        if let Some(bagging) = &mut self.bagging {
+            bagging.allow_ahead(now, &allowed);
+        }
+        _ = self.simulator.on_schedule(allowed.trim, Seconds(f64::INFINITY));
     }
 
-    /// The same with all that is said of it over DDS. As without a bag the printer takes what the controller wishes, beside
-    /// permits to act alone; the supervisor's word of it is kept.
-    fn foresee_by_wire(
+    fn wish_ahead(&mut self, (stamp, sequence): (Seconds, u64), segment: &Segment) -> Option<Scheduled> {
+        let trim = self.controller.on_coming(stamp, sequence, segment)?;
+        self.scheduled += 1;
+        let validity = self.schedule_validity;
+        Some(Scheduled { session: CONTROLLER_SESSION, sequence: self.scheduled, validity, trim })
+    }
+
+    /// The same with all that is said of it over DDS.
+    fn wish_ahead_by_wire(
         &mut self,
         now: Seconds,
         (stamp, sequence): (Seconds, u64),
         segment: &Segment,
-    ) -> Option<MotionTrim> {
-        if !self.simulator.schedules() {
-            return None;
-        }
+    ) -> Option<Scheduled> {
         let path_time_s = self.simulator.truth().path_time_s;
         let bagging = self.bagging.as_mut()?;
         let (sequence, segment) = bagging.coming(now, (stamp, path_time_s), (sequence, segment))?;
         let trim = self.controller.on_coming(now, sequence, &segment)?;
-        let wished = bagging.wish_ahead(now, self.schedule_validity, trim)?;
-        if let Some(allowed) = self.supervisor.on_scheduled(now, wished) {
-            bagging.allow_ahead(now, &allowed);
-        }
-        Some(wished.trim)
+        bagging.wish_ahead(now, self.schedule_validity, trim)
     }
 }

@@ -165,26 +165,28 @@ fn the_factor_meets_a_law_over_the_feed() {
     assert!((factor - 1.2).abs() < 0.05, "{factor}");
 }
 
-/// The melt's own law is learnt too where it is planned, no word of a predictor needed; not where one K is sent.
+/// An advance from `source` after that print, and the factor that it learnt.
+pub(crate) fn taught(source: AdvanceSource) -> (Advance, f64) {
+    let learning = RawLearning { reach: 0.3, planned_reach: 0.4, ..LEARNING };
+    let mut advance = Advance::new(RawAdvance { source, learning, ..SETTINGS });
+    let factor = printed_with_law(|status, width| {
+        advance.on_status(status, Some(LAW));
+        if let Some((at_s, width_m)) = width {
+            advance.on_width(Seconds(at_s), width_m);
+        }
+        advance.with_learnt(LAW).linear_s / LAW.linear_s
+    });
+    (advance, factor)
+}
+
+/// The melt's own law is learnt too where it is planned, no word of a predictor needed; not where one K is sent. What a
+/// planned law holds more than the nominal one is force.
 #[test]
-fn a_planned_law_is_learnt() {
-    let factor_with = |source| {
-        let settings = RawAdvance {
-            source,
-            learning: RawLearning { reach: 0.3, planned_reach: 0.4, ..LEARNING },
-            ..SETTINGS
-        };
-        let mut advance = Advance::new(settings);
-        printed_with_law(|status, width| {
-            advance.on_status(status, Some(LAW));
-            if let Some((at_s, width_m)) = width {
-                advance.on_width(Seconds(at_s), width_m);
-            }
-            advance.with_learnt(LAW).linear_s / LAW.linear_s
-        })
-    };
-    let planned = factor_with(AdvanceSource::Planned);
+fn a_planned_law_is_learnt_and_its_force() {
+    let (advance, planned) = taught(AdvanceSource::Planned);
     assert!((planned - 1.2).abs() < 0.05, "{planned}");
-    let constant = factor_with(AdvanceSource::Material);
+    assert!((advance.stiffness() - planned).abs() < 1e-12);
+    let (advance, constant) = taught(AdvanceSource::Material);
     assert!((constant - 1.0).abs() < 1e-12, "{constant}");
+    assert!((advance.stiffness() - 1.0).abs() < 1e-12);
 }
