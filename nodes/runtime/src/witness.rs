@@ -1,4 +1,5 @@
-//! Speaks for nodes that cannot speak any more: a node that was killed or hangs is an error on `/diagnostics`.
+//! Speaks for nodes that cannot speak any more: a node that was killed or hangs is an error on `/diagnostics`, and so is, once,
+//! one whose process was replaced before its silence could be told.
 
 use crate::clock::{Clock, monotonic};
 use crate::diagnostics::{Level, pair, status};
@@ -31,37 +32,60 @@ struct Hearts(BTreeMap<String, Heart>);
 #[derive(Debug)]
 struct Heart {
     heard: Seconds,
-    /// Looks since its silence was told last; `None` while it beats.
-    told: Option<u32>,
+    session: u64,
+    /// Another process has spoken in its name since the last look.
+    replaced: bool,
+    /// Looks since it was told of last.
+    rest: u32,
+}
+
+/// What is to be told of a node.
+#[derive(Debug, PartialEq)]
+enum Told {
+    /// Nothing was heard of it for so long.
+    Silent(Seconds),
+    /// Another process speaks in its name.
+    Replaced,
 }
 
 impl Hearts {
-    fn beat(&mut self, now: Seconds, node: &str) {
+    fn beat(&mut self, now: Seconds, node: &str, session: u64) {
         let full = self.0.len() >= MOST;
         match self.0.get_mut(node) {
-            Some(heart) => *heart = Heart { heard: now, told: None },
+            Some(heart) => {
+                // One that was told to be gone is back; nothing new in that.
+                let known_gone = heart.rest < LOOKS_PER_WORD && (now - heart.heard).0 > SILENT_S;
+                let replaced = heart.replaced || (heart.session != session && !known_gone);
+                *heart = Heart { heard: now, session, replaced, ..*heart };
+            }
             None if full => {}
-            None => _ = self.0.insert(node.to_owned(), Heart { heard: now, told: None }),
+            None => {
+                let heart = Heart { heard: now, session, replaced: false, rest: LOOKS_PER_WORD };
+                self.0.insert(node.to_owned(), heart);
+            }
         }
     }
 
-    /// Of whom it is to be told how long they have been silent.
-    fn look(&mut self, now: Seconds) -> Vec<(String, Seconds)> {
+    /// Of whom something is to be told: of each at most at 1 Hz.
+    fn look(&mut self, now: Seconds) -> Vec<(String, Told)> {
         self.0.retain(|_, heart| (now - heart.heard).0 < FORGOTTEN_S);
-        let mut silent = Vec::new();
+        let mut told = Vec::new();
         for (node, heart) in &mut self.0 {
             let age = now - heart.heard;
-            if age.0 <= SILENT_S {
+            heart.rest = heart.rest.saturating_add(1).min(LOOKS_PER_WORD);
+            let what = if age.0 > SILENT_S {
+                Told::Silent(age)
+            } else if heart.replaced {
+                Told::Replaced
+            } else {
                 continue;
-            }
-            let looks = heart.told.map_or(LOOKS_PER_WORD, |looks| looks + 1);
-            let due = looks >= LOOKS_PER_WORD;
-            heart.told = Some(if due { 0 } else { looks });
-            if due {
-                silent.push((node.clone(), age));
+            };
+            if heart.rest >= LOOKS_PER_WORD {
+                (heart.rest, heart.replaced) = (0, false);
+                told.push((node.clone(), what));
             }
         }
-        silent
+        told
     }
 }
 
@@ -98,54 +122,83 @@ async fn watch(mut beats: Subscription<Heartbeat>, words: Publisher<DiagnosticAr
     loop {
         tokio::select! {
             beat = beats.recv() => {
-                let node = &beat.message.node;
+                let Heartbeat { node, session_id, .. } = &beat.message;
                 let meant = subject.named.is_empty() || subject.named.contains(node);
                 if meant && *node != subject.own {
-                    hearts.beat(monotonic(), node);
+                    hearts.beat(monotonic(), node, *session_id);
                 }
             }
             _ = looks.tick() => {
                 // What came in while this process had no time is heard first.
                 while let Some(beat) = beats.try_recv() {
                     if hearts.0.contains_key(&beat.message.node) {
-                        hearts.beat(monotonic(), &beat.message.node);
+                        hearts.beat(monotonic(), &beat.message.node, beat.message.session_id);
                     }
                 }
-                let silent = hearts.look(monotonic());
-                if !silent.is_empty() {
-                    words.send(word(silent, &subject));
+                let told = hearts.look(monotonic());
+                if !told.is_empty() {
+                    words.send(word(told, &subject));
                 }
             }
         }
     }
 }
 
-/// What is told of those who are silent, under their own names.
-fn word(silent: Vec<(String, Seconds)>, subject: &Subject) -> DiagnosticArray {
-    let one = |(node, age): (String, Seconds)| {
-        let message = format!("not heard for {:.1} s: the process has ended or hangs", age.0);
+/// What is told of them, under their own names.
+fn word(told: Vec<(String, Told)>, subject: &Subject) -> DiagnosticArray {
+    let one = |(node, told): (String, Told)| {
+        let message = match told {
+            Told::Silent(age) => format!("not heard for {:.1} s: the process has ended or hangs", age.0),
+            Told::Replaced => {
+                "another process speaks in its name: it ended and was started again, or two run".into()
+            }
+        };
         status(node, Level::Error, message, vec![pair("witness".to_owned(), &subject.own)])
     };
-    DiagnosticArray {
-        header: Header::at(subject.clock.now().0),
-        status: silent.into_iter().map(one).collect(),
-    }
+    DiagnosticArray { header: Header::at(subject.clock.now().0), status: told.into_iter().map(one).collect() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const NODE: &str = "/printer/thermistor";
+
+    /// When something was told in so many looks from 10 s on `[0.1 s]`, and whether it was silence.
+    fn told(
+        hearts: &mut Hearts,
+        looks: u32,
+        mut each: impl FnMut(&mut Hearts, u32, Seconds),
+    ) -> Vec<(u32, bool)> {
+        let mut told = Vec::new();
+        for tenths in 0..looks {
+            let now = Seconds(10.0 + 0.1 * f64::from(tenths));
+            each(hearts, tenths, now);
+            told.extend(hearts.look(now).into_iter().map(|(_, what)| (tenths, what != Told::Replaced)));
+        }
+        told
+    }
+
     #[test]
     fn a_node_that_falls_silent_is_told_within_a_second_and_then_each_second() {
         let mut hearts = Hearts::default();
-        hearts.beat(Seconds(10.0), "/printer/thermistor");
-        let told: Vec<u32> = (0..40)
-            .filter(|tenths| !hearts.look(Seconds(10.0 + 0.1 * f64::from(*tenths))).is_empty())
-            .collect();
-        assert_eq!(told, [7, 17, 27, 37]);
-        hearts.beat(Seconds(14.0), "/printer/thermistor");
+        hearts.beat(Seconds(10.0), NODE, 1);
+        let silent = told(&mut hearts, 40, |_, _, _| {});
+        assert_eq!(silent, [(7, true), (17, true), (27, true), (37, true)]);
+        // The gap was told: who comes back is no news, whatever its process.
+        hearts.beat(Seconds(14.0), NODE, 2);
         assert!(hearts.look(Seconds(14.5)).is_empty());
         assert!(hearts.look(Seconds(80.0)).is_empty() && hearts.0.is_empty(), "gone for good");
+    }
+
+    #[test]
+    fn a_node_that_was_started_again_at_once_is_told_once_and_two_of_one_name_each_second() {
+        let mut hearts = Hearts::default();
+        let again =
+            told(&mut hearts, 60, |hearts, tenths, now| hearts.beat(now, NODE, u64::from(tenths >= 23)));
+        assert_eq!(again, [(23, false)]);
+        let mut hearts = Hearts::default();
+        let two = told(&mut hearts, 30, |hearts, tenths, now| hearts.beat(now, NODE, u64::from(tenths % 2)));
+        assert_eq!(two, [(1, false), (11, false), (21, false)]);
     }
 }
