@@ -30,6 +30,8 @@ struct Outcome {
     lost: u64,
     unequal: u64,
     power_s: f64,
+    /// The kill came before there was a file.
+    early: u64,
 }
 
 #[allow(clippy::cast_precision_loss, reason = "counts of messages")]
@@ -49,6 +51,7 @@ pub(super) fn run(args: &RecorderArgs, kills: u32) -> anyhow::Result<Vec<Benchma
         sum.acknowledged += one.acknowledged;
         sum.lost += one.lost;
         sum.unequal += one.unequal;
+        sum.early += one.early;
         sum.power_s = sum.power_s.max(one.power_s);
     }
     if args.keep.is_none() {
@@ -56,6 +59,7 @@ pub(super) fn run(args: &RecorderArgs, kills: u32) -> anyhow::Result<Vec<Benchma
     }
     let mut all = vec![
         Benchmark::new("kills", "-", f64::from(kills)),
+        Benchmark::new("kills before there was a file", "-", sum.early as f64),
         Benchmark::new("messages acknowledged", "-", sum.acknowledged as f64),
         Benchmark::new("acknowledged messages lost", "-", sum.lost as f64).target(0.0),
         Benchmark::new("longest time lost with the power (sync simulated)", "s", sum.power_s).target(POWER_S),
@@ -72,6 +76,11 @@ pub(super) fn run(args: &RecorderArgs, kills: u32) -> anyhow::Result<Vec<Benchma
 /// Records until the kill, recovers, counts.
 fn once(bag: &Path, moment: Duration, split: bool, python: Option<&Path>) -> anyhow::Result<Outcome> {
     let told = killed(bag, moment, split)?;
+    if Bag::find(bag).is_err() {
+        let told = told.imu + told.frames;
+        ensure!(told == 0, "{told} messages were acknowledged, and there is no file");
+        return Ok(Outcome { early: 1, ..Outcome::default() });
+    }
     // Without splits: one file, and the bytes of it that were on disk.
     let power_s = if split { 0.0 } else { power_loss_s(bag, &told)? };
     let recovered = super::super::bag::recover::messages(bag)?;
@@ -80,7 +89,7 @@ fn once(bag: &Path, moment: Duration, split: bool, python: Option<&Path>) -> any
     let missing = |wanted: u64, topic: &str| wanted.saturating_sub(count.whole_to(topic));
     let lost = missing(told.imu, "data_raw") + missing(told.frames, "compressed");
     let unequal = python.map_or(Ok(false), |python| differs(python, bag, count.total))?;
-    Ok(Outcome { acknowledged: told.imu + told.frames, lost, unequal: u64::from(unequal), power_s })
+    Ok(Outcome { acknowledged: told.imu + told.frames, lost, unequal: u64::from(unequal), power_s, early: 0 })
 }
 
 /// Runs the load until the kill; returns what it told last.
