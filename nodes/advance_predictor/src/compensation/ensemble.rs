@@ -3,7 +3,7 @@
 use super::{Prediction, Source};
 use crate::network::{Network, Scaling};
 use models::advance::{Condition, DriveKind};
-use models::units::Seconds;
+use models::units::{Celsius, Seconds};
 use serde::{Deserialize, Serialize};
 
 /// Ranges of the data of one polymer; the data are a full grid over them.
@@ -39,6 +39,17 @@ impl Hull {
     #[must_use]
     pub fn holds(&self, at: &Condition) -> bool {
         self.outside(at).is_empty()
+    }
+
+    /// The condition inside that is nearest to another one.
+    #[must_use]
+    pub(super) fn nearest(&self, at: &Condition) -> Condition {
+        let within = |[low, high]: [f64; 2], value: f64| value.max(low).min(high);
+        Condition {
+            temperature: Celsius(within(self.temperature_c, at.temperature.0)),
+            height_m: within(self.height_m, at.height_m),
+            width_m: within(self.width_m, at.width_m),
+        }
     }
 
     /// What of a condition lies outside.

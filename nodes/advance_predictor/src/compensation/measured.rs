@@ -56,6 +56,7 @@ pub struct Factor<'a> {
     physics: &'a Physics,
     data: &'a DataParams,
     weights: BTreeMap<&'a str, Vector4<f64>>,
+    lines: usize,
 }
 
 impl<'a> Factor<'a> {
@@ -68,7 +69,7 @@ impl<'a> Factor<'a> {
         measured: &[Measured],
         prior: &Prior,
     ) -> Self {
-        let mut factor = Self { physics, data, weights: BTreeMap::new() };
+        let mut factor = Self { physics, data, weights: BTreeMap::new(), lines: 0 };
         let RawPrior { factor: middle, slope } = prior.0;
         let doubt = Vector4::new(middle, slope, slope, slope).map(|sigma| sigma.powi(-2));
         for name in physics.polymers.keys() {
@@ -83,11 +84,18 @@ impl<'a> Factor<'a> {
                 let weight = (line.advance_s / data.noise_s(drive)).powi(2);
                 square += place * place.transpose() * weight;
                 product += place * (line.advance_s / best.advance_s).ln() * weight;
+                factor.lines += 1;
             }
             // Positive definite by the prior.
             factor.weights.extend(square.cholesky().map(|square| (name.as_str(), square.solve(&product))));
         }
         factor
+    }
+
+    /// Lines that it follows.
+    #[must_use]
+    pub fn lines(&self) -> usize {
+        self.lines
     }
 
     /// The factor under a condition `[-]`.

@@ -1,4 +1,5 @@
-//! `K_A` foretold: an ensemble of small networks inside the hull of its data, the physical model outside.
+//! `K_A` foretold: an ensemble of small networks inside the hull of its data, the physical model outside, scaled as a
+//! person's own lines say.
 
 pub mod assess;
 pub mod calibration;
@@ -189,7 +190,8 @@ impl Predictor {
             return Ok(foretold);
         }
         let drive = self.drive();
-        let advance_s = self.physics.secant_s(drive, polymer, at).ok_or(Unanswered::Polymer)?;
+        let physics_s = self.physics.secant_s(drive, polymer, at).ok_or(Unanswered::Polymer)?;
+        let advance_s = physics_s * self.own_factor(polymer, at);
         let [low_s, high_s] = self.physics.drive(drive).advance_range_s;
         if !(low_s..=high_s).contains(&advance_s) {
             return Err(Unanswered::Range { advance_s, low_s, high_s, drive });
@@ -199,6 +201,17 @@ impl Predictor {
             half_width: Seconds(advance_s * self.bounds.0.physics_doubt),
             source: Source::Physics,
         })
+    }
+
+    /// What the physical model is scaled by outside of the hull `[-]`: with a person's own lines the networks over it where
+    /// the hull is nearest, so that no step lies at its edge; else 1.
+    fn own_factor(&self, polymer: &str, at: &Condition) -> f64 {
+        let hull = self.ensemble.hull(polymer).filter(|_| self.ensemble.measured() > 0);
+        let factor = hull.map(|hull| hull.nearest(at)).and_then(|nearest| {
+            let foretold = self.ensemble.predict(polymer, &nearest)?;
+            Some(foretold.advance.0 / self.secant_s(polymer, &nearest)?)
+        });
+        factor.unwrap_or(1.0)
     }
 
     /// An answer as a law over the feed, see [`Physics::law`].

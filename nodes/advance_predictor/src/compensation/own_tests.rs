@@ -68,11 +68,10 @@ fn a_printer_that_is_longer_all_over_is_answered_so() {
     let broken = trends.temperature_broken + trends.height_broken + trends.width_broken;
     assert!(trends.pairs > 4500 && broken < 5 && trends.order_broken == 0, "{trends:?}");
     // Judged on virtual lines of the person's printer, not on those of the model.
-    assert!(
-        figures.held_out.within_15_ms > 0.95 && figures.held_out.covered > 0.85,
-        "{:?}",
-        figures.held_out
-    );
+    assert!(figures.held_out.within_15_ms > 0.95, "{:?}", figures.held_out);
+    for errors in [figures.held_out, figures.anywhere] {
+        assert!(errors.count >= 140 && (0.90..=0.98).contains(&errors.covered), "{errors:?}");
+    }
     assert!(figures.widths.foretold <= 1.5 * figures.widths.best, "{:?}", figures.widths);
     let own = figures.own.unwrap();
     assert!(own.count == 24 && own.covered >= 22 && own.mean_abs_s < 0.004, "{own:?}");

@@ -148,6 +148,34 @@ fn outside_of_the_hull_the_physics_answer_and_say_so() {
     assert_eq!(error, "line width is 0.2 m, must be in [0.00015, 0.002] m");
 }
 
+/// Networks that own lines had a part in, here with three quarters of the range: outside the physical model is scaled by
+/// what they answer over it where the hull is nearest, so that both meet at the edge; without own lines it stays as it is.
+#[test]
+fn own_lines_scale_the_physics_outside_of_the_hull() {
+    let raw: RawEnsemble = serde_json::from_str(&text("models/advance_bowden.json")).unwrap();
+    let of = |measured| {
+        let raw = RawEnsemble { measured, range_s: [0.3, 1.2], ..raw.clone() };
+        Predictor::new(physics(), params().bounds, raw.check().unwrap()).unwrap()
+    };
+    let (own, virtuals) = (of(Some(4)), of(None));
+    let physics_s = |at| physics().secant_s(DriveKind::Bowden, "ABS", &at).unwrap();
+    for (outside, nearest) in [
+        (at(212.0, 0.35, 0.4), at(230.0, 0.35, 0.4)),
+        (at(240.0, 0.6, 0.8), at(240.0, 0.4, 0.6)),
+        (at(270.0, 0.09, 0.45), at(260.0, 0.1, 0.45)),
+    ] {
+        let edge = own.predict("ABS", &nearest).unwrap();
+        let found = own.predict("ABS", &outside).unwrap();
+        let expected_s = edge.advance.0 / physics_s(nearest) * physics_s(outside);
+        assert_eq!((edge.source, found.source), (Source::Network, Source::Physics));
+        assert!((found.advance.0 / expected_s - 1.0).abs() < 1e-9, "{found:?} {expected_s}");
+        assert!((expected_s / physics_s(outside) - 1.0).abs() > 0.05, "else nothing is scaled: {expected_s}");
+        assert!((found.half_width.0 / found.advance.0 - params().bounds.physics_doubt).abs() < 1e-12);
+        let unscaled_s = virtuals.predict("ABS", &outside).unwrap().advance.0;
+        assert!((unscaled_s - physics_s(outside)).abs() < 1e-15, "{unscaled_s}");
+    }
+}
+
 /// ABS at 160 degC in a layer of 0.05 mm: the exponential goes on to 97 s, which no drive needs; none is answered, and 1.5 s,
 /// the range's end, is no answer either.
 #[test]

@@ -66,7 +66,7 @@ pub fn train(material: &Material, fit: &FitParams, seed: u64) -> Result<String, 
     raw.members = (0..fit.members()).map(|_| fit.fit(&scaling, &examples, &mut chance)).collect();
     raw.measured = Some(material.own().count()).filter(|count| *count > 0);
     let ensemble = raw.check()?;
-    (raw.floor_s, raw.factor) = interval(&ensemble, &material.set.calibration, material.own());
+    (raw.floor_s, raw.factor) = interval(&ensemble, material.set, material.own());
     raw.sealed()
 }
 
@@ -93,35 +93,76 @@ fn examples(
         .collect()
 }
 
+/// An error, the spread there and its weight.
+type Judged = (f64, f64, f64);
+
 /// Floor of the standard deviation, the mean spread, and the factor with which `factor * hypot(spread, floor)` holds
-/// the share [`COVERED`] of the errors against lines without noise, and of those against a person's own lines.
-fn interval<'a>(ensemble: &Ensemble, lines: &[Line], own: impl Iterator<Item = &'a Measured>) -> (f64, f64) {
-    let judged = |polymer: &str, at: &Condition, true_s: f64| {
+/// the share [`COVERED`] of the errors against lines without noise, half of them anywhere and half on the grid where it
+/// gives some, and of those against a person's own lines.
+fn interval<'a>(ensemble: &Ensemble, set: &DataSet, own: impl Iterator<Item = &'a Measured>) -> (f64, f64) {
+    let judged = |polymer: &str, at: &Condition, true_s: f64| -> Option<Judged> {
         let place = ensemble.polymers.iter().position(|(name, _)| *name == polymer)?;
         let (advance_s, spread_s) = ensemble.mean_and_spread(place, at);
-        Some(((advance_s - true_s).abs(), spread_s))
+        Some(((advance_s - true_s).abs(), spread_s, 1.0))
     };
-    let of_lines: Vec<_> =
-        lines.iter().filter_map(|line| judged(&line.polymer, &line.at, line.true_s)).collect();
+    let of_line = |line: &Line| judged(&line.polymer, &line.at, line.true_s);
+    let anywhere: Vec<_> = set.calibration.iter().filter_map(of_line).collect();
+    let on_grid = set.lines.iter().filter(|line| line.purpose == Use::Interval);
+    let on_grid: Vec<_> = on_grid.filter_map(of_line).collect();
+    #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
+    let weight = anywhere.len() as f64 / on_grid.len().max(1) as f64;
+    let on_grid = on_grid.into_iter().map(|(error_s, spread_s, _)| (error_s, spread_s, weight));
     // Outside of the hull the networks are not asked.
     let inside = own.filter(|line| ensemble.hull(&line.polymer).is_some_and(|hull| hull.holds(&line.at)));
     let of_own: Vec<_> = inside.filter_map(|line| judged(&line.polymer, &line.at, line.advance_s)).collect();
-    let floor_s = rounded(mean(of_lines.iter().map(|(_, spread_s)| *spread_s)).max(f64::MIN_POSITIVE));
-    let factor = covering(&of_lines, floor_s).max((1.0 + DIGITS) * covering(&of_own, floor_s));
+    let floor_s = rounded(mean(anywhere.iter().map(|(_, spread_s, _)| *spread_s)).max(f64::MIN_POSITIVE));
+    let virtuals: Vec<_> = anywhere.iter().copied().chain(on_grid).collect();
+    let factor = covering(&virtuals, floor_s).max((1.0 + DIGITS) * covering(&of_own, floor_s));
     (floor_s, rounded(factor.max(f64::MIN_POSITIVE)))
 }
 
-/// The factor that holds the share of errors; 0 for none. Of fewer than twenty it holds all.
-fn covering(judged: &[(f64, f64)], floor_s: f64) -> f64 {
-    let mut ratios: Vec<f64> =
-        judged.iter().map(|(error_s, spread_s)| error_s / spread_s.hypot(floor_s)).collect();
-    ratios.sort_by(f64::total_cmp);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a place in the list"
-    )]
-    let place = (COVERED * ratios.len() as f64) as usize;
-    ratios.get(place.min(ratios.len().saturating_sub(1))).copied().unwrap_or(0.0)
+/// The least factor that holds more than the share of the errors' weight, so that one more error lies within by that share
+/// too; 0 for none. Of fewer than twenty of one weight it holds all.
+fn covering(judged: &[Judged], floor_s: f64) -> f64 {
+    let mut ratios: Vec<_> = judged
+        .iter()
+        .map(|(error_s, spread_s, weight)| (error_s / spread_s.hypot(floor_s), *weight))
+        .collect();
+    ratios.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let wanted = COVERED * ratios.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut held = 0.0;
+    let place = ratios.iter().position(|(_, weight)| {
+        held += weight;
+        held > wanted
+    });
+    place.or(ratios.len().checked_sub(1)).map_or(0.0, |place| ratios[place].0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn errors(count: u32, weight: f64) -> impl Iterator<Item = Judged> {
+        (1..=count).map(move |error| (f64::from(error), 0.0, weight))
+    }
+
+    /// Of 300 the 286th: 301 times 0.95 are 285.95. Of fewer than twenty the largest, of none nothing.
+    #[test]
+    fn the_quantile_is_that_of_one_error_more() {
+        let factor = |count: u32| covering(&errors(count, 1.0).collect::<Vec<_>>(), 1.0);
+        for (count, wanted) in [(300, 286.0), (20, 20.0), (19, 19.0), (1, 1.0), (0, 0.0)] {
+            assert!((factor(count) - wanted).abs() < 1e-12, "{count}: {}", factor(count));
+        }
+    }
+
+    /// 20 errors of 1 to 20 that weigh five each, 100 of a tenth that weigh one: the least that more than 190 of the 200 lie
+    /// within is 19, for 18 holds exactly 190. Without weights 114 of 120 lie within 14.
+    #[test]
+    fn weights_count() {
+        let small = || std::iter::repeat_n((0.1, 0.0, 1.0), 100);
+        let factor = |weight: f64| covering(&errors(20, weight).chain(small()).collect::<Vec<_>>(), 1.0);
+        for (weight, wanted) in [(5.0, 19.0), (1.0, 15.0)] {
+            assert!((factor(weight) - wanted).abs() < 1e-12, "{weight}: {}", factor(weight));
+        }
+    }
 }

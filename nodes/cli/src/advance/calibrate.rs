@@ -42,7 +42,7 @@ pub struct CalibrateArgs {
     /// Printer that prints the pattern.
     #[arg(long, value_enum, default_value_t = Printer::Line)]
     printer: Printer,
-    /// Seed of the measurement's noise.
+    /// Seed of the measurement's noise, 1 to 2^32.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     seed: u64,
 }
@@ -92,7 +92,7 @@ pub struct Figures {
     pub difference_s: f64,
     /// Whether the difference lies within both intervals together.
     pub agree: bool,
-    /// K of each line of the pattern and the mean square of its width error, noise included.
+    /// K of each line of the patterns and the mean square of the relative error of its cross section, noise included.
     pub lines: Vec<[f64; 2]>,
 }
 
@@ -226,10 +226,15 @@ fn text(figures: &Figures) -> String {
     let mut lines: Vec<String> = figures
         .lines
         .iter()
-        .map(|[advance_s, square]| {
-            format!("  line K {advance_s:.4} s: width RMS {:.2} %", 1e2 * square.sqrt())
-        })
+        .map(|[advance_s, square]| format!("{advance_s:13.4}  {:13.2}", 1e2 * square.sqrt()))
         .collect();
+    lines.insert(
+        0,
+        format!(
+            "{:>13}  {:>13}  (cross section off the wanted one; noise included)",
+            "K [s]", "RMS error [%]"
+        ),
+    );
     lines.push(format!("K measured   {:.4} s +- {:.4} s (95 %)", figures.advance_s, figures.half_width_s));
     lines.push(format!(
         "K foretold   {:.4} s +- {:.4} s ({}) by {}: {}",

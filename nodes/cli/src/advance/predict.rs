@@ -49,7 +49,7 @@ pub struct Figures {
     pub source: Source,
     /// The networks that were asked.
     pub networks: Networks,
-    /// What the physical model says.
+    /// What the physical model says, unscaled.
     pub physics_s: Option<f64>,
 }
 
@@ -121,6 +121,13 @@ pub(super) const BY_PHYSICS: &str = " ; by the physical model";
 /// The law first: where moves carry trims the graph executes it, and one K holds at one speed alone.
 fn text(figures: &Figures) -> String {
     let physics = figures.physics_s.map_or_else(|| "-".to_owned(), |advance_s| format!("{advance_s:.4} s"));
+    let factor = figures.physics_s.map_or(1.0, |physics_s| figures.advance_s / physics_s);
+    // Outside it is 1, but for own lines.
+    let scaled = if figures.in_hull || (factor - 1.0).abs() < 1e-9 {
+        String::new()
+    } else {
+        format!("; scaled by {factor:.3}, as measured lines say at the edge")
+    };
     let law = figures.law.map_or_else(
         || "-".to_owned(),
         |law| {
@@ -131,7 +138,7 @@ fn text(figures: &Figures) -> String {
     format!(
         "lag by feed  {law}: the graph attaches it to moves\n\
          one K        {k:.4} s +- {:.4} s ({}), for firmware\n\
-         from         {}\n\
+         from         {}{scaled}\n\
          networks     {}\n\
          physics      {physics}\n\
          Marlin       M900 K{k:.4}{by}\n\
@@ -181,6 +188,11 @@ mod tests {
         let outside = figures_of(240.0);
         assert_eq!(serde_json::to_value(&outside).unwrap()["interval_of"], "assumed_doubt");
         assert!(text(&outside).contains("(an assumption)"));
+        let own = Figures { advance_s: 1.2 * outside.physics_s.unwrap(), ..outside.clone() };
+        assert!(
+            text(&own).contains("; scaled by 1.200, as measured lines say")
+                && !text(&outside).contains("scaled")
+        );
         let told = "OUTSIDE of the networks' data: temperature 240 degC is outside of 200 to 230 degC\n";
         assert!(text(&outside).contains(told), "{}", text(&outside));
         assert_eq!(text(&outside).matches(BY_PHYSICS).count(), 2, "{}", text(&outside));

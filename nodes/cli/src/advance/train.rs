@@ -48,7 +48,7 @@ pub struct Trained {
     pub compensation: Vec<Figures>,
     /// Measured lines that were trained with.
     pub measured: usize,
-    /// Those of them outside of the networks' data, where the physical model answers whatever was measured.
+    /// Those of them outside of the networks' data, where the physical model answers, scaled as the networks are at the edge.
     pub measured_outside_hull: usize,
     /// Figures of the network of turns, file by file, each from a network that has not seen it.
     pub turns: Vec<FileFigures>,
@@ -152,7 +152,7 @@ fn text(trained: &Trained) -> String {
     } else {
         let Trained { measured, measured_outside_hull: outside, .. } = trained;
         lines.push(format!(
-            "measured     {measured} lines, {outside} of them outside of the networks' data, where the physical model answers"
+            "measured     {measured} lines, {outside} of them outside of the networks' data, where the physical model answers, scaled as at their edge"
         ));
     }
     for figures in &trained.compensation {

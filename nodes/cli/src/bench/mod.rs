@@ -235,5 +235,43 @@ fn page(benchmarks: &[Benchmark]) -> String {
         page.push_str(line.trim_end());
         page.push('\n');
     }
-    page
+    page + &summary(benchmarks)
+}
+
+/// One line: how many targets there are, and the name, figure and limit of each that is missed; nothing without targets.
+fn summary(benchmarks: &[Benchmark]) -> String {
+    let aimed = benchmarks.iter().filter(|benchmark| benchmark.target.is_some()).count();
+    let told = |benchmark: &Benchmark| {
+        let Benchmark { name, ours, unit, target, at_least, .. } = benchmark;
+        let (target, side) = (target.unwrap_or_default(), if *at_least { "least" } else { "most" });
+        format!("{name} {} {unit}, at {side} {target}", crate::options::significant(*ours, 3))
+    };
+    let missed: Vec<String> = benchmarks.iter().filter(|benchmark| benchmark.is_missed()).map(told).collect();
+    match (aimed, missed.len()) {
+        (0, _) => String::new(),
+        (_, 0) => format!("{aimed} of {aimed} targets met\n"),
+        (_, count) => format!("{count} of {aimed} targets MISSED: {}\n", missed.join("; ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Who reads the last line alone knows whether a limit is missed, which one and by how much.
+    #[test]
+    fn the_last_line_says_which_targets_are_missed() {
+        let told = Benchmark::new("told alone", "us", 9.0);
+        let [slow, few] = [
+            Benchmark::new("answer", "us", 6.25).target(5.0),
+            Benchmark::new("rate", "1/s", 3.0).at_least(2.0),
+        ];
+        let last = |benchmarks: &[Benchmark]| page(benchmarks).lines().last().unwrap().to_owned();
+        assert_eq!(
+            last(&[told.clone(), slow, few.clone()]),
+            "1 of 2 targets MISSED: answer 6.25 us, at most 5"
+        );
+        assert_eq!(last(&[told.clone(), few]), "1 of 1 targets met");
+        assert!(last(&[told]).starts_with("told alone"));
+    }
 }

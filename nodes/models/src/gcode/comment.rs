@@ -2,10 +2,16 @@
 
 use super::modal::{MM, Modal};
 use super::number::number;
+use super::oddity::{Oddities, Oddity};
 use crate::motion::Role;
 
+/// Widths of roads `[mm]`: nozzles have 0.1 to 3 mm. A file in micrometres lies far outside.
+const WIDTH_MM: (f64, f64) = (0.05, 5.0);
+/// Heights of roads `[mm]`: ironing states a hundredth.
+const HEIGHT_MM: (f64, f64) = (0.001, 5.0);
+
 /// Reads the text after `;`.
-pub(super) fn read(text: &[u8], modal: &mut Modal) {
+pub(super) fn read(text: &[u8], modal: &mut Modal, odd: &mut Oddities) {
     let text = text.trim_ascii();
     let value = |key: &[u8]| text.strip_prefix(key).map(<[u8]>::trim_ascii);
     match text.first() {
@@ -19,12 +25,17 @@ pub(super) fn read(text: &[u8], modal: &mut Modal) {
                 modal.role = role(name);
             }
         }
-        Some(b'W') => stated(value(b"WIDTH:"), &mut modal.width_m),
-        Some(b'H') => stated(value(b"HEIGHT:"), &mut modal.height_m),
-        Some(b'Z') => stated(value(b"Z:").or(value(b"Z_HEIGHT:")), &mut modal.layer_z_m),
+        Some(b'W') => stated("WIDTH", value(b"WIDTH:"), WIDTH_MM, (&mut modal.width_m, odd)),
+        Some(b'H') => stated("HEIGHT", value(b"HEIGHT:"), HEIGHT_MM, (&mut modal.height_m, odd)),
+        Some(b'Z') => {
+            if let Some(text) = value(b"Z:").or(value(b"Z_HEIGHT:")) {
+                let z_m = number(text).map(|(mm, _)| mm * MM);
+                modal.layer_z_m = z_m.filter(|z_m| *z_m > 0.0 && z_m.is_finite());
+            }
+        }
         Some(b'L') => {
-            stated(value(b"LINE_WIDTH:"), &mut modal.width_m);
-            stated(value(b"LAYER_HEIGHT:"), &mut modal.height_m);
+            stated("LINE_WIDTH", value(b"LINE_WIDTH:"), WIDTH_MM, (&mut modal.width_m, odd));
+            stated("LAYER_HEIGHT", value(b"LAYER_HEIGHT:"), HEIGHT_MM, (&mut modal.height_m, odd));
             if text == b"LAYER_CHANGE" {
                 next_layer(modal);
             } else if let Some(Some((index, _))) = value(b"LAYER:").map(number) {
@@ -50,10 +61,18 @@ fn next_layer(modal: &mut Modal) {
     modal.layer_z_m = None;
 }
 
-/// A positive millimetre value in metres; anything else takes the stated value away.
-fn stated(text: Option<&[u8]>, field: &mut Option<f64>) {
-    if let Some(text) = text {
-        *field = number(text).map(|(mm, _)| mm * MM).filter(|value_m| *value_m > 0.0 && value_m.is_finite());
+/// Takes a millimetre value of a road; one that no road has is told, and takes the stated value away as no number does.
+fn stated(
+    name: &'static str,
+    text: Option<&[u8]>,
+    (low, high): (f64, f64),
+    (field, odd): (&mut Option<f64>, &mut Oddities),
+) {
+    let Some(text) = text else { return };
+    let value = number(text).map(|(mm, _)| mm);
+    *field = value.filter(|mm| (low..=high).contains(mm)).map(|mm| mm * MM);
+    if let (Some(value), None) = (value, &field) {
+        odd.push(Oddity::Comment { name, value, low, high });
     }
 }
 

@@ -147,7 +147,7 @@ impl Interpreter {
             if !text.is_ascii() && std::str::from_utf8(text).is_err() {
                 self.odd.push(Oddity::CommentNotUtf8);
             }
-            comment::read(text, &mut self.modal);
+            comment::read(text, &mut self.modal, &mut self.odd);
         }
     }
 

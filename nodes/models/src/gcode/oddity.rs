@@ -114,6 +114,18 @@ pub enum Oddity {
         /// Allowed range.
         rule: String,
     },
+    /// A width or a height in a comment that no road has.
+    #[error("{name} = {value} mm: must be in [{low}, {high}] mm: not used")]
+    Comment {
+        /// Name in the comment.
+        name: &'static str,
+        /// Value as written `[mm]`.
+        value: f64,
+        /// Least that is believed `[mm]`.
+        low: f64,
+        /// Largest `[mm]`.
+        high: f64,
+    },
     /// `/`.
     #[error("block delete: line skipped")]
     BlockDelete,

@@ -70,6 +70,33 @@ fn an_odd_pressure_advance_is_refused_and_told() {
     assert!(survey_of(text).warnings_total > 0);
 }
 
+/// Micrometres where millimetres are meant: told by line, value and range, not used. A width of the next comment is.
+#[test]
+fn a_width_or_a_height_that_no_road_has_is_told_and_not_used() {
+    for (comment, reason) in [
+        ("WIDTH:450", "WIDTH = 450 mm: must be in [0.05, 5] mm: not used"),
+        ("WIDTH:0.049", "WIDTH = 0.049 mm: must be in [0.05, 5] mm: not used"),
+        ("LINE_WIDTH: 0", "LINE_WIDTH = 0 mm: must be in [0.05, 5] mm: not used"),
+        ("HEIGHT:200", "HEIGHT = 200 mm: must be in [0.001, 5] mm: not used"),
+        ("LAYER_HEIGHT: -0.2", "LAYER_HEIGHT = -0.2 mm: must be in [0.001, 5] mm: not used"),
+    ] {
+        let text = format!(
+            ";WIDTH:0.45\n;HEIGHT:0.25\nG1 X10 Z.2 E.4\n;{comment}\nG1 X20 E.8\n;WIDTH:5\n;HEIGHT:0.1\nG1 X30 E1.2\n"
+        );
+        let found = survey_of(text.as_bytes());
+        let told: Vec<_> = found.warnings.iter().map(|odd| (odd.line, odd.reason.as_str())).collect();
+        assert_eq!(told, [(4, reason)]);
+        let roads: Vec<_> = Job::from_bytes(text.as_bytes(), &shipped_params())
+            .filter_map(|step| if let Step::Move(road) = step { Some(road) } else { None })
+            .map(|road| (road.stated_width_m, road.layer_height_m))
+            .collect();
+        let mm = |value: f64| Some(value * 1e-3);
+        // Without a stated height that of the level counts.
+        let odd = if comment.contains("WIDTH") { (None, mm(0.25)) } else { (mm(0.45), mm(0.2)) };
+        assert_eq!(roads, [(mm(0.45), mm(0.25)), odd, (mm(5.0), mm(0.1))], "{comment}");
+    }
+}
+
 /// 1 inch = 25.4 mm, for coordinates, filament and feed alike.
 #[test]
 fn inches_scale_ways_filament_and_feed() {

@@ -184,4 +184,6 @@ impl Learning {
 }
 
 #[cfg(test)]
+mod frames_tests;
+#[cfg(test)]
 pub(crate) mod tests;

@@ -14,6 +14,10 @@ fn the_row_to_train_with_is_one_of_a_persons_file() {
     let args = CalibrateArgs { printed, place, printer: Printer::Line, seed: 1 };
     let mut figures = figures(&args, &config).unwrap();
     figures.agree = true;
+    let mut told = text(&figures).lines().take(2).map(str::to_owned).collect::<Vec<_>>();
+    let heading = told.remove(0);
+    assert!(heading.contains("K [s]  RMS error [%]"), "{heading}");
+    assert_eq!(told[0].len(), heading.find("  (").unwrap(), "{heading}\n{}", told[0]);
     assert!(!text(&figures).contains("--measured"), "{}", text(&figures));
     figures.agree = false;
     let [command, names, row] = row(&figures);

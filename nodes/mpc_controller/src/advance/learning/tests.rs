@@ -8,11 +8,11 @@ use models::advance::Compensation;
 use models::command::Trims;
 use models::extruder::{Pressure, StaticLaw};
 
-const FORETOLD_S: f64 = 0.6;
-const HEIGHT_M: f64 = 2e-4;
-const TARGET_M: f64 = 4.5e-4;
+pub(super) const FORETOLD_S: f64 = 0.6;
+pub(super) const HEIGHT_M: f64 = 2e-4;
+pub(super) const TARGET_M: f64 = 4.5e-4;
 
-fn foretold() -> Foretold {
+pub(super) fn foretold() -> Foretold {
     let law = AdvanceLaw { linear_s: FORETOLD_S, shear: 0.0, index: 1.0 };
     Foretold { advance_s: FORETOLD_S, half_width_s: 0.02, law, basis: Basis::Network }
 }
