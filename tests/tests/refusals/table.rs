@@ -252,6 +252,8 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         set: |message: &mut ControlCommand, value| message.flow_factor = value,
         out_of_range: 11.0,
     };
+    let permit = Sample { sound: command.sound.clone(), ..command };
+    let permits = Entry { bad: &[], ..entry(node, &topics::SAFETY_COMMAND, permit) };
     let state = Sample {
         sound: estimate(),
         header: |message: &mut StateEstimate| &mut message.header,
@@ -268,6 +270,7 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         entry(node, &topics::PRINTER_STATE, printer()),
         entry(node, &topics::BEAD_WIDTH, width),
         entry(node, &topics::CONTROL_COMMAND, command),
+        permits,
         entry(node, &topics::CONTROL_SCHEDULE, schedule()),
         entry(node, &topics::PRINTER_COMING, coming()),
         entry(node, &topics::ESTIMATE, state),
