@@ -6,6 +6,10 @@ use serde_json::Value;
 use std::io::{BufRead, BufReader, Lines};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Longest wait until what was asked for shows.
+const PATIENCE: Duration = Duration::from_secs(30);
 
 fn root() -> PathBuf {
     std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()
@@ -65,6 +69,16 @@ impl Graph {
     }
 }
 
+/// What a failed test leaves behind would go on printing.
+impl Drop for Graph {
+    fn drop(&mut self) {
+        if matches!(self.child.try_wait(), Ok(None)) {
+            _ = kill_process(Pid::from_child(&self.child), Signal::INT);
+            _ = self.child.wait();
+        }
+    }
+}
+
 fn said(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
@@ -76,6 +90,19 @@ fn granted(words: &[&str]) -> String {
     said(&output)
 }
 
+/// What `fdm status` tells once `holds`; the last that it told where that does not come in time.
+fn status_where(what: &str, holds: impl Fn(&Value) -> bool) -> Value {
+    let begin = Instant::now();
+    loop {
+        let output = command(&["status", "--listen-s", "1.2", "--json", "-"]).output().unwrap();
+        let told: Value = serde_json::from_slice(&output.stdout).unwrap_or_default();
+        if holds(&told) {
+            return told;
+        }
+        assert!(begin.elapsed() < PATIENCE, "not {what}: {told}\n{}", said(&output));
+    }
+}
+
 #[test]
 fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     let mut graph = Graph::start();
@@ -84,13 +111,24 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     kill_process(Pid::from_child(&graph.child), Signal::TSTP).unwrap();
     graph.until("cannot be suspended");
     assert!(granted(&["mode", "observe"]).contains("mode observe"));
-    graph.until("observe");
+    graph.until(", observe, ");
+    status_where("observe", |told| told["mode"] == "observe" && told["phase"] == "printing");
     assert!(granted(&["pause"]).contains("mode paused"));
     graph.until("supervisor at");
+    let held = status_where("paused", |told| told["mode"] == "paused" && told["phase"] == "paused");
+    assert!(held["cause"].as_str().unwrap().starts_with("P13") && held["latched"] == false, "{held}");
     let answer = granted(&["resume"]);
     assert!(answer.contains("mode paused until") || answer.contains("mode observe"), "{answer}");
+    status_where("resumed", |told| told["mode"] == "observe" && told["phase"] == "printing");
     let refused = command(&["acknowledge"]).output().unwrap();
     assert_eq!(refused.status.code(), Some(2), "nothing is latched: {}", said(&refused));
+    assert!(said(&refused).contains("nothing to acknowledge"), "{}", said(&refused));
+    let refused = command(&["approve"]).output().unwrap();
+    assert!(
+        refused.status.code() == Some(2) && said(&refused).contains("not in advise"),
+        "{}",
+        said(&refused)
+    );
     assert!(granted(&["stop"]).contains("safety/stop: mode safe_off"));
     let (code, figures) = graph.end();
     assert_eq!(code, Some(0), "{figures}");

@@ -21,7 +21,7 @@ mod table;
 
 use fleet::Fleet;
 use models::units::Seconds;
-use runtime::{Args, Node, Subscription, Timer, topics};
+use runtime::{Args, Node, Reason, Subscription, Timer, topics};
 use shown::Shown;
 use std::time::Duration;
 use table::{Entry, Kind};
@@ -45,6 +45,7 @@ fn every_bad_message_is_refused_counted_and_shown() {
         let pairs = peer.pairs();
         println!("{} pairs of node and topic", pairs.len());
         peer.sound_messages_are_taken(&pairs).await;
+        peer.who_else_permits_is_told().await;
         for kind in Kind::BAD {
             peer.bad_messages_are_counted(kind, &pairs).await;
         }
@@ -140,6 +141,16 @@ impl Peer {
                 );
             }
         }
+    }
+
+    /// C8, X2: the peer's permits among the supervisor's own.
+    async fn who_else_permits_is_told(&mut self) {
+        let (node, topic) = ("safety_supervisor", topics::SAFETY_COMMAND.name());
+        let told = |shown: &Shown| shown.refused(node, topic, Reason::Gate.name()) >= 3;
+        let pairs = [(node.to_owned(), topic.to_owned())];
+        assert!(self.until(Some(Kind::Sound), told).await, "not told: {}", self.shown.all(&pairs));
+        let own = self.shown.received(node, topic) > 2 * self.shown.refused_in_all(node, topic);
+        assert!(own, "its own permits are no stranger's: {}", self.shown.all(&pairs));
     }
 
     async fn bad_messages_are_counted(&mut self, kind: Kind, pairs: &[(String, String)]) {

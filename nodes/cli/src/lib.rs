@@ -62,6 +62,8 @@ enum Command {
     Estop(operate::AskArgs),
     /// The cause of a latched stop is seen and gone.
     Acknowledge(operate::AskArgs),
+    /// Let through, once, the correction that waits in advise.
+    Approve(operate::AskArgs),
     /// What the loop may do: observe, advise or act.
     Mode(operate::ModeArgs),
     /// Simulate the whole loop in one process and virtual time.
@@ -111,6 +113,7 @@ pub fn main() -> ExitCode {
         Command::Stop(args) => operate::ask(Ask::Stop, &args),
         Command::Estop(args) => operate::ask(Ask::Estop, &args),
         Command::Acknowledge(args) => operate::ask(Ask::Acknowledge, &args),
+        Command::Approve(args) => operate::ask(Ask::Approve, &args),
         Command::Mode(args) => operate::set_mode(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Faults(args) => faults::run(&args),

@@ -1,4 +1,5 @@
-//! What a person asks of the supervisor: `pause`, `resume`, `stop`, `estop`, `acknowledge`, `mode`.
+//! What a person asks of the supervisor: `pause`, `resume`, `stop`, `estop`, `acknowledge`,
+//! `approve`, `mode`.
 
 use crate::output;
 use crate::participant;
@@ -38,6 +39,8 @@ pub enum Ask {
     Estop,
     /// End a latched mode whose cause is gone.
     Acknowledge,
+    /// Let through what waits in advise.
+    Approve,
 }
 
 impl Ask {
@@ -48,6 +51,7 @@ impl Ask {
             Self::Stop => &topics::SAFETY_STOP,
             Self::Estop => &topics::SAFETY_ESTOP,
             Self::Acknowledge => &topics::SAFETY_ACKNOWLEDGE,
+            Self::Approve => &topics::CONTROL_APPROVE,
         }
     }
 }

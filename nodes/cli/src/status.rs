@@ -3,12 +3,12 @@
 use crate::operate::{executor, in_namespace};
 use crate::output::{self, Json};
 use crate::participant;
-use crate::up::words::mode_name;
+use crate::up::words::{mode_name, phase_name};
 use anyhow::bail;
 use clap::Args;
-use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState};
+use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, Temperature};
 use models::units::Seconds;
-use runtime::topics;
+use runtime::{Received, topics};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -41,6 +41,9 @@ struct Status {
     mode: Option<String>,
     cause: Option<String>,
     what_to_do: Option<String>,
+    /// The mode ends by acknowledge alone.
+    latched: Option<bool>,
+    phase: Option<String>,
     progress: Option<f64>,
     layer: Option<u32>,
     line: Option<u64>,
@@ -93,21 +96,34 @@ async fn listen(args: &StatusArgs) -> anyhow::Result<Status> {
     if nodes.is_empty() {
         bail!(nothing_heard(args, &node.published_topics()));
     }
-    Ok(Status {
+    let degc = |read: Option<Received<Temperature>>| read.map(|read| read.message.temperature);
+    Ok(status(nodes, supervisor, state, (degc(hotend), degc(bed))))
+}
+
+/// What the newest messages say.
+fn status(
+    nodes: BTreeMap<String, Seen>,
+    supervisor: Option<SafetyState>,
+    state: Option<PrinterState>,
+    (hotend_degc, bed_degc): (Option<f64>, Option<f64>),
+) -> Status {
+    Status {
         nodes,
         mode: supervisor.as_ref().map(|safety| mode_name(safety.mode).to_owned()),
         cause: supervisor.as_ref().map(|safety| safety.cause.clone()),
+        latched: supervisor.as_ref().map(|safety| safety.latched),
         what_to_do: supervisor.map(|safety| safety.what_to_do),
+        phase: state.as_ref().map(|state| phase_name(state.phase).to_owned()),
         progress: state.as_ref().map(|state| state.progress),
         layer: state.as_ref().filter(|state| state.layer_known).map(|state| state.layer + 1),
         line: state.as_ref().map(|state| state.line),
-        hotend_degc: hotend.map(|read| read.message.temperature),
+        hotend_degc,
         hotend_target_degc: state.as_ref().map(|state| state.hotend_target_degc),
-        bed_degc: bed.map(|read| read.message.temperature),
+        bed_degc,
         bed_target_degc: state.as_ref().map(|state| state.bed_target_degc),
         flow_factor: state.as_ref().map(|state| state.flow_factor),
         speed_factor: state.as_ref().map(|state| state.speed_factor),
-    })
+    }
 }
 
 /// What to do where nothing of a printer was heard; of others perhaps.
@@ -139,13 +155,16 @@ fn text(status: &Status) -> String {
         .collect();
     let mode = status.mode.as_deref().unwrap_or("not heard");
     let cause = status.cause.as_deref().filter(|cause| !cause.is_empty());
-    lines.push(format!("supervisor: {mode}{}", cause.map_or(String::new(), |cause| format!(" ({cause})"))));
+    let cause = cause.map_or(String::new(), |cause| format!(" ({cause})"));
+    let latched = if status.latched == Some(true) { ", latched until `fdm acknowledge`" } else { "" };
+    lines.push(format!("supervisor: {mode}{cause}{latched}"));
     if let Some(todo) = status.what_to_do.as_deref().filter(|todo| !todo.is_empty()) {
         lines.push(format!("what to do: {todo}"));
     }
     if let Some(progress) = status.progress {
         let layer = status.layer.map_or("-".to_owned(), |layer| layer.to_string());
-        lines.push(format!("printer: {:.1} %, layer {layer}", progress * 100.0));
+        let phase = status.phase.as_deref().unwrap_or("unknown");
+        lines.push(format!("printer: {phase}, {:.1} %, layer {layer}", progress * 100.0));
     }
     let hotend = temperature(status.hotend_degc, status.hotend_target_degc);
     let bed = temperature(status.bed_degc, status.bed_target_degc);
@@ -177,28 +196,50 @@ mod tests {
         );
     }
 
+    fn printer() -> PrinterState {
+        PrinterState {
+            phase: PrinterState::PHASE_PAUSED,
+            progress: 0.25,
+            layer: 2,
+            layer_known: true,
+            hotend_target_degc: 215.0,
+            bed_target_degc: 60.0,
+            ..PrinterState::default()
+        }
+    }
+
     #[test]
     fn temperatures_stand_beside_their_set_points() {
-        let mut status = Status {
-            nodes: BTreeMap::new(),
-            mode: None,
-            cause: None,
-            what_to_do: None,
-            progress: Some(0.25),
-            layer: Some(3),
-            line: None,
-            hotend_degc: Some(211.44),
-            hotend_target_degc: Some(215.0),
-            bed_degc: None,
-            bed_target_degc: Some(60.0),
-            flow_factor: None,
-            speed_factor: None,
-        };
-        let told = text(&status);
-        assert!(told.contains("printer: 25.0 %, layer 3\n"), "{told}");
+        let mut seen = status(BTreeMap::new(), None, Some(printer()), (Some(211.44), None));
+        let told = text(&seen);
+        assert!(told.contains("supervisor: not heard\nprinter: paused, 25.0 %, layer 3\n"), "{told}");
         let line = "temperatures: hot end 211.4 degC, set to 215 degC; bed not heard, set to 60 degC";
         assert!(told.ends_with(line), "{told}");
-        status.hotend_target_degc = None;
-        assert!(text(&status).contains("hot end 211.4 degC; bed"));
+        seen.hotend_target_degc = None;
+        assert!(text(&seen).contains("hot end 211.4 degC; bed"));
+    }
+
+    #[test]
+    fn the_phase_of_the_job_and_a_latch_are_told() {
+        let told = |latched: bool, phase: u8| {
+            let safety = SafetyState {
+                mode: SafetyState::MODE_SAFE_OFF,
+                cause: "S1".to_owned(),
+                latched,
+                ..SafetyState::default()
+            };
+            let state = PrinterState { phase, ..printer() };
+            let seen = status(BTreeMap::new(), Some(safety), Some(state), (None, None));
+            (text(&seen), serde_json::to_value(seen).unwrap())
+        };
+        let (lines, json) = told(true, PrinterState::PHASE_FAILED);
+        assert!(lines.contains("supervisor: safe_off (S1), latched until `fdm acknowledge`\n"), "{lines}");
+        assert!(lines.contains("printer: failed, 25.0 %"), "{lines}");
+        assert_eq!((&json["latched"], &json["phase"]), (&true.into(), &"failed".into()));
+        let (lines, json) = told(false, PrinterState::PHASE_DONE);
+        assert!(lines.contains("supervisor: safe_off (S1)\n"), "{lines}");
+        assert_eq!((&json["latched"], &json["phase"]), (&false.into(), &"done".into()));
+        let nobody = serde_json::to_value(status(BTreeMap::new(), None, None, (None, None))).unwrap();
+        assert!(nobody["latched"].is_null() && nobody["phase"].is_null());
     }
 }

@@ -1,6 +1,6 @@
 //! What every node does beside its work: follow `/clock`, publish `/rosout` and `/diagnostics`.
 
-use crate::clock::Clock;
+use crate::clock::{Clock, Owner, monotonic};
 use crate::diagnostics::Diagnostics;
 use crate::heartbeat::Work;
 use crate::logging;
@@ -18,14 +18,37 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Looks between two reports: 1 Hz.
 const LOOKS_PER_REPORT: u32 = 10;
 
-/// Sets the node's clock from `/clock`.
+/// Name among the alarms of the node.
+const CLOCK: &str = "clock";
+/// What a person is told of a second publisher of `/clock`.
+const RIVAL: &str = "a second publisher of /clock: its time is not taken; stop one of the two";
+
+/// Sets the node's clock from `/clock`, as its owner tells it.
 pub(crate) async fn follow_clock(
     clock: Clock,
     mut readings: Subscription<ClockMessage>,
     diagnostics: Diagnostics,
 ) {
+    let (mut owner, mut told) = (Owner::default(), false);
     loop {
-        let reading = readings.recv_newest().await;
+        let first = readings.recv().await;
+        let (mut newest, mut next) = (None, Some(first));
+        while let Some(reading) = next {
+            if owner.takes(reading.publisher, monotonic()) {
+                newest = Some(reading);
+            } else {
+                diagnostics.count("clock_second_publisher");
+            }
+            next = readings.try_recv();
+        }
+        let rival = owner.has_rival(monotonic());
+        if rival != std::mem::replace(&mut told, rival) {
+            diagnostics.alarm(CLOCK, rival.then(|| RIVAL.to_owned()));
+            if rival {
+                tracing::error!("{RIVAL}");
+            }
+        }
+        let Some(reading) = newest else { continue };
         let Some(time) = reading.message.clock.seconds() else {
             diagnostics.count("clock_refused");
             continue;

@@ -3,9 +3,6 @@
 use crate::subscription::Gid;
 use std::hash::{BuildHasher, RandomState};
 
-/// Length of what all publishers of a process share in their identity: RTPS 2.5, 9.3.1, the GUID's prefix.
-const PREFIX: usize = 12;
-
 /// Makes session ids that nobody else can have, within this process. The key is random: to choose an id so that it meets
 /// another's is a guess among 2^64.
 #[derive(Debug, Clone, Default)]
@@ -15,7 +12,7 @@ impl Sessions {
     /// The session `id` of a publisher; the same for all publishers of its process.
     #[must_use]
     pub fn of(&self, publisher: Gid, id: u64) -> u64 {
-        self.0.hash_one((&publisher.0[..PREFIX], id))
+        self.0.hash_one((publisher.process(), id))
     }
 }
 
@@ -27,7 +24,7 @@ mod tests {
     fn a_session_is_one_process_and_one_id() {
         let sessions = Sessions::default();
         let gid = |process: u8, entity: u8| {
-            Gid(std::array::from_fn(|byte| if byte < PREFIX { process } else { entity }))
+            Gid(std::array::from_fn(|byte| if byte < 12 { process } else { entity }))
         };
         let one = sessions.of(gid(1, 1), 7);
         assert_eq!(sessions.of(gid(1, 2), 7), one, "another topic of the same process");

@@ -12,7 +12,16 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Gid(pub [u8; 16]);
 
+/// Length of what all publishers of a process share in their identity: RTPS 2.5, 9.3.1, the GUID's prefix.
+const PREFIX: usize = 12;
+
 impl Gid {
+    /// What all publishers of its process share.
+    #[must_use]
+    pub fn process(&self) -> &[u8] {
+        &self.0[..PREFIX]
+    }
+
     /// The leading and trailing bytes mixed into a number, for checks that want one (`models::command::Gate`).
     #[must_use]
     pub fn number(&self) -> u64 {

@@ -149,6 +149,20 @@ fn simulated_time_drives_the_timers_of_another_process() {
     assert_eq!(status.code(), Some(0));
 }
 
+/// C8: who else tells a time is told as that, and is not believed.
+#[test]
+fn a_second_clock_is_told_and_does_not_count() {
+    let mut sleeper = Process::telling("sleeper", domain(6), Stdio::piped());
+    let _owner = Process::start("pacer", domain(6));
+    let _second = Process::start("pacer", domain(6));
+    let status = sleeper.ended_within(Duration::from_secs(15)).expect("20 simulated seconds pass in 2");
+    let mut told = String::new();
+    sleeper.0.stderr.take().unwrap().read_to_string(&mut told).unwrap();
+    assert_eq!(status.code(), Some(0), "{told}");
+    assert_eq!(told.matches("a second publisher of /clock").count(), 1, "{told}");
+    assert!(!told.contains("jumped back"), "{told}");
+}
+
 /// Wrong arguments and parameters are the user's to mend: exit code 2.
 #[test]
 fn refused_arguments_and_parameters_end_with_code_2() {

@@ -105,13 +105,14 @@ causes! {
     SecondPublisher, "C8", "a second publisher of commands", "stop one of the controllers";
     Confidence, "1.6", "the fused confidence of a defect is high", "look at the print, then resume or stop";
     PrinterFailed, "C14", "the printer gave the job up", "see the printer's own message, then acknowledge";
-    PrinterPaused, "C14", "the printer paused by itself", "see the printer's own message, then resume";
+    PrinterPaused, "C14", "paused by the printer itself, or before the supervisor was started", "see the printer's own message, then resume";
     PauseTooLong, "1.6", "paused for longer than allowed", "acknowledge, then start the job again";
     OperatorPause, "P13", "paused by a person", "resume";
     OperatorStop, "P13", "stopped by a person", "acknowledge";
     OperatorEstop, "P13", "emergency stop by a person", "make the printer safe, then acknowledge";
     LatchUnreadable, "T5", "the record of a latched mode cannot be read",
         "find out why the last run ended, then acknowledge";
+    SecondSupervisor, "C8", "a second publisher of permits", "stop the other supervisor: the printer obeys one alone";
 }
 
 impl Cause {

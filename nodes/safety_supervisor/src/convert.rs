@@ -184,15 +184,15 @@ mod tests {
     /// Cause, number and what to do: of an event as of the state.
     #[test]
     fn an_event_says_cause_number_and_what_to_do() {
-        let evidence = Some(Evidence { value: 450.04, unit: "degC", digits: 1 });
+        let evidence = Some(Evidence { value: 450.04, unit: "degC", digits: 1, limit: Some(285.0) });
         let found = Decision {
             cause: Some((Cause::HotendRange, evidence)),
             ..decision(What::ModeChanged, Mode::SafeOff)
         };
         assert_eq!(
             event(Seconds(1.0), "safety_supervisor", &found).why,
-            "S1: hot end temperature outside of the possible range (450.0 degC). What to do: check thermistor and its \
-             plug, then acknowledge"
+            "S1: hot end temperature outside of the possible range (450.0 degC, limit 285.0 degC). What to do: \
+             check thermistor and its plug, then acknowledge"
         );
         let by_person = decision(What::Granted(Operator::Stop), Mode::SafeOff);
         assert_eq!(event(Seconds(1.0), "safety_supervisor", &by_person).why, "on request");

@@ -1,4 +1,4 @@
-//! K6, C8: commands of the controller: one publisher, rising sequence, age, range and slew.
+//! K6, C8: commands of the controller: one publisher, rising sequence, age, range and slew; permits: one publisher.
 
 use models::command::{Command, Gate, Limits, Refusal, Trims};
 use models::units::Seconds;
@@ -29,6 +29,8 @@ pub struct Envelope {
     stranger: Option<Seconds>,
     /// The same, once the bound session has spoken after it.
     rival: Option<Seconds>,
+    /// Newest permit of somebody else.
+    foreign_permit: Option<Seconds>,
 }
 
 impl Envelope {
@@ -43,6 +45,7 @@ impl Envelope {
             outside: Burst::new(params.outside),
             stranger: None,
             rival: None,
+            foreign_permit: None,
         }
     }
 
@@ -78,6 +81,7 @@ impl Envelope {
     /// The clock was set back: times of before mean nothing any more.
     pub fn set_back(&mut self) {
         (self.previous, self.stranger, self.rival) = (None, None, None);
+        self.foreign_permit = None;
         self.outside.forget();
     }
 
@@ -108,6 +112,17 @@ impl Envelope {
     #[must_use]
     pub fn has_rival(&self, now: Seconds) -> bool {
         self.rival.is_some_and(|heard| now.0 - heard.0 <= self.params.rival_hold_s)
+    }
+
+    /// Somebody else has sent a permit.
+    pub fn note_foreign_permit(&mut self, now: Seconds) {
+        self.foreign_permit = Some(now);
+    }
+
+    /// Whether somebody else has sent a permit within the hold time.
+    #[must_use]
+    pub fn has_foreign_permit(&self, now: Seconds) -> bool {
+        self.foreign_permit.is_some_and(|heard| now.0 - heard.0 <= self.params.rival_hold_s)
     }
 
     /// Refused commands so far.

@@ -184,6 +184,8 @@ pub enum Event {
     Vision(VisionReport),
     /// A person asks.
     Operator(Operator),
+    /// Somebody else publishes permits; the printer believes one alone, which may not be this one.
+    RivalPermit,
     /// The shell refused a value of this stream: NaN, out of range or stale.
     Refused {
         /// Whose value it was.

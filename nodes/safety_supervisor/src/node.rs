@@ -5,8 +5,6 @@ mod latch_file;
 mod operators;
 mod outlets;
 
-use std::path::PathBuf;
-
 use models::units::Seconds;
 use runtime::{Node, RuntimeError, topics};
 
@@ -14,7 +12,7 @@ use crate::event::{Event, Output};
 use crate::params::Params;
 use crate::supervisor::Supervisor;
 use inlets::{Heard, Inlets};
-use latch_file::LatchFile;
+use latch_file::{LATCH_FILE, LatchFile};
 use operators::Operators;
 use outlets::{Outlets, Totals};
 
@@ -24,13 +22,12 @@ use outlets::{Outlets, Totals};
 /// [`RuntimeError`] where it cannot start.
 pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     node.check_parameters(|parameters| {
-        _ = parameters.optional::<PathBuf>(LATCH_FILE)?;
+        _ = latch_file::path_of(parameters)?;
         parameters.without(&[LATCH_FILE]).parse::<Params>().map(drop)
     })?;
     let parameters = node.raw_parameters();
-    let latch_file: Option<PathBuf> = parameters.optional(LATCH_FILE)?;
+    let latch = LatchFile::open(latch_file::path_of(parameters)?);
     let params: Params = parameters.without(&[LATCH_FILE]).parse()?;
-    let latch = LatchFile::open(latch_file.filter(|path| !path.as_os_str().is_empty()));
     let mut inlets = Inlets::open(&mut node, &params)?;
     let mut operators = Operators::serve(&mut node)?;
     let mut shell = Shell {
@@ -80,9 +77,6 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     }
     Ok(())
 }
-
-/// Name of the parameter with the file that keeps the latch; empty or not given: none is kept.
-const LATCH_FILE: &str = "latch_file";
 
 struct Shell {
     supervisor: Supervisor,

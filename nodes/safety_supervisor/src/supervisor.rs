@@ -117,6 +117,7 @@ impl Supervisor {
             Event::Command(command) => {
                 return self.on_command(now, command).then(|| self.answer(now)).flatten();
             }
+            Event::RivalPermit => self.envelope.note_foreign_permit(now),
             Event::Refused { .. } => self.checks.bad_values.note(now),
             Event::Imu { first, period, samples } => self.on_imu(now, (first, period), &samples),
             Event::Vision(report) => self.on_vision(now, &report),

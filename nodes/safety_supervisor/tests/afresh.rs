@@ -270,7 +270,8 @@ fn a_cause_comes_with_the_number_it_rests_on() {
     let told = print.output.events.iter().find_map(|decision| decision.cause);
     let (cause, evidence) = told.unwrap();
     let text = evidence.unwrap().to_string();
-    assert!(cause == Cause::HotendRange && text.starts_with("450.") && text.ends_with(" degC"), "{text}");
+    assert!(cause == Cause::HotendRange && text.starts_with("450."), "{text}");
+    assert!(text.ends_with(" degC, limit 285.0 degC"), "{text}");
     print.temp_c = 25.0;
     print.run(3.0);
     assert_eq!(print.output.state.evidence, evidence, "not what came of it later");
@@ -281,11 +282,12 @@ fn a_cause_comes_with_the_number_it_rests_on() {
         print.until(mode);
         let age = print.output.state.evidence.unwrap();
         assert!((at_least..at_least + 0.1).contains(&age.value) && age.unit == "s", "{age}");
+        assert_eq!(age.limit, Some(at_least), "{age}");
     }
     let mut print = Print::acting();
     print.slip = 0.5;
     print.until(Mode::Paused);
-    assert!(print.output.state.evidence.unwrap().to_string().ends_with(" % slip"));
+    assert!(print.output.state.evidence.unwrap().to_string().ends_with(" % slip, limit 42 %"));
     print.ask(Operator::Stop);
     assert_eq!(print.output.state.evidence, None, "a person needs none");
 }

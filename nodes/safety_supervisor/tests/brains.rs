@@ -50,6 +50,24 @@ fn the_health_of_a_stranger_is_not_believed() {
     assert_eq!(print.output.state.cause, Some(Cause::PlanNotFinite), "a stranger does not heal it");
 }
 
+/// C8, X2: a permit of somebody else takes the corrections back, whoever the printer believes, until nobody writes any.
+#[test]
+fn a_second_publisher_of_permits_degrades_and_heals() {
+    let mut print = Print::acting();
+    print.event(Event::RivalPermit);
+    assert!(print.until(Mode::Degraded) <= 0.021);
+    let told = print.output.events.iter().find_map(|decision| decision.cause);
+    assert_eq!(told.map(|(cause, _)| cause), Some(Cause::SecondSupervisor));
+    for _ in 0..50 {
+        print.run(0.1);
+        print.event(Event::RivalPermit);
+    }
+    assert_eq!((print.mode(), print.output.permit.trims), (Mode::Degraded, Trims::NEUTRAL));
+    // 2 s of memory, and as long until what is gone counts as gone
+    let back_s = print.until(Mode::Act);
+    assert!((3.9..4.2).contains(&back_s), "{back_s} s");
+}
+
 /// K4, first divergence: degraded, the mode stays set.
 #[test]
 fn an_estimate_started_anew_degrades_and_heals() {

@@ -8,8 +8,7 @@ use common::{params, params_with};
 use models::command::{Command, Mode, Request, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
-use proptest::prelude::*;
-use safety_supervisor::{Cause, Event, Latch, Operator, Stream, Supervisor, VisionReport, What};
+use safety_supervisor::{Cause, Event, Operator, Stream, Supervisor, What};
 
 #[test]
 fn observe_is_the_default_and_sends_nothing() {
@@ -245,55 +244,4 @@ fn a_pause_that_the_printer_made_itself_is_taken_over() {
     print.report.phase = JobPhase::Paused;
     assert!(print.until(Mode::Paused) <= 1.1);
     assert_eq!(print.output.permit.request, Request::Pause);
-}
-
-fn any_event() -> impl Strategy<Value = (u8, f64)> {
-    (0u8..16, prop_oneof![Just(f64::NAN), -20.0..500.0f64, 0.0..2.0f64])
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
-
-    /// Whatever comes in: permits are finite and inside the envelope, a latched mode ends by acknowledge alone, and
-    /// no permit of a latched mode lets heaters on.
-    #[test]
-    fn laws_of_the_permit(events in proptest::collection::vec(any_event(), 1..300), latched in any::<bool>()) {
-        let restored = latched.then_some(Latch { estop: false, cause: Cause::HotendRange });
-        let supervisor = Supervisor::new(params_with("start_mode: observe", "start_mode: act"), 1, restored);
-        let mut print = Print::with(supervisor);
-        let limits = params().limits;
-        let mut sequence = 0;
-        for (kind, value) in events {
-            let before = print.mode();
-            match kind {
-                0 => print.hotend = !print.hotend,
-                1 => print.temp_c = value,
-                2 => print.encoder = !print.encoder,
-                3 => print.wish.flow = value,
-                4 => print.slip = if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 },
-                5 => print.report.hotend_duty = value,
-                6 => print.event(Event::Vision(VisionReport {
-                    usable: true,
-                    confidence: value,
-                    defect: None,
-                    confirmed: false,
-                    offset_m: Some([value, 0.0]),
-                })),
-                7 => drop(print.ask(Operator::Resume)),
-                8 => drop(print.ask(Operator::Stop)),
-                9 => print.printer = !print.printer,
-                10 => print.tick += 50,
-                _ => print.run(0.1),
-            }
-            print.step();
-            let permit = print.output.permit;
-            prop_assert!(limits.clamp(&permit.trims).is_ok_and(|clamped| !clamped.changed.any()));
-            prop_assert!(permit.sequence > sequence);
-            sequence = permit.sequence;
-            prop_assert!(before < Mode::SafeOff || permit.mode >= before);
-            prop_assert!(permit.mode < Mode::SafeOff || permit.request >= Request::HeatersOff);
-            prop_assert!(permit.mode < Mode::SafeOff || permit.trims == Trims::NEUTRAL);
-            prop_assert!(permit.mode != Mode::Paused || permit.request != Request::Run);
-        }
-    }
 }

@@ -8,7 +8,7 @@ mod common;
 use common::{Heater, params};
 use models::command::Mode;
 use models::units::Seconds;
-use safety_supervisor::{Cause, Event, Operator, Supervisor};
+use safety_supervisor::{Cause, Event, Evidence, Operator, Supervisor};
 
 /// Seeds of each case; `SEEDS=400` widens the search for false trips.
 fn seeds() -> u64 {
@@ -20,13 +20,14 @@ struct Loop {
     supervisor: Supervisor,
     mode: Mode,
     cause: Option<Cause>,
+    evidence: Option<Evidence>,
     excess_w: (f64, f64),
 }
 
 impl Loop {
     fn new(heater: Heater) -> Self {
         let supervisor = Supervisor::new(params(), 1, None);
-        Self { heater, supervisor, mode: Mode::Init, cause: None, excess_w: (0.0, 0.0) }
+        Self { heater, supervisor, mode: Mode::Init, cause: None, evidence: None, excess_w: (0.0, 0.0) }
     }
 
     /// Runs for a while or until a latched mode; returns the time it took to get there.
@@ -38,6 +39,7 @@ impl Loop {
                 if let Some(output) = self.supervisor.on_event(now, event) {
                     self.mode = output.permit.mode;
                     self.cause = output.state.cause;
+                    self.evidence = output.state.evidence;
                     let excess_w = output.state.hotend_excess_w;
                     self.excess_w = (self.excess_w.0.min(excess_w), self.excess_w.1.max(excess_w));
                 }
@@ -68,6 +70,11 @@ fn reaction(name: &str, start: impl Fn(u64) -> Heater, fault: impl Fn(&mut Heate
                 "{name}, seed {seed}: {:?}",
                 run.cause
             );
+            if let Some(Evidence { value, limit: Some(limit), .. }) = run.evidence {
+                assert!(value / limit >= 1.0, "{name}, seed {seed}: {:?}: {value}, {limit}", run.cause);
+            } else {
+                assert!(matches!(run.cause, None | Some(Cause::HotendFrozen)), "{name}: {:?}", run.cause);
+            }
             time_s
         })
         .collect();

@@ -215,6 +215,21 @@ fn prediction() -> Sample<AdvancePrediction> {
     }
 }
 
+/// A command, or a permit, of the slicer's own values.
+fn command() -> Sample<ControlCommand> {
+    Sample {
+        sound: ControlCommand {
+            validity_s: 1.0,
+            flow_factor: 1.0,
+            speed_factor: 1.0,
+            ..ControlCommand::default()
+        },
+        header: |message: &mut ControlCommand| &mut message.header,
+        set: |message: &mut ControlCommand, value| message.flow_factor = value,
+        out_of_range: 11.0,
+    }
+}
+
 /// Every topic that a node of the control path subscribes.
 pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
     let report = Sample {
@@ -241,17 +256,7 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         set: |message: &mut BeadWidth, value| message.width_m = value,
         out_of_range: 1.0,
     };
-    let command = Sample {
-        sound: ControlCommand {
-            validity_s: 1.0,
-            flow_factor: 1.0,
-            speed_factor: 1.0,
-            ..ControlCommand::default()
-        },
-        header: |message: &mut ControlCommand| &mut message.header,
-        set: |message: &mut ControlCommand, value| message.flow_factor = value,
-        out_of_range: 11.0,
-    };
+    let permits = Entry { bad: &[], ..entry(node, &topics::SAFETY_COMMAND, command()) };
     let state = Sample {
         sound: estimate(),
         header: |message: &mut StateEstimate| &mut message.header,
@@ -267,7 +272,8 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         entry(node, &topics::FILAMENT_MOTION, motion),
         entry(node, &topics::PRINTER_STATE, printer()),
         entry(node, &topics::BEAD_WIDTH, width),
-        entry(node, &topics::CONTROL_COMMAND, command),
+        entry(node, &topics::CONTROL_COMMAND, command()),
+        permits,
         entry(node, &topics::CONTROL_SCHEDULE, schedule()),
         entry(node, &topics::PRINTER_COMING, coming()),
         entry(node, &topics::ESTIMATE, state),

@@ -1,5 +1,5 @@
 //! The law of the dead-man, held against what was seen of printer and supervisor: no correction is in force longer than
-//! its permit is valid.
+//! the permit of a correction is valid. A permit of the slicer's own values permits none.
 
 use crate::observer::is_neutral;
 use byteorder::LittleEndian;
@@ -20,6 +20,8 @@ pub(crate) struct Record {
     /// Whether a correction was in force.
     states: BTreeMap<i64, bool>,
     permits: BTreeSet<i64>,
+    /// Those of them that permit a correction.
+    corrections: BTreeSet<i64>,
 }
 
 /// What was found in a span of time.
@@ -27,7 +29,7 @@ pub(crate) struct Record {
 pub(crate) struct Judged {
     pub(crate) states: usize,
     pub(crate) corrected: usize,
-    /// Longest time from a permit to a state with a correction, no other permit between them `[s]`.
+    /// Longest time from a permit of a correction to a state with one, no other such permit between them `[s]`.
     pub(crate) oldest_s: f64,
     /// Longest time without a permit `[s]`, and how often there was none for longer than it is valid.
     pub(crate) longest_gap_s: f64,
@@ -41,6 +43,7 @@ impl Record {
 
     pub(crate) fn on_permit(&mut self, permit: &ControlCommand) {
         self.permits.extend(nanos(&permit.header));
+        self.corrections.extend(nanos(&permit.header).filter(|_| permits_more(permit)));
     }
 
     /// Stamp of the newest state `[s]`.
@@ -90,7 +93,7 @@ impl Record {
             judged.states += 1;
             if *corrected {
                 judged.corrected += 1;
-                let newest = self.permits.range(..=stamp + AHEAD_NS).next_back();
+                let newest = self.corrections.range(..=stamp + AHEAD_NS).next_back();
                 let age_s = newest.map_or(f64::INFINITY, |permit| seconds(stamp - permit));
                 judged.oldest_s = judged.oldest_s.max(age_s);
             }
@@ -103,6 +106,13 @@ impl Record {
         }
         judged
     }
+}
+
+/// Whether it permits more than the slicer's own values.
+fn permits_more(permit: &ControlCommand) -> bool {
+    (permit.flow_factor, permit.speed_factor, permit.nozzle_setpoint_offset_k) != (1.0, 1.0, 0.0)
+        || permit.set_advance
+        || permit.close_extruder_loop
 }
 
 fn nanos(header: &Header) -> Option<i64> {
@@ -139,14 +149,22 @@ fn a_correction_without_a_permit_is_found() {
         speed_factor: 1.0,
         ..PrinterState::default()
     };
+    let permit = |at_s: f64, flow_factor| ControlCommand {
+        header: header(at_s),
+        flow_factor,
+        speed_factor: 1.0,
+        ..ControlCommand::default()
+    };
     let mut record = Record::default();
-    record.on_permit(&ControlCommand { header: header(10.0), ..ControlCommand::default() });
+    record.on_permit(&permit(10.0, 1.05));
+    // Permits of the slicer's own values license nothing.
+    (1..10).for_each(|step| record.on_permit(&permit(10.0 + 0.04 * f64::from(step), 1.0)));
     for step in 0..=20 {
         record.on_state(&corrected(10.0 + 0.02 * f64::from(step)));
     }
     let neutral = PrinterState { flow_factor: 1.0, ..corrected(10.5) };
     record.on_state(&neutral);
-    record.on_permit(&ControlCommand { header: header(11.0), ..ControlCommand::default() });
+    record.on_permit(&permit(11.36, 1.0));
     let judged = record.judge((10.0, 12.0));
     assert_eq!((judged.states, judged.corrected, judged.gaps), (22, 21, 1));
     assert!((judged.oldest_s - 0.4).abs() < 1e-6 && (judged.longest_gap_s - 1.0).abs() < 1e-6, "{judged:?}");

@@ -9,6 +9,13 @@ pub fn mode_name(mode: u8) -> &'static str {
     NAMES.get(usize::from(mode)).copied().unwrap_or("unknown")
 }
 
+/// Name of a job's phase for people.
+#[must_use]
+pub fn phase_name(phase: u8) -> &'static str {
+    const NAMES: [&str; 6] = ["idle", "preparing", "printing", "paused", "done", "failed"];
+    NAMES.get(usize::from(phase)).copied().unwrap_or("unknown")
+}
+
 /// A happening for people.
 #[must_use]
 pub fn text(happening: &Happening) -> String {

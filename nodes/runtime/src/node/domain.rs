@@ -1,6 +1,7 @@
 //! What a node sees of the others in its domain.
 
 use super::Node;
+use crate::subscription::Gid;
 use rustdds::RTPSEntity;
 use std::collections::BTreeSet;
 
@@ -8,6 +9,15 @@ use std::collections::BTreeSet;
 const TOPIC: &str = "rt";
 
 impl Node {
+    /// What the publishers of its process share, as [`Gid::process`] tells it.
+    #[must_use]
+    pub fn identity(&self) -> Gid {
+        let mut bytes = [0; 16];
+        let prefix = self.core.context.domain_participant().guid_prefix();
+        bytes.iter_mut().zip(prefix.as_ref()).for_each(|(to, from): (&mut u8, &u8)| *to = *from);
+        Gid(bytes)
+    }
+
     /// Topics that other participants of the domain publish, by their names on the graph. Who has just joined knows a part
     /// of them: discovery takes up to 0.5 s.
     #[must_use]

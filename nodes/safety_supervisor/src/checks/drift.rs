@@ -126,6 +126,13 @@ impl DriftCheck {
         self.residual_k().abs() >= self.params.degraded_k
     }
 
+    /// The limit `[K]` that the residual has reached, with its sign.
+    #[must_use]
+    pub fn limit_k(&self) -> f64 {
+        let limit_k = if self.tripped() { self.params.safe_off_k } else { self.params.degraded_k };
+        limit_k.copysign(self.residual_k())
+    }
+
     /// Whether they are so far apart that heating on is a risk, and no draught explains it.
     #[must_use]
     pub fn tripped(&self) -> bool {

@@ -191,6 +191,14 @@ impl HeaterCheck {
         self.fast.excess_w()
     }
 
+    /// Excess power `[W]` beside its limit as of the observer that tells a fault; the fast one's without a limit where
+    /// none does.
+    #[must_use]
+    pub fn beyond_w(&self) -> (f64, Option<f64>) {
+        let told = [&self.fast, &self.slow].into_iter().find(|observer| observer.fault().is_some());
+        told.map_or((self.excess_w(), None), |observer| (observer.excess_w(), observer.limit_w()))
+    }
+
     /// Forgets everything: after an acknowledge, a resume or a stop of the clock.
     pub fn reset(&mut self) {
         *self = Self::new(self.params);

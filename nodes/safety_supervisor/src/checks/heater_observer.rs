@@ -27,6 +27,8 @@ pub(super) struct Observer {
     pub(super) settling_s: f64,
     over: u32,
     under: u32,
+    /// How much heat without order, and how much missing, counts just now `[W]`.
+    limits_w: (f64, f64),
 }
 
 /// Time constants of an observer until an error of its beginning counts for nothing: `e^-5 (1 + 5 + 25/2) = 12 %`.
@@ -63,6 +65,7 @@ impl Observer {
             settling_s,
             over: 0,
             under: 0,
+            limits_w: (params.stuck_on_w, params.deficit_w),
         }
     }
 
@@ -120,18 +123,26 @@ impl Observer {
     /// Counts the samples in a row that are beyond a limit.
     fn count(&mut self, slack_w: f64) {
         let excess_w = self.excess_w();
-        self.over = if excess_w > self.params.stuck_on_w + slack_w { self.over.saturating_add(1) } else { 0 };
+        let over_w = self.params.stuck_on_w + slack_w;
+        self.over = if excess_w > over_w { self.over.saturating_add(1) } else { 0 };
         // No more can be missing than was ordered: an observer that starts while the block cools, its reading ahead of
         // it by the lag, sees a deficit of a heater that is off.
         let ordered_w = self.ordered_w[2];
         let missing_w = (-excess_w).min(ordered_w);
         let share_w = (self.params.deficit_share * ordered_w).max(self.params.deficit_min_w);
-        let short = missing_w > self.params.deficit_w.min(share_w) + slack_w;
-        self.under = if short { self.under.saturating_add(1) } else { 0 };
+        let short_w = self.params.deficit_w.min(share_w) + slack_w;
+        self.limits_w = (over_w, short_w);
+        self.under = if missing_w > short_w { self.under.saturating_add(1) } else { 0 };
     }
 
     pub(super) fn excess_w(&self) -> f64 {
         self.disturbance_w - self.usual_w
+    }
+
+    /// Limit of the excess `[W]` that the fault in force is beyond, below zero for what is missing.
+    pub(super) fn limit_w(&self) -> Option<f64> {
+        let (over_w, short_w) = self.limits_w;
+        self.fault().map(|fault| if fault == HeaterFault::StuckOn { over_w } else { -short_w })
     }
 
     pub(super) fn fault(&self) -> Option<HeaterFault> {

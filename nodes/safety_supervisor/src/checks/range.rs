@@ -38,6 +38,14 @@ impl RangeCheck {
         self.newest
     }
 
+    /// The end of the range `[degC]` that the newest sample lies beyond; `None` inside.
+    #[must_use]
+    pub fn limit_c(&self) -> Option<f64> {
+        let Celsius(newest_c) = self.newest?;
+        let Self { params: RangeParams { min_c, max_c, .. }, .. } = self;
+        if newest_c > *max_c { Some(*max_c) } else { (newest_c < *min_c).then_some(*min_c) }
+    }
+
     /// Whether there was a sample, and the newest was inside.
     #[must_use]
     pub fn is_well(&self) -> bool {

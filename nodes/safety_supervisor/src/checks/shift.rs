@@ -45,8 +45,9 @@ impl ShiftCheck {
         Seconds(self.params.impulse_s)
     }
 
-    /// What the machine's own kinematics explains is not the print's fault.
-    fn limit_m(&self) -> f64 {
+    /// Offset `[m]` beyond which it counts: what the machine's own kinematics explains is not the print's fault.
+    #[must_use]
+    pub fn limit_m(&self) -> f64 {
         self.params.offset_max_m + self.params.machine_error_m
     }
 

@@ -56,6 +56,16 @@ impl StaleCheck {
         self.newest.map(|newest| now - newest)
     }
 
+    /// The limit `[s]` that the age is beyond, the longest; `None` where it is beyond none.
+    #[must_use]
+    pub fn limit_s(&self, now: Seconds) -> Option<f64> {
+        match self.reaction(now)? {
+            Reaction::Degrade => Some(self.params.degraded_s),
+            Reaction::Pause => self.params.pause_s,
+            Reaction::SafeOff | Reaction::Estop => self.params.safe_off_s,
+        }
+    }
+
     /// What the age calls for.
     #[must_use]
     pub fn reaction(&self, now: Seconds) -> Option<Reaction> {

@@ -7,7 +7,7 @@ use fdm_loop_msgs::{
 use models::command::Scheduled;
 use models::units::Seconds;
 use runtime::wire::WireError;
-use runtime::{Gid, Inlet, Node, Reason, Refused, RuntimeError, Sessions, topics};
+use runtime::{Gid, Inlet, Node, Reason, Refused, RuntimeError, Sessions, Subscription, topics};
 
 use super::outlets::Totals;
 use crate::convert;
@@ -33,6 +33,10 @@ pub(super) struct Inlets {
     imu: Inlet<ImuBatch>,
     vision: Inlet<DefectReport>,
     schedule: Inlet<MotionTrim>,
+    /// Its own permits, and those of whoever else writes them.
+    permits: Subscription<ControlCommand>,
+    foreign_permits: Refused,
+    own: Gid,
     sessions: Sessions,
     /// Second event of a message that told two things.
     also: Option<Event>,
@@ -72,6 +76,9 @@ impl Inlets {
             schedule: node
                 .inlet(&topics::CONTROL_SCHEDULE, Seconds(f64::INFINITY))?
                 .with_stamps_within(stale.command.oldest_stamp()),
+            permits: node.subscribe(&topics::SAFETY_COMMAND)?,
+            foreign_permits: Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name()),
+            own: node.identity(),
             sessions: Sessions::default(),
             also: None,
         })
@@ -100,6 +107,10 @@ impl Inlets {
                 Ok(scheduled) => return Heard::Scheduled(scheduled),
                 Err(reason) => (Err(reason), Stream::Command),
             },
+            () = foreign(&mut self.permits, self.own) => {
+                self.foreign_permits.count(Reason::Gate);
+                return Heard::Event(Event::RivalPermit);
+            }
         };
         Heard::Event(taken.unwrap_or(Event::Refused { stream }))
     }
@@ -112,7 +123,7 @@ impl Inlets {
 
     /// Refused messages of all streams.
     pub(super) fn totals(&self) -> Totals {
-        let all: [&Refused; 9] = [
+        let all: [&Refused; 10] = [
             &self.hotend.refused,
             &self.bed.refused,
             &self.encoder.refused,
@@ -122,6 +133,7 @@ impl Inlets {
             &self.imu.refused,
             &self.vision.refused,
             &self.schedule.refused,
+            &self.foreign_permits,
         ];
         let sum = |reason| all.iter().map(|refused| refused.total(reason)).sum::<u64>();
         Totals {
@@ -131,6 +143,11 @@ impl Inlets {
             sequence: sum(Reason::Order) + sum(Reason::Gate),
         }
     }
+}
+
+/// Waits for a permit that another process has sent. Cancelling loses none.
+async fn foreign(permits: &mut Subscription<ControlCommand>, own: Gid) {
+    while permits.recv().await.publisher.process() == own.process() {}
 }
 
 /// A controller is who sends its commands, not who knows its session.

@@ -7,6 +7,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use runtime::{ParamFileError, Parameters};
 use tokio::task::JoinHandle;
 
 use crate::cause::Cause;
@@ -27,6 +28,26 @@ pub(super) struct LatchFile {
 
 /// Calls between two tries on a disk that refuses: a second of permits.
 const REST: u32 = 50;
+
+/// Name of the parameter with the file that keeps the latch; empty or not given: none is kept.
+pub(super) const LATCH_FILE: &str = "latch_file";
+
+/// The file of that parameter, where a file can be there: whoever opens a pipe to read it waits for a writer.
+///
+/// # Errors
+/// What is there and is no file.
+pub(super) fn path_of(parameters: &Parameters) -> Result<Option<PathBuf>, ParamFileError> {
+    let path = parameters.optional::<PathBuf>(LATCH_FILE)?.filter(|path| !path.as_os_str().is_empty());
+    for path in path.iter().flat_map(|path| [path.clone(), beside(path)]) {
+        let found = fs::metadata(&path).ok().map(|found| found.file_type());
+        if let Some(kind) = found.filter(|kind| !kind.is_file()) {
+            let kind = if kind.is_dir() { "a folder" } else { "a pipe, socket or device" };
+            let message = format!("{} is {kind}: must be a file, or not there yet", path.display());
+            return Err(ParamFileError::Refused { at: LATCH_FILE.to_owned(), message });
+        }
+    }
+    Ok(path)
+}
 
 impl LatchFile {
     /// Reads what a former run left behind; without a path nothing is kept.
@@ -94,14 +115,19 @@ fn read(path: &Path) -> Option<Latch> {
     }))
 }
 
+/// Where a record is written before it takes the place of the former one.
+fn beside(path: &Path) -> PathBuf {
+    path.with_extension("new")
+}
+
 fn write(path: &Path, latch: Option<Latch>) -> io::Result<()> {
     match latch {
         Some(latch) => {
-            let beside = path.with_extension("new");
+            let beside = beside(path);
             let mut file = File::create(&beside)?;
             file.write_all(&serde_json::to_vec(&latch)?)?;
             file.sync_all()?;
-            fs::rename(&beside, path)?;
+            fs::rename(beside, path)?;
         }
         None => match fs::remove_file(path) {
             Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),

@@ -143,6 +143,8 @@ impl Supervisor {
             set(cause, reaction);
         }
         set(Cause::SecondPublisher, self.envelope.has_rival(now).then_some(Reaction::Degrade));
+        let foreign = self.envelope.has_foreign_permit(now);
+        set(Cause::SecondSupervisor, foreign.then_some(Reaction::Degrade));
         set(Cause::Confidence, (hard && !named).then_some(Reaction::Pause));
         set(Cause::PrinterFailed, self.printer_failed.then_some(Reaction::SafeOff));
         let alone = self.paused_alone_since.is_some_and(|since| now.0 - since.0 > self.params.modes.adopt_s);

@@ -1,6 +1,7 @@
 //! A latch on disk.
 
 use super::*;
+use runtime::NodePath;
 
 fn path(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("latch_{}_{name}", std::process::id()));
@@ -34,8 +35,38 @@ fn what_cannot_be_read_is_a_latch() {
         let latch = LatchFile::open(Some(path.clone())).stored().unwrap();
         assert_eq!((latch.estop, latch.cause), (false, Cause::LatchUnreadable), "{text}");
     }
-    let folder = LatchFile::open(path.parent().map(Path::to_path_buf)).stored();
-    assert!(folder.is_some(), "a folder is no record either");
+}
+
+/// Whoever opens a pipe waits for its other end: the supervisor would never begin, or never end.
+#[test]
+fn what_is_there_and_is_no_file_is_refused_by_its_name() {
+    let path = path("pipe");
+    let asked = |path: &Path| {
+        let node =
+            NodePath { qualified: "/printer/safety_supervisor".into(), base: "safety_supervisor".into() };
+        let given = [(LATCH_FILE.to_owned(), format!("{path:?}"))];
+        path_of(&Parameters::read(&[], &given, &node).unwrap()).map_err(|error| error.to_string())
+    };
+    for missing in ["", "/nowhere/latch.json"] {
+        let path = Path::new(missing);
+        assert_eq!(asked(path), Ok((!missing.is_empty()).then(|| path.to_path_buf())));
+    }
+    assert_eq!(asked(&path), Ok(Some(path.clone())), "not there yet");
+    let folder = path.parent().unwrap();
+    let must = "must be a file, or not there yet";
+    assert_eq!(asked(folder), Err(format!("latch_file: {} is a folder: {must}", folder.display())));
+    let pipe = |path: &Path| {
+        _ = fs::remove_file(path);
+        assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+        format!("latch_file: {} is a pipe, socket or device: {must}", path.display())
+    };
+    let refused = pipe(&path);
+    assert_eq!(asked(&path), Err(refused));
+    fs::remove_file(&path).unwrap();
+    // What is written beside it first is opened as well.
+    let refused = pipe(&path.with_extension("new"));
+    assert_eq!(asked(&path), Err(refused));
+    fs::remove_dir_all(folder).unwrap();
 }
 
 #[tokio::test]
