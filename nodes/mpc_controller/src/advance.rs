@@ -11,7 +11,7 @@
 //! acts half a second and more late gets the material's constant: what was meant for a pause of the filament would come
 //! in the midst of a road.
 
-use crate::params::{AdvanceSource, RawAdvance, RawLearning};
+use crate::params::{AdvanceSource, Level, RawAdvance};
 use learning::{Learning, SLOW_M_S};
 use models::command::AdvanceLaw;
 use models::status::{HostProfile, PrinterStatus};
@@ -104,18 +104,13 @@ pub(crate) struct Advance {
 }
 
 impl Advance {
-    pub(crate) fn new(settings: RawAdvance) -> Self {
+    pub(crate) fn new(settings: RawAdvance, level: Level) -> Self {
         Self {
             settings,
             newest: None,
             held_s: None,
             at_s: 0.0,
-            learning: Learning::new(match settings.source {
-                AdvanceSource::Planned => {
-                    RawLearning { reach: settings.learning.planned_reach, ..settings.learning }
-                }
-                _ => settings.learning,
-            }),
+            learning: Learning::new(settings.learning_at(level)),
             report: AdvanceReport::default(),
         }
     }

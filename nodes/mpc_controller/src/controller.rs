@@ -83,7 +83,7 @@ impl Controller {
             qp: retune::problem(&params, material)?,
             catch_up: CatchUp::new(params.slip),
             balance: CatchUp::new(params.slip),
-            advance: Advance::new(params.advance),
+            advance: Advance::new(params.advance, params.control),
             nominal: Nominal::new(material.lag_s),
             base: Base::new(params.base, params.limits.feed),
             transient: Transient::default(),

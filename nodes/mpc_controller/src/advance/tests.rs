@@ -87,7 +87,7 @@ fn sent(advance: &mut Advance, now_s: f64) -> Option<f64> {
 }
 
 fn holding(advance_s: f64) -> Advance {
-    let mut advance = Advance::new(SETTINGS);
+    let mut advance = Advance::new(SETTINGS, Level::Mpc);
     advance.on_prediction(word(0.0, advance_s, None));
     assert_eq!(sent(&mut advance, 0.0), Some(advance_s));
     advance
@@ -95,7 +95,7 @@ fn holding(advance_s: f64) -> Advance {
 
 #[test]
 fn without_a_word_the_files_own_advance_stays() {
-    let mut advance = Advance::new(SETTINGS);
+    let mut advance = Advance::new(SETTINGS, Level::Mpc);
     assert_eq!(sent(&mut advance, 0.0), None);
     assert_eq!(advance.report().without, 1);
 }
@@ -111,7 +111,7 @@ fn a_stale_word_is_not_used() {
 /// A half width of 0.2 s on 0.6 s is a third; 0.3 is allowed.
 #[test]
 fn a_doubtful_word_is_not_used() {
-    let mut advance = Advance::new(SETTINGS);
+    let mut advance = Advance::new(SETTINGS, Level::Mpc);
     let doubtful = Foretold { advance_s: 0.6, half_width_s: 0.2, law: LAW, basis: Basis::Physics };
     advance.on_prediction(Prediction { advance: Some(doubtful), ..word(0.0, 0.6, None) });
     assert_eq!(sent(&mut advance, 0.0), None);
@@ -128,7 +128,7 @@ fn a_coming_move_gets_the_foretold_law() {
 
 #[test]
 fn what_is_sent_is_bounded() {
-    let mut advance = Advance::new(SETTINGS);
+    let mut advance = Advance::new(SETTINGS, Level::Mpc);
     advance.on_prediction(word(0.0, 4.0, None));
     assert_eq!(sent(&mut advance, 0.0), Some(1.5));
 }
@@ -137,7 +137,7 @@ fn what_is_sent_is_bounded() {
 #[test]
 fn the_law_of_a_coming_move_is_bounded() {
     let at_s = 0.4 + 1e-3 / 2e-3_f64.sqrt();
-    let mut advance = Advance::new(SETTINGS);
+    let mut advance = Advance::new(SETTINGS, Level::Mpc);
     let kept = LAW.scaled(2.49 / at_s);
     assert_eq!((advance.bounded(kept), advance.report().bounded), (kept, 0));
     let held = advance.bounded(LAW.scaled(5.0 / at_s));
@@ -191,7 +191,7 @@ fn where_nothing_is_laid_a_change_is_at_once() {
 #[test]
 fn other_sources_ask_no_predictor() {
     let of = |source| {
-        let mut advance = Advance::new(RawAdvance { source, ..SETTINGS });
+        let mut advance = Advance::new(RawAdvance { source, ..SETTINGS }, Level::Mpc);
         advance.on_prediction(word(0.0, 0.9, None));
         sent(&mut advance, 0.0)
     };
@@ -209,7 +209,7 @@ fn a_host_that_attaches_nothing_to_moves_gets_the_constant() {
         (HostProfile::Moonraker, NOMINAL_S),
         (HostProfile::Octoprint, NOMINAL_S),
     ] {
-        let mut advance = Advance::new(SETTINGS);
+        let mut advance = Advance::new(SETTINGS, Level::Mpc);
         advance.on_prediction(word(0.0, 0.9, None));
         let status = PrinterStatus { host, ..status(0.0, 2e-3) };
         assert_eq!(advance.command(0.0, &status, NOMINAL_S), Some(expected_s), "{host:?}");

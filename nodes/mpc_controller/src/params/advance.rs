@@ -1,5 +1,6 @@
 //! The block `advance`.
 
+use super::Level;
 use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
 
@@ -78,6 +79,17 @@ pub struct RawLearning {
 }
 
 impl RawAdvance {
+    /// Learning as it counts for the source at a level: a planned law asks more of the drive than nominal only where the plan
+    /// can slow the print.
+    pub(crate) fn learning_at(&self, level: Level) -> RawLearning {
+        let reach = match (self.source, level) {
+            (AdvanceSource::Planned, Level::Mpc) => self.learning.planned_reach,
+            (AdvanceSource::Planned, _) => 0.0,
+            _ => self.learning.reach,
+        };
+        RawLearning { reach, ..self.learning }
+    }
+
     pub(super) fn check(&self) -> Result<(), ParamError> {
         in_range("advance.age_limit_s", self.age_limit_s, "s", (0.01, 600.0))?;
         in_range("advance.doubt_max", self.doubt_max, "-", (0.0, 1.0))?;

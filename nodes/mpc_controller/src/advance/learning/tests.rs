@@ -3,7 +3,7 @@
 use super::super::tests::{LEARNING, SETTINGS, status};
 use super::*;
 use crate::advance::{Advance, Basis};
-use crate::params::{AdvanceSource, RawAdvance};
+use crate::params::{AdvanceSource, Level, RawAdvance};
 use models::advance::Compensation;
 use models::command::Trims;
 use models::extruder::{Pressure, StaticLaw};
@@ -166,9 +166,9 @@ fn the_factor_meets_a_law_over_the_feed() {
 }
 
 /// An advance from `source` after that print, and the factor that it learnt.
-pub(crate) fn taught(source: AdvanceSource) -> (Advance, f64) {
+pub(crate) fn taught(source: AdvanceSource, level: Level) -> (Advance, f64) {
     let learning = RawLearning { reach: 0.3, planned_reach: 0.4, ..LEARNING };
-    let mut advance = Advance::new(RawAdvance { source, learning, ..SETTINGS });
+    let mut advance = Advance::new(RawAdvance { source, learning, ..SETTINGS }, level);
     let factor = printed_with_law(|status, width| {
         advance.on_status(status, Some(LAW));
         if let Some((at_s, width_m)) = width {
@@ -179,14 +179,16 @@ pub(crate) fn taught(source: AdvanceSource) -> (Advance, f64) {
     (advance, factor)
 }
 
-/// The melt's own law is learnt too where it is planned, no word of a predictor needed; not where one K is sent. What a
-/// planned law holds more than the nominal one is force.
+/// The melt's own law is learnt too where it is planned, no word of a predictor needed; not where one K is sent, nor where
+/// nothing can slow the print. What a planned law holds more than the nominal one is force.
 #[test]
 fn a_planned_law_is_learnt_and_its_force() {
-    let (advance, planned) = taught(AdvanceSource::Planned);
+    let (advance, planned) = taught(AdvanceSource::Planned, Level::Mpc);
     assert!((planned - 1.2).abs() < 0.05, "{planned}");
     assert!((advance.stiffness() - planned).abs() < 1e-12);
-    let (advance, constant) = taught(AdvanceSource::Material);
-    assert!((constant - 1.0).abs() < 1e-12, "{constant}");
-    assert!((advance.stiffness() - 1.0).abs() < 1e-12);
+    for (source, level) in [(AdvanceSource::Material, Level::Mpc), (AdvanceSource::Planned, Level::Encoder)] {
+        let (advance, constant) = taught(source, level);
+        assert!((constant - 1.0).abs() < 1e-12, "{constant}");
+        assert!((advance.stiffness() - 1.0).abs() < 1e-12);
+    }
 }

@@ -25,7 +25,7 @@ fn a_melt_that_runs_stiffer_is_pushed_no_harder_but_slower() {
         let sent = rig.run(200, |estimate| Estimate { nozzle: Kelvin(nozzle_k), ..estimate });
         sent.iter().map(|trims| trims.speed).fold(1.0, f64::min)
     };
-    let (stiffer, _) = taught(AdvanceSource::Planned);
+    let (stiffer, _) = taught(AdvanceSource::Planned, Level::Mpc);
     assert!(slowest(None) > 0.99, "{}", slowest(None));
     let slowed = slowest(Some(stiffer));
     assert!((0.7..0.95).contains(&slowed), "{slowed}");
