@@ -44,7 +44,7 @@ ARGUMENTS = [
     ("mode", "observe", "mode of the supervisor", ["observe", "advise", "act"]),
     ("advance", "planned", "source of the pressure advance; predicted starts advance_predictor", fdm_launch.ADVANCES),
     ("material", "PLA", "what is printed: PLA, PETG or ABS", None),
-    ("latch_file", "", "where a latched stop is remembered; empty: below $XDG_STATE_HOME/fdm_loop", None),
+    ("latch_file", "", "where a latched stop is remembered, mode and pause beside it; empty: below $XDG_STATE_HOME/fdm_loop", None),
     fdm_launch.BAG,
 ] + fdm_launch.FOLDERS
 

@@ -112,6 +112,8 @@ causes! {
     OperatorEstop, "P13", "emergency stop by a person", "make the printer safe, then acknowledge";
     LatchUnreadable, "T5", "the record of a latched mode cannot be read",
         "find out why the last run ended, then acknowledge";
+    StandingUnreadable, "T5", "the record of mode and pause cannot be read",
+        "look at the print, then resume and set the mode";
     SecondSupervisor, "C8", "a second publisher of permits", "stop the other supervisor: the printer obeys one alone";
 }
 

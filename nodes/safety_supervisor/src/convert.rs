@@ -106,6 +106,19 @@ pub fn event(now: Seconds, who: &str, decision: &Decision) -> PrintEvent {
     }
 }
 
+/// A record of the former run that cannot be read: why, and what is in force instead.
+pub fn record_refused(now: Seconds, who: &str, mode: Mode, why: String) -> PrintEvent {
+    PrintEvent {
+        header: Header::at(now.0),
+        severity: PrintEvent::SEVERITY_ERROR,
+        who: who.to_owned(),
+        what: "record_refused".to_owned(),
+        why,
+        before: mode_name(mode).to_owned(),
+        after: mode_name(mode).to_owned(),
+    }
+}
+
 /// A cause behind its ID, with the number it rests on.
 fn caused(cause: Cause, evidence: Option<Evidence>) -> String {
     let number = evidence.map_or_else(String::new, |number| format!(" ({number})"));
@@ -117,13 +130,15 @@ fn severity(decision: &Decision) -> u8 {
         What::ModeChanged | What::CauseChanged if decision.after >= Mode::SafeOff => {
             PrintEvent::SEVERITY_ERROR
         }
-        What::ModeChanged | What::CauseChanged if decision.after >= Mode::Degraded => {
+        What::ModeChanged | What::CauseChanged | What::Remembered if decision.after >= Mode::Degraded => {
             PrintEvent::SEVERITY_WARN
         }
         What::Granted(_) if decision.after > decision.before && decision.after >= Mode::Degraded => {
             PrintEvent::SEVERITY_WARN
         }
-        What::ModeChanged | What::CauseChanged | What::Granted(_) => PrintEvent::SEVERITY_INFO,
+        What::ModeChanged | What::CauseChanged | What::Remembered | What::Granted(_) => {
+            PrintEvent::SEVERITY_INFO
+        }
         What::CommandClamped
         | What::CommandRefused(_)
         | What::Denied(_)
@@ -137,6 +152,7 @@ fn what(what: What) -> String {
     match what {
         What::ModeChanged => "mode_changed".to_owned(),
         What::CauseChanged => "cause_changed".to_owned(),
+        What::Remembered => "remembered".to_owned(),
         What::CommandClamped => "command_clamped".to_owned(),
         What::CommandRefused(refusal) => format!("command_refused_{}", refusal.name()),
         What::Granted(request) => format!("{}_granted", operator_name(request)),

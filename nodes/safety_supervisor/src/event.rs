@@ -205,6 +205,8 @@ pub enum What {
     ModeChanged,
     /// The cause of the mode changed.
     CauseChanged,
+    /// What stood when the former run ended still stands.
+    Remembered,
     /// A command lay outside of its limits and was clamped.
     CommandClamped,
     /// A command was refused.

@@ -49,6 +49,6 @@ pub use event::{
     Decision, Defect, Event, Evidence, Operator, Output, PrinterReport, SafetyState, Stream, VisionReport,
     What,
 };
-pub use modes::Latch;
+pub use modes::{Latch, Standing};
 pub use params::Params;
 pub use supervisor::Supervisor;

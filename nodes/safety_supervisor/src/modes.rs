@@ -9,7 +9,10 @@ use models::units::Seconds;
 use serde::{Deserialize, Serialize};
 
 use crate::cause::{Cause, Reaction};
-use crate::params::ModeParams;
+use crate::params::{ModeParams, StartMode};
+
+mod standing;
+pub use standing::Standing;
 
 /// What each cause calls for now.
 pub type Raised = [Option<Reaction>; Cause::COUNT];
@@ -56,6 +59,8 @@ pub struct Readiness {
 pub struct Modes {
     params: ModeParams,
     set_mode: Mode,
+    /// The mode that was asked for, in this run or before; `start_mode` may be stricter.
+    asked: Option<StartMode>,
     initialised: bool,
     latch: Option<Latch>,
     pause: Option<Pause>,
@@ -74,6 +79,7 @@ impl Modes {
         Self {
             params,
             set_mode,
+            asked: None,
             initialised: false,
             latch: restored,
             pause: None,
@@ -170,9 +176,7 @@ impl Modes {
     /// # Errors
     /// What was wrong with it.
     pub fn set(&mut self, mode: Mode) -> Result<(), &'static str> {
-        if !matches!(mode, Mode::Observe | Mode::Advise | Mode::Act) {
-            return Err("only observe, advise and act can be set");
-        }
+        self.asked = Some(StartMode::of(mode).ok_or("only observe, advise and act can be set")?);
         self.set_mode = mode;
         Ok(())
     }

@@ -4,17 +4,22 @@ mod inlets;
 mod latch_file;
 mod operators;
 mod outlets;
+mod record;
+mod standing_file;
+
+use std::path::PathBuf;
 
 use models::units::Seconds;
 use runtime::{Node, RuntimeError, topics};
 
-use crate::event::{Event, Output};
+use crate::event::{Event, Output, What};
 use crate::params::Params;
 use crate::supervisor::Supervisor;
 use inlets::{Heard, Inlets};
 use latch_file::{LATCH_FILE, LatchFile};
 use operators::Operators;
 use outlets::{Outlets, Totals};
+use standing_file::{StandingFile, Written};
 
 /// Runs the node to its end; its last word is a permit with the slicer's own values.
 ///
@@ -26,15 +31,11 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
         parameters.without(&[LATCH_FILE]).parse::<Params>().map(drop)
     })?;
     let parameters = node.raw_parameters();
-    let latch = LatchFile::open(latch_file::path_of(parameters)?);
+    let path = latch_file::path_of(parameters)?;
     let params: Params = parameters.without(&[LATCH_FILE]).parse()?;
     let mut inlets = Inlets::open(&mut node, &params)?;
     let mut operators = Operators::serve(&mut node)?;
-    let mut shell = Shell {
-        supervisor: Supervisor::new(params, node.session(), latch.stored()),
-        outlets: Outlets::open(&mut node)?,
-        latch,
-    };
+    let mut shell = Shell::open(&mut node, params, path)?;
     let mut ticks =
         node.timer(topics::PERMIT_PERIOD).tell_irregular(node.diagnostics(), topics::PERMIT_JITTER);
     let (clock, work) = (node.clock(), node.work());
@@ -50,6 +51,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                     inlets.follow(&output.state);
                     shell.publish(now, &output, inlets.totals()).await;
                 }
+                operators.answer_waiting(shell.kept, shell.standing.failed.as_deref());
                 work.done();
             }
             ask = operators.next() => {
@@ -58,7 +60,8 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 if let Some(output) = &output {
                     shell.publish(now, output, inlets.totals()).await;
                 }
-                operators.answer(&ask, output.as_ref());
+                operators.take(ask, output);
+                operators.answer_waiting(shell.kept, shell.standing.failed.as_deref());
             }
             heard = inlets.next() => {
                 let now = clock.now();
@@ -82,9 +85,26 @@ struct Shell {
     supervisor: Supervisor,
     outlets: Outlets,
     latch: LatchFile,
+    standing: StandingFile,
+    /// Mode and pause are on disk as they are now.
+    kept: bool,
+    /// Why the record of the former run was refused, until it is told.
+    refused: Option<String>,
 }
 
 impl Shell {
+    /// Goes on where the records of `path` end.
+    fn open(node: &mut Node, params: Params, path: Option<PathBuf>) -> Result<Self, RuntimeError> {
+        let (standing, refused) = StandingFile::open(path.as_deref());
+        let latch = LatchFile::open(path);
+        let supervisor = Supervisor::new(params, node.session(), latch.stored());
+        let supervisor = match standing.stored() {
+            Some(written) => supervisor.after(written.into()),
+            None => supervisor,
+        };
+        Ok(Self { supervisor, outlets: Outlets::open(node)?, latch, standing, kept: true, refused })
+    }
+
     fn take(&mut self, now: Seconds, event: Event) -> Option<Output> {
         self.supervisor.on_event(now, event)
     }
@@ -103,8 +123,15 @@ impl Shell {
 
     async fn publish(&mut self, now: Seconds, output: &Output, totals: Totals) {
         let kept = self.latch.keeps(self.supervisor.latch()).await;
-        self.outlets.tell_latch(&self.latch);
+        self.kept = self.standing.keeps(self.supervisor.standing().map(Written::from)).await;
+        self.outlets.tell_records(&self.latch, &self.standing);
         self.outlets.publish(now, output, kept, totals);
+        // Told once the others have found this process.
+        if output.events.iter().any(|decision| decision.what == What::Remembered)
+            && let Some(why) = self.refused.take()
+        {
+            self.outlets.tell_refused(now, output.state.mode, why);
+        }
     }
 
     async fn end(&mut self, now: Seconds, output: &Output) {
@@ -112,5 +139,6 @@ impl Shell {
         let kept = self.latch.keeps(latch).await;
         self.outlets.last(now, output, kept);
         self.latch.end(latch).await;
+        self.standing.end(self.supervisor.standing().map(Written::from)).await;
     }
 }

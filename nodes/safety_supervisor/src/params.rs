@@ -10,7 +10,7 @@ mod vision;
 use models::command::{Limits, Mode};
 use models::params::{ParamError, in_range};
 use models::units::Seconds;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub use oscillation::{OscillationParams, RawOscillationParams};
 pub use readings::{DriftParams, JumpParams, NoiseParams, PartFanParams, StopInputParams};
@@ -27,8 +27,8 @@ pub use vision::{
     DefectParams, ImpulseParams, RawDefectParams, RawImpulseParams, RawShiftParams, ShiftParams,
 };
 
-/// Mode after the start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+/// Mode after the start, one of those that a person may set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StartMode {
     /// Watch only.
@@ -37,6 +37,14 @@ pub enum StartMode {
     Advise,
     /// Corrections are sent.
     Act,
+}
+
+impl StartMode {
+    /// The mode as one that can be set; `None` where it follows from a cause alone.
+    #[must_use]
+    pub fn of(mode: Mode) -> Option<Self> {
+        [Self::Observe, Self::Advise, Self::Act].into_iter().find(|set| Mode::from(*set) == mode)
+    }
 }
 
 impl From<StartMode> for Mode {

@@ -8,6 +8,7 @@ mod operate;
 mod parts;
 mod schedule;
 mod stall;
+mod standing;
 mod thermal;
 
 use models::command::{Limits, Mode, Permit, Trims};
@@ -18,7 +19,7 @@ use crate::cause::Cause;
 use crate::checks::part_fan;
 use crate::envelope::{Envelope, Verdict};
 use crate::event::{Decision, Event, Evidence, Output, PrinterReport, SafetyState, Stream, What};
-use crate::modes::{Latch, Modes};
+use crate::modes::{Latch, Modes, Standing};
 use crate::params::Params;
 use crate::schedule::Schedule;
 use brains::Brains;
@@ -54,6 +55,8 @@ pub struct Supervisor {
     ramp: Option<(Seconds, Trims)>,
     /// Since when corrections have been free to come back; `None` while they are taken back.
     returning_since: Option<Seconds>,
+    /// What a former run left behind.
+    left: Standing,
     started: Option<Seconds>,
     last_tick: Option<Seconds>,
     last_stall: Option<Seconds>,
@@ -89,6 +92,7 @@ impl Supervisor {
             step: None,
             ramp: None,
             returning_since: None,
+            left: Standing::default(),
             started: None,
             last_tick: None,
             last_stall: None,
@@ -132,12 +136,6 @@ impl Supervisor {
             Event::ControlHealth(health) => self.brains.control = health,
         }
         None
-    }
-
-    /// The latched mode, to be kept across restarts.
-    #[must_use]
-    pub fn latch(&self) -> Option<Latch> {
-        self.modes.latch()
     }
 
     /// Whether a stream has been heard of.
@@ -187,7 +185,7 @@ impl Supervisor {
     }
 
     fn on_tick(&mut self, now: Seconds) -> Output {
-        self.started.get_or_insert(now);
+        self.begin(now);
         let dt_s = self.last_tick.map_or(0.0, |last| now.0 - last.0);
         if !(0.0..self.params.modes.stall_s).contains(&dt_s) {
             self.on_stall(now, Seconds(dt_s));
@@ -247,6 +245,7 @@ impl Supervisor {
         if complete || waited_s > self.params.modes.startup_s {
             self.ages.expect(self.params.required, now);
             self.modes.initialise();
+            self.tell_left();
         }
     }
 

@@ -52,7 +52,7 @@ enum Step {
         job_waits: bool,
     },
     Initialise,
-    /// The process is started again and finds its latch.
+    /// The process is started again in act and finds what stood.
     Restart,
 }
 
@@ -115,7 +115,10 @@ fn take(before: &Modes, step: Step) -> After {
             true
         }
         Step::Restart => {
-            modes = Modes::new(params(), modes.set_mode, modes.latch);
+            let left = modes.standing();
+            modes = Modes::new(params(), Mode::Act, modes.latch);
+            left.into_iter().for_each(|left| modes.restore(left));
+            modes.begin(now);
             true
         }
     };
@@ -129,13 +132,14 @@ fn take(before: &Modes, step: Step) -> After {
 }
 
 type PauseKey = Option<(Cause, u8, bool)>;
-type Key = (u8, bool, Option<(bool, Cause)>, [PauseKey; 2], Option<(Cause, u8)>, Vec<Option<Reaction>>, Mode);
+type Key =
+    ([u8; 2], bool, Option<(bool, Cause)>, [PauseKey; 2], Option<(Cause, u8)>, Vec<Option<Reaction>>, Mode);
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole seconds up to four")]
 fn key(modes: &Modes, causes: &[Cause]) -> Key {
     let pause = |pause: Option<Pause>| pause.map(|pause| (pause.cause, -pause.since.0 as u8, pause.resuming));
     (
-        modes.set_mode as u8,
+        [modes.set_mode as u8, modes.asked.map_or(0, |mode| Mode::from(mode) as u8)],
         modes.initialised,
         modes.latch.map(|latch| (latch.estop, latch.cause)),
         [pause(modes.pause), pause(modes.hold)],

@@ -16,7 +16,13 @@ pub(super) struct Operators {
     acknowledge: Server<Trigger>,
     approve: Server<Trigger>,
     set_mode: Server<SetMode>,
+    /// Requests whose answers wait for the disk, and how often it was looked at.
+    waiting: Vec<(Ask, Option<Output>)>,
+    looks: u32,
 }
+
+/// Looks at the disk for which an answer waits at most: half a second of ticks, or as many further requests.
+const PATIENCE: u32 = 25;
 
 /// A request that waits for its answer.
 pub(super) enum Ask {
@@ -44,6 +50,8 @@ impl Operators {
             acknowledge: node.serve(&topics::SAFETY_ACKNOWLEDGE)?,
             approve: node.serve(&topics::CONTROL_APPROVE)?,
             set_mode: node.serve(&topics::SAFETY_SET_MODE)?,
+            waiting: Vec::new(),
+            looks: 0,
         })
     }
 
@@ -61,10 +69,39 @@ impl Operators {
         }
     }
 
-    /// Tells what became of a request: `output` is the brain's answer to it.
-    pub(super) fn answer(&self, ask: &Ask, output: Option<&Output>) {
-        let (success, message) = output
+    /// Takes a request with the brain's answer to it. What is to outlive the process is answered when it is on disk.
+    pub(super) fn take(&mut self, ask: Ask, output: Option<Output>) {
+        match ask.request() {
+            Some(Operator::SetMode(_) | Operator::Pause | Operator::Resume | Operator::Acknowledge) => {
+                self.waiting.push((ask, output));
+            }
+            Some(Operator::Stop | Operator::Estop | Operator::Approve) | None => {
+                self.answer(&ask, output.as_ref(), None);
+            }
+        }
+    }
+
+    /// Tells what became of the requests that waited, where the disk has done its work, refuses it, or takes too long.
+    pub(super) fn answer_waiting(&mut self, kept: bool, failed: Option<&str>) {
+        if self.waiting.is_empty() {
+            return;
+        }
+        self.looks += 1;
+        let Some(disk) = said_of_disk(kept, failed, self.looks) else { return };
+        self.looks = 0;
+        for (ask, output) in std::mem::take(&mut self.waiting) {
+            self.answer(&ask, output.as_ref(), disk);
+        }
+    }
+
+    /// Tells what became of a request: `output` is the brain's answer to it, `disk` why a restart would not know of it.
+    fn answer(&self, ask: &Ask, output: Option<&Output>, disk: Option<&str>) {
+        let (success, mut message) = output
             .map_or_else(|| (false, "mode must be 1 (observe), 2 (advise) or 3 (act)".to_owned()), verdict);
+        if let Some(error) = disk.filter(|_| success) {
+            message.push_str("; a restart would not know of it: ");
+            message.push_str(error);
+        }
         match ask {
             Ask::SetMode(asked) => {
                 self.set_mode.answer(asked, SetModeResponse { accepted: success, message })
@@ -84,6 +121,16 @@ impl Operators {
     }
 }
 
+/// What an answer says of the disk, where it says anything; `None` as long as it is waited for.
+fn said_of_disk(kept: bool, failed: Option<&str>, looks: u32) -> Option<Option<&str>> {
+    match (kept, failed) {
+        (true, _) => Some(None),
+        (false, Some(error)) => Some(Some(error)),
+        (false, None) if looks < PATIENCE => None,
+        (false, None) => Some(Some("the disk takes long")),
+    }
+}
+
 /// Whether the newest request was granted, and the mode in force or the reason.
 fn verdict(output: &Output) -> (bool, String) {
     let newest =
@@ -96,5 +143,19 @@ fn verdict(output: &Output) -> (bool, String) {
         }
         Some(_) => (true, format!("mode {mode}")),
         None => (false, format!("no decision, mode {mode}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_waits_for_the_disk_but_not_for_ever() {
+        assert_eq!(said_of_disk(true, None, 1), Some(None));
+        assert_eq!(said_of_disk(false, None, 1), None);
+        assert_eq!(said_of_disk(false, None, PATIENCE), Some(Some("the disk takes long")));
+        assert_eq!(said_of_disk(false, Some("/x: full"), 1), Some(Some("/x: full")));
+        assert_eq!(said_of_disk(true, Some("/x: full"), 1), Some(None), "an older refusal");
     }
 }

@@ -7,6 +7,7 @@ use runtime::wire::{permit_to_wire, schedule_to_wire};
 use runtime::{Diagnostics, Level, Node, Publisher, RuntimeError, topics};
 
 use super::latch_file::LatchFile;
+use super::standing_file::StandingFile;
 use crate::cause::Cause;
 use crate::checks::part_fan;
 use crate::convert;
@@ -33,6 +34,8 @@ pub(super) struct Outlets {
     sequence: u64,
     /// Why the disk does not keep the latch, or its end.
     disk: Option<String>,
+    /// Why it does not keep mode and pause.
+    forgetful: Option<String>,
     /// What a new message on `safety/state` would tell.
     told: Option<(Mode, Mode, Option<Cause>, u8, bool)>,
     told_at: Seconds,
@@ -50,6 +53,7 @@ impl Outlets {
             session: node.session(),
             sequence: 0,
             disk: None,
+            forgetful: None,
             told: None,
             told_at: Seconds(f64::NEG_INFINITY),
         })
@@ -84,9 +88,16 @@ impl Outlets {
     }
 
     /// What the disk has to say; told with the next state too.
-    pub(super) fn tell_latch(&mut self, latch: &LatchFile) {
+    pub(super) fn tell_records(&mut self, latch: &LatchFile, standing: &StandingFile) {
         self.diagnostics.set("latch_file", latch.failed.as_deref().unwrap_or("ok"));
+        self.diagnostics.set("standing_file", standing.failed.as_deref().unwrap_or("ok"));
         self.disk.clone_from(&latch.failed);
+        self.forgetful.clone_from(&standing.failed);
+    }
+
+    /// A record of the former run that was refused, and why.
+    pub(super) fn tell_refused(&self, now: Seconds, mode: Mode, why: String) {
+        self.events.send(convert::record_refused(now, &self.name, mode, why));
     }
 
     fn tell(&mut self, now: Seconds, state: &SafetyState, totals: Totals) {
@@ -121,9 +132,14 @@ impl Outlets {
             None if state.part_fan_slow => (level.max(Level::Warn), part_fan::SLOW),
             cause => (level, cause.map_or("ok", Cause::text)),
         };
-        match &self.disk {
-            Some(error) => self.diagnostics.report(Level::Error, &format!("latch_file not written: {error}")),
-            None => self.diagnostics.report(level, cause),
+        match (&self.disk, &self.forgetful) {
+            (Some(error), _) => {
+                self.diagnostics.report(Level::Error, &format!("latch_file not written: {error}"));
+            }
+            (None, Some(error)) if level <= Level::Warn => {
+                self.diagnostics.report(Level::Warn, &format!("mode and pause not written: {error}"));
+            }
+            (None, _) => self.diagnostics.report(level, cause),
         }
     }
 }

@@ -66,6 +66,7 @@ impl Supervisor {
         let phase_before = self.printer.map(|printer| printer.phase);
         self.ages.printer.note(now);
         self.on_drive(now, &report);
+        self.on_first_job(now, report.phase);
         if self.ages.encoder.reaction(now).is_some() {
             self.checks.filament.reset();
         } else {

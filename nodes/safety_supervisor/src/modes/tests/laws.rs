@@ -37,10 +37,13 @@ pub(super) fn check_step(before: &Modes, step: Step, after: &After) {
             let allowed = matches!(mode, Mode::Observe | Mode::Advise | Mode::Act);
             assert_eq!(after.granted, allowed);
             assert_eq!(modes.set_mode, if allowed { mode } else { before.set_mode });
+            assert_eq!(modes.asked, StartMode::of(mode).or(before.asked));
         }
         Step::Tick { after_s, .. } if after_s >= HOLD_S && standing.is_none() && modes.initialised => {
             assert_ne!(modes.mode(), Mode::Degraded, "the cause has been gone for long enough");
         }
+        // The start would be in act.
+        Step::Restart => assert_eq!(modes.set_mode, before.asked.map_or(Mode::Act, Mode::from)),
         _ => assert_eq!(modes.set_mode, before.set_mode),
     }
     let restarted = step == Step::Restart;
@@ -78,7 +81,7 @@ fn check_pause(before: &Modes, step: Step, after: &After) {
             let raised = modes.raised[pause.cause as usize] >= PAUSING;
             assert!(asked || raised, "paused for nothing");
         }
-        (Some(pause), None) if !matches!(step, Step::Acknowledge { .. } | Step::Restart) => {
+        (Some(pause), None) if !matches!(step, Step::Acknowledge { .. }) => {
             let ready = ready_step.expect("only a resume ends a pause");
             assert!(before.latch.is_none() && ready == Readiness { homed: true, filament: true, hot: true });
             assert!(worst(before) < PAUSING, "the cause is still there");
@@ -86,9 +89,14 @@ fn check_pause(before: &Modes, step: Step, after: &After) {
         }
         (Some(pause), Some(now)) if pause.resuming && !now.resuming => {
             let asked = matches!(step, Step::Demand(_, Reaction::Pause));
-            assert!(asked || worst(modes) >= PAUSING || before.latch.is_some(), "the resume was forgotten");
+            let restarted = step == Step::Restart;
+            let raised = worst(modes) >= PAUSING || before.latch.is_some();
+            assert!(asked || raised || restarted, "the resume was forgotten");
         }
         _ => {}
+    }
+    if step == Step::Restart {
+        assert_eq!(is.map(|pause| pause.cause), was.map(|pause| pause.cause), "a restart is no resume");
     }
     if let Step::Tick { after_s, .. } = step
         && was.is_some()

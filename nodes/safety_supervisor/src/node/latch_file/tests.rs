@@ -1,5 +1,6 @@
 //! A latch on disk.
 
+use super::super::record::REST;
 use super::*;
 use runtime::NodePath;
 
@@ -63,9 +64,14 @@ fn what_is_there_and_is_no_file_is_refused_by_its_name() {
     let refused = pipe(&path);
     assert_eq!(asked(&path), Err(refused));
     fs::remove_file(&path).unwrap();
-    // What is written beside it first is opened as well.
-    let refused = pipe(&path.with_extension("new"));
-    assert_eq!(asked(&path), Err(refused));
+    // What is written beside it first is opened as well, and so are mode and pause.
+    for other in ["new", "standing.json", "standing.new"] {
+        let other = path.with_extension(other);
+        let refused = pipe(&other);
+        assert_eq!(asked(&path), Err(refused));
+        fs::remove_file(&other).unwrap();
+    }
+    assert_eq!(asked(&path), Ok(Some(path.clone())));
     fs::remove_dir_all(folder).unwrap();
 }
 

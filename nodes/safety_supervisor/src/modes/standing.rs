@@ -1,0 +1,55 @@
+//! What stands beside a latch when a run ends, and still stands in the next one.
+
+use models::units::Seconds;
+
+use super::{Modes, Pause};
+use crate::cause::Cause;
+use crate::params::StartMode;
+
+/// A mode that was asked for and a pause in force; the shell keeps both in a file, so that a restart is no order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Standing {
+    /// The mode that a person has set, or observe, where the set mode fell to it; `None`: nobody has set any.
+    pub mode: Option<StartMode>,
+    /// Why the job waits for a resume; `None` where it does not.
+    pub paused: Option<Cause>,
+}
+
+impl Standing {
+    /// What is taken for left behind where it cannot be read: the strictest that can.
+    pub const UNREADABLE: Self =
+        Self { mode: Some(StartMode::Observe), paused: Some(Cause::StandingUnreadable) };
+}
+
+/// Of a pause that was taken over, until the first tick tells the time: it is not old.
+const NOT_BEGUN: Seconds = Seconds(f64::INFINITY);
+
+impl Modes {
+    /// What is to be kept; `None` where nothing was asked for.
+    #[must_use]
+    pub fn standing(&self) -> Option<Standing> {
+        let standing = Standing { mode: self.asked, paused: self.paused_for() };
+        (standing != Standing::default()).then_some(standing)
+    }
+
+    /// Goes on where a former run ended, in the stricter of its mode and the one of the start. Its pause begins anew.
+    pub fn restore(&mut self, left: Standing) {
+        self.asked = left.mode;
+        self.set_mode = left.mode.map_or(self.set_mode, |mode| self.set_mode.min(mode.into()));
+        self.pause = left.paused.map(|cause| Pause { cause, since: NOT_BEGUN, resuming: false });
+    }
+
+    /// The first tick: a pause that was taken over begins here.
+    pub fn begin(&mut self, now: Seconds) {
+        for pause in self.pause.iter_mut().filter(|pause| pause.since == NOT_BEGUN) {
+            pause.since = now;
+        }
+        self.note_mode(now);
+    }
+
+    /// A pause that was taken over has no job that could wait.
+    pub fn drop_pause(&mut self, now: Seconds) {
+        self.pause = None;
+        self.note_mode(now);
+    }
+}

@@ -1,0 +1,59 @@
+//! What outlives a run: the latch, the mode that was asked for, and a pause.
+
+use models::command::Mode;
+use models::status::JobPhase;
+use models::units::Seconds;
+
+use super::Supervisor;
+use crate::event::{Decision, What};
+use crate::modes::{Latch, Standing};
+
+impl Supervisor {
+    /// Goes on where a former run ended: never in a laxer mode than that, and paused if it was.
+    #[must_use]
+    pub fn after(mut self, left: Standing) -> Self {
+        self.modes.restore(left);
+        self.left = left;
+        self
+    }
+
+    /// The latched mode, to be kept across restarts.
+    #[must_use]
+    pub fn latch(&self) -> Option<Latch> {
+        self.modes.latch()
+    }
+
+    /// The mode that was asked for and the pause in force, to be kept across restarts; `None` where there is neither.
+    #[must_use]
+    pub fn standing(&self) -> Option<Standing> {
+        self.modes.standing()
+    }
+
+    /// On the first tick there is a time.
+    pub(super) fn begin(&mut self, now: Seconds) {
+        if self.started.is_none() {
+            self.started = Some(now);
+            self.modes.begin(now);
+        }
+    }
+
+    /// The start is over: says what of the former run makes a difference.
+    pub(super) fn tell_left(&mut self) {
+        let (before, set) = (Mode::from(self.params.start_mode), self.modes.set_mode());
+        let waits = self.left.paused.and(self.modes.paused_for());
+        if self.left.paused.is_some() || set < before {
+            let why = "asked for before the supervisor was started again";
+            let after = if waits.is_some() { Mode::Paused } else { set };
+            let cause = waits.map(|cause| (cause, None));
+            self.decisions.push(Decision { what: What::Remembered, why, cause, before, after });
+        }
+    }
+
+    /// The printer's first word: a pause of the former run ends where no job waits for its end.
+    pub(super) fn on_first_job(&mut self, now: Seconds, phase: JobPhase) {
+        let job = matches!(phase, JobPhase::Preparing | JobPhase::Printing | JobPhase::Paused);
+        if self.printer.is_none() && self.left.paused.is_some() && !job {
+            self.modes.drop_pause(now);
+        }
+    }
+}

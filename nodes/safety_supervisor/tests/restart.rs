@@ -1,0 +1,242 @@
+//! A supervisor that is killed with SIGKILL and started again goes on as a person has asked for, whatever `start_mode` says.
+//!
+//! The node is a process with its shipped parameters, in act; a peer is its printer and the person, over DDS.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
+
+use fdm_loop_msgs::{
+    Header, PrintEvent, PrinterState, RosService, SafetyState, SetMode, SetModeRequest, Temperature, Trigger,
+    TriggerRequest,
+};
+use models::units::Seconds;
+use runtime::{Args, Client, Node, Publisher, Subscription, Timer, topics};
+use std::path::{Path, PathBuf};
+use std::pin::pin;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+/// Longest wait for anything.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// Set in the process that has a domain of its own.
+const ALONE: &str = "FDM_TEST_IN_OWN_DOMAIN";
+
+#[test]
+fn what_a_person_asked_for_outlives_a_killed_supervisor() {
+    if std::env::var_os(ALONE).is_none() {
+        // A node reads the domain from the environment, which a test cannot change in itself. Ports of domains up to 101
+        // lie below the ephemeral ones.
+        let mut alone = Command::new(std::env::current_exe().unwrap());
+        alone.args(["what_a_person_asked_for_outlives_a_killed_supervisor", "--exact", "--nocapture"]);
+        let domain = (20 + std::process::id() % 80).to_string();
+        let status = alone.env(ALONE, "1").env("ROS_DOMAIN_ID", domain).status().unwrap();
+        assert!(status.success(), "it failed in its own domain, see above");
+        return;
+    }
+    let executor = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    executor.block_on(async {
+        let mut supervisor = Supervisor::start();
+        let mut peer = Peer::join();
+        let first = peer.next_run().await;
+        assert_eq!(first.set_mode, SafetyState::MODE_ACT, "its start_mode");
+
+        peer.observe().await;
+        let state = peer.after_a_kill(&mut supervisor).await;
+        assert_eq!(state.set_mode, SafetyState::MODE_OBSERVE);
+        assert_ne!(state.mode, SafetyState::MODE_PAUSED);
+        let told = peer.event("remembered").await;
+        assert_eq!((told.before.as_str(), told.after.as_str()), ("act", "observe"));
+
+        peer.pause().await;
+        let state = peer.after_a_kill(&mut supervisor).await;
+        assert_eq!((state.mode, state.set_mode), (SafetyState::MODE_PAUSED, SafetyState::MODE_OBSERVE));
+        assert!(state.cause.starts_with("P13"), "{}", state.cause);
+
+        peer.resume().await;
+        std::fs::write(supervisor.record(), r#"{"version":1,"mode":"act","pau"#).unwrap();
+        let state = peer.after_a_kill(&mut supervisor).await;
+        assert_eq!((state.mode, state.set_mode), (SafetyState::MODE_PAUSED, SafetyState::MODE_OBSERVE));
+        assert!(state.cause.starts_with("T5"), "{}", state.cause);
+        let why = peer.event("record_refused").await.why;
+        let record = supervisor.record();
+        assert!(
+            why.starts_with(&format!("{}: ", record.display())) && why.contains("line 1 column"),
+            "{why}"
+        );
+    });
+}
+
+/// The node with its latch in a folder of its own; neither outlives the test.
+struct Supervisor {
+    child: Child,
+    folder: PathBuf,
+}
+
+impl Supervisor {
+    fn start() -> Self {
+        let folder = std::env::temp_dir().join(format!("fdm_restart_{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        Self { child: start_in(&folder), folder }
+    }
+
+    /// SIGKILL, and at once another one.
+    fn replace(&mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+        self.child = start_in(&self.folder);
+    }
+
+    fn record(&self) -> PathBuf {
+        self.folder.join("latch.standing.json")
+    }
+}
+
+impl Drop for Supervisor {
+    fn drop(&mut self) {
+        _ = self.child.kill();
+        _ = self.child.wait();
+        _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+fn start_in(folder: &Path) -> Child {
+    let latch = format!("latch_file:={:?}", folder.join("latch.json"));
+    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config/safety_supervisor.param.yaml");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_safety_supervisor"));
+    command.arg("--ros-args").arg("--params-file").arg(config).env_remove("RUST_LOG");
+    command.args(["-p", "start_mode:=act", "-p", &latch]).stdout(Stdio::null()).spawn().unwrap()
+}
+
+/// Printer and person.
+struct Peer {
+    printer: Printer,
+    /// The run whose state was seen last.
+    run: u64,
+    states: Subscription<SafetyState>,
+    events: Subscription<PrintEvent>,
+    pause: Client<Trigger>,
+    resume: Client<Trigger>,
+    mode: Client<SetMode>,
+    _node: Node,
+}
+
+impl Peer {
+    fn join() -> Self {
+        let mut node = Node::start_with("peer", Args::default()).unwrap();
+        let printer = Printer {
+            phase: PrinterState::PHASE_PRINTING,
+            states: node.publish_on(&topics::PRINTER_STATE).unwrap(),
+            hotend: node.publish_on(&topics::HOTEND_TEMPERATURE).unwrap(),
+            ticks: node.timer(Seconds(0.05)),
+        };
+        Self {
+            printer,
+            run: 0,
+            states: node.subscribe(&topics::SAFETY_STATE).unwrap(),
+            events: node.subscribe(&topics::EVENTS).unwrap(),
+            pause: node.client(&topics::SAFETY_PAUSE).unwrap(),
+            resume: node.client(&topics::SAFETY_RESUME).unwrap(),
+            mode: node.client(&topics::SAFETY_SET_MODE).unwrap(),
+            _node: node,
+        }
+    }
+
+    /// SIGKILL, and the first state that the next run tells.
+    async fn after_a_kill(&mut self, supervisor: &mut Supervisor) -> SafetyState {
+        supervisor.replace();
+        self.next_run().await
+    }
+
+    async fn next_run(&mut self) -> SafetyState {
+        let (states, run) = (&mut self.states, self.run);
+        let state = self.printer.during("state of another run", async {
+            loop {
+                let state = states.recv().await.message;
+                if state.session_id != run {
+                    return state;
+                }
+            }
+        });
+        let state = state.await;
+        self.run = state.session_id;
+        state
+    }
+
+    async fn event(&mut self, what: &str) -> PrintEvent {
+        let events = &mut self.events;
+        let event = self.printer.during(what, async {
+            loop {
+                let event = events.recv().await.message;
+                if event.what == what {
+                    return event;
+                }
+            }
+        });
+        event.await
+    }
+
+    async fn observe(&mut self) {
+        let observe = SetModeRequest { mode: SetModeRequest::MODE_OBSERVE };
+        let answer = self.printer.during("answer", answer(&self.mode, observe)).await;
+        assert!(answer.accepted, "{}", answer.message);
+    }
+
+    async fn pause(&mut self) {
+        let answer = self.printer.during("answer", answer(&self.pause, TriggerRequest::default())).await;
+        assert!(answer.success, "{}", answer.message);
+        self.printer.phase = PrinterState::PHASE_PAUSED;
+    }
+
+    /// Granted as soon as the new run has heard its printer.
+    async fn resume(&mut self) {
+        let granted = async { while !answer(&self.resume, TriggerRequest::default()).await.success {} };
+        self.printer.during("resume", granted).await;
+        self.printer.phase = PrinterState::PHASE_PRINTING;
+    }
+}
+
+/// An answer, asked for again until there is one: before both ends are matched a request is lost.
+async fn answer<S>(client: &Client<S>, request: S::Request) -> S::Response
+where
+    S: RosService<Request: Clone>,
+{
+    loop {
+        if let Ok(answer) = client.call(request.clone(), Seconds(2.0)).await {
+            return answer;
+        }
+    }
+}
+
+/// A cold printer that says that it prints: no heater is on, so that none is judged.
+struct Printer {
+    phase: u8,
+    states: Publisher<PrinterState>,
+    hotend: Publisher<Temperature>,
+    ticks: Timer,
+}
+
+impl Printer {
+    /// Goes on until there is `what`.
+    async fn during<V>(&mut self, what: &str, awaited: impl Future<Output = V>) -> V {
+        let mut awaited = pin!(tokio::time::timeout(PATIENCE, awaited));
+        loop {
+            tokio::select! {
+                value = &mut awaited => return value.unwrap_or_else(|_| panic!("no {what}")),
+                now = self.ticks.next() => self.tell(now),
+            }
+        }
+    }
+
+    fn tell(&self, now: Seconds) {
+        let header = Header::at(now.0);
+        let temperature = Temperature { header: header.clone(), temperature: 25.0, ..Temperature::default() };
+        self.hotend.send(temperature);
+        self.states.send(PrinterState {
+            header,
+            phase: self.phase,
+            flow_factor: 1.0,
+            speed_factor: 1.0,
+            homed: true,
+            mains_on: true,
+            ..PrinterState::default()
+        });
+    }
+}
