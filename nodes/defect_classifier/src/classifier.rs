@@ -160,6 +160,8 @@ impl Classifier {
             // After a start or a resume the past says nothing of now.
             self.fusion.reset(status.stamp);
             self.finder.forget();
+            self.seams.forget_drift();
+            self.usual.forget_drift();
             if before.is_none_or(|before| before.phase != JobPhase::Paused) {
                 self.surface.clear();
                 self.seams.clear();

@@ -7,6 +7,10 @@
 //! ratio was there on earlier layers. Only places where this layer's roads lie as those of the earlier layers count: walls
 //! of prismatic parts, skins whose lines repeat. Nothing is told of the first layers over a new outline,
 //! and a lamp that is moved looks like a change of the flow for as long as the layers below remember the old light.
+//!
+//! One reading of a fifth less melt may lie within what a sound print shows, ten of them in a row do not: what readings
+//! lie below their usual shade beyond a slack is added up (E. S. Page, Biometrika 41, 1954), `S = max(0, S - n - k)` with
+//! `n` the reading and `k` the slack in standard deviations; none counts for more than what is still learned.
 
 mod params;
 mod places;
@@ -38,6 +42,9 @@ pub struct SeamReading {
     pub sigma: f64,
     /// Cells in it.
     pub cells: u32,
+    /// How far this and the readings before it together keep below what is usual, in their standard deviations `[-]`,
+    /// 0 to `drift_max_sigmas`.
+    pub drift_sigmas: f64,
 }
 
 /// Measures seams in frames. Knows no clock.
@@ -54,6 +61,8 @@ pub struct SeamGauge {
     waiting: Vec<(Seconds, Place, Change)>,
     /// Mean square of sound readings so far `[-]`.
     shared: f64,
+    /// Sum of what readings lay below their usual shade beyond the slack, in standard deviations `[-]`.
+    drift_sigmas: f64,
 }
 
 impl SeamGauge {
@@ -68,11 +77,18 @@ impl SeamGauge {
             top_m: f64::NEG_INFINITY,
             waiting: Vec::new(),
             shared: params.shared_sigma[0].powi(2),
+            drift_sigmas: 0.0,
         }
+    }
+
+    /// Forgets what readings said together: after a pause the flow may be another.
+    pub fn forget_drift(&mut self) {
+        self.drift_sigmas = 0.0;
     }
 
     /// Forgets the part.
     pub fn clear(&mut self) {
+        self.forget_drift();
         self.places = Places::default();
         self.done.clear();
         self.waiting.clear();
@@ -137,14 +153,18 @@ impl SeamGauge {
         let weighed = changes.iter().zip(&weights).map(|((.., change), weight)| weight * change.shade);
         let shade = weighed.sum::<f64>() / total;
         let sigma = (1.0 / total + self.shared).sqrt();
-        if shade.abs() > params.learn_max_sigmas * sigma {
+        let sigmas = shade / sigma;
+        let counts = sigmas.max(-params.learn_max_sigmas) + params.drift_slack_sigmas;
+        self.drift_sigmas = (self.drift_sigmas - counts).clamp(0.0, params.drift_max_sigmas);
+        let drifted = self.drift_sigmas > params.learn_max_sigmas - params.drift_slack_sigmas;
+        if drifted || sigmas.abs() > params.learn_max_sigmas {
             changes.iter().for_each(|(_, place, _)| self.places.suspect(place));
         } else {
             let [_, least, most] = params.shared_sigma.map(|sigma| sigma * sigma);
             self.shared += params.shared_rate * (shade * shade - self.shared);
             self.shared = self.shared.clamp(least, most);
         }
-        Some(SeamReading { shade, sigma, cells: count })
+        Some(SeamReading { shade, sigma, cells: count, drift_sigmas: self.drift_sigmas })
     }
 
     /// The seams beside a station to roads laid before it, left and right; `None` while it is hidden.

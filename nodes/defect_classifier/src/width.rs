@@ -6,6 +6,7 @@
 
 pub mod combine;
 pub mod edge;
+pub mod facing;
 mod ground;
 pub mod params;
 pub mod profile;
@@ -14,6 +15,7 @@ pub mod stretch;
 
 pub use combine::{PieceWidth, WidthMeasurement, combine};
 pub use edge::{EdgeError, EdgeModel};
+pub use facing::Facing;
 pub use params::{RawWidth, WidthParams};
 
 use crate::camera::Camera;
@@ -118,12 +120,13 @@ impl WidthGauge {
         let range_m = params.range_rel * half_m;
         let (from_m, to_m) = self.model.window_m();
         let ruler = Ruler::over(half_m - range_m + from_m, half_m + range_m + to_m, params.profile_step_m);
-        let mut halves_m = Vec::new();
+        let (mut halves_m, mut seen_sides) = (Vec::new(), Vec::new());
         for side in sides.iter().filter(|side| !side.stacked && side.long_enough(params)) {
             let Some(profile) = across(pixels, view, &side.stations, (side.sign, &ruler)) else { continue };
             let Some(edge_m) = self.model.locate(&profile, &ruler, (half_m, range_m)) else { continue };
             let edge_m = edge_m - params.edge_bias_m;
             halves_m.push(edge_m);
+            seen_sides.push(side);
             seen.edges.extend(side.edge(edge_m, view));
         }
         let (width_m, edge_share) = match halves_m[..] {
@@ -132,12 +135,14 @@ impl WidthGauge {
             [left_m, right_m] => (left_m + right_m, std::f64::consts::SQRT_2),
             _ => return,
         };
+        let Some(facing) = Facing::of(piece, &seen_sides) else { return };
         seen.pieces.push(PieceWidth {
             laid: piece.laid,
             ratio: width_m / piece.width_m,
             sigma: edge_share * params.edge_sigma_m / piece.width_m,
             wanted_m: piece.width_m,
             height_m: piece.height_m,
+            facing,
         });
     }
 }

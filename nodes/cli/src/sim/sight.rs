@@ -52,6 +52,8 @@ pub struct SightFigures {
     pub seam_nis: Option<f64>,
     /// Darkest of them in standard deviations; 0 where none was darker than usual.
     pub seam_darkest_sigmas: f64,
+    /// Largest drift of their readings, in standard deviations.
+    pub seam_drift_sigmas: f64,
 }
 
 /// The classifier and the truth that its widths are compared with.
@@ -66,6 +68,7 @@ pub struct Sight {
     seams: u32,
     seam_squares: f64,
     seam_darkest: f64,
+    seam_drift: f64,
 }
 
 impl Sight {
@@ -84,6 +87,7 @@ impl Sight {
             seams: 0,
             seam_squares: 0.0,
             seam_darkest: 0.0,
+            seam_drift: 0.0,
         })
     }
 
@@ -154,6 +158,7 @@ impl Sight {
                             self.seams += 1;
                             self.seam_squares += sigmas * sigmas;
                             self.seam_darkest = self.seam_darkest.min(sigmas);
+                            self.seam_drift = self.seam_drift.max(seams.drift_sigmas);
                         }
                         let apart_m = offset_m.map_or(0.0, |[x_m, y_m]| x_m.hypot(y_m));
                         self.offset_max_m = self.offset_max_m.max(apart_m);
@@ -199,6 +204,7 @@ impl Sight {
             seams: u64::from(self.seams),
             seam_nis: (self.seams > 0).then(|| self.seam_squares / f64::from(self.seams)),
             seam_darkest_sigmas: self.seam_darkest,
+            seam_drift_sigmas: self.seam_drift,
         }
     }
 }

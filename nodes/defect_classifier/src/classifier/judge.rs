@@ -17,15 +17,16 @@ impl Classifier {
     pub(super) fn judge(&mut self, grey: &Mat, exposed: Seconds, found: &Found) -> Result<Judged, Unusable> {
         // What the loop corrects is wrong all the same: the width is held against what the file alone would have laid.
         let flow = self.status.map_or(1.0, |status| status.trims.flow);
+        let width =
+            found.width.map(|width| self.usual.on_width(width.width_m / width.wanted_m / flow, width.facing));
         let measured = Measured {
-            width_error_rel: found
-                .width
-                .map(|width| self.usual.error_rel(width.width_m / width.wanted_m / flow)),
+            width_error_rel: width.map(|width| width.error_rel),
+            width_drift_rel: width.map(|width| width.drift_rel),
             offset_m: found.offset.map(|offset| offset.offset_m),
             // Not known means not judged: without a measured share the network's word on strands and lumps would stand
             // alone, and it is weak.
             unexplained: found.unexplained.or(Some(0.0)),
-            seam_sigmas: found.seams.map(|seams| seams.shade / seams.sigma),
+            seam_drift_sigmas: found.seams.map(|seams| seams.drift_sigmas),
         };
         let scores = self.network.classify(grey, &measured).map_err(|_| Unusable::Failed)?;
         let fused = self.fusion.on_frame(exposed, &scores, &measured).ok_or(Unusable::Failed)?;
@@ -64,7 +65,10 @@ pub(super) fn captions(exposed: Seconds, found: &Found, judged: &Judged) -> Vec<
     }
     if let Some(seams) = found.seams {
         let (percent, sigma) = (100.0 * seams.shade, 100.0 * seams.sigma);
-        lines.push(format!("seams {percent:+.1} +- {sigma:.1} % of the crests, {} places", seams.cells));
+        let (cells, drift) = (seams.cells, seams.drift_sigmas);
+        lines.push(format!(
+            "seams {percent:+.1} +- {sigma:.1} % of the crests, {cells} places, drift {drift:.1} sigma"
+        ));
     }
     if let Some(offset) = judged.offset {
         let [x_mm, y_mm] = offset.offset_m.map(|value| 1e3 * value);

@@ -36,12 +36,14 @@ pub const COUNT: usize = PICTURE + MEASURED.len();
 pub struct Measured {
     /// Road width over the wanted one less one `[-]`, corrections of the flow taken out.
     pub width_error_rel: Option<f64>,
+    /// What widths together lie above the wanted or usual one, below 0 below it, beyond a slack `[-]`.
+    pub width_drift_rel: Option<f64>,
     /// Offset of the layers below, bed x and y `[m]`.
     pub offset_m: Option<[f64; 2]>,
     /// Share of the strong edges in the picture that no commanded road explains `[0, 1]`.
     pub unexplained: Option<f64>,
-    /// How many standard deviations seams are brighter than usual at their places, below 0 darker `[-]`.
-    pub seam_sigmas: Option<f64>,
+    /// How far readings of seams together keep darker than usual, in standard deviations `[-]`, 0 or more.
+    pub seam_drift_sigmas: Option<f64>,
 }
 
 /// Radius of the disc around the middle that shows the head, as share of the picture's height `[0, 0.5]`; 0 for none.
@@ -55,7 +57,7 @@ impl Measured {
     pub fn is_finite(&self) -> bool {
         let offset = self.offset_m.is_none_or(|offset| offset.iter().all(|value| value.is_finite()));
         offset
-            && [self.width_error_rel, self.unexplained, self.seam_sigmas]
+            && [self.width_error_rel, self.width_drift_rel, self.unexplained, self.seam_drift_sigmas]
                 .iter()
                 .flatten()
                 .all(|value| value.is_finite())

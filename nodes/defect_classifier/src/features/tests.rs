@@ -1,8 +1,13 @@
 use super::*;
 use opencv::core::{CV_8UC1, CV_8UC3, Scalar, Vector, VectorToVec};
 
-const NOTHING: Measured =
-    Measured { width_error_rel: None, offset_m: None, unexplained: None, seam_sigmas: None };
+const NOTHING: Measured = Measured {
+    width_error_rel: None,
+    width_drift_rel: None,
+    offset_m: None,
+    unexplained: None,
+    seam_drift_sigmas: None,
+};
 
 /// A picture from levels `[0, 1]` by column and row.
 fn picture((width, height): (u16, u16), level: impl Fn(f64, f64) -> f64) -> Mat {

@@ -9,13 +9,13 @@ use serde::Deserialize;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawEvidence {
-    /// Width error that is none `[-]`, above 0.
+    /// Drift of the widths that is none `[-]`, above 0.
     pub width_fine_rel: f64,
-    /// Width error that is a defect `[-]`, above `width_fine_rel`.
+    /// Drift of the widths that is a defect `[-]`, above `width_fine_rel`.
     pub width_defect_rel: f64,
-    /// Darkening of the seams that is none, in its standard deviations `[-]`, above 0.
+    /// Drift of the seams' shade that is none, in standard deviations `[-]`, above 0.
     pub seam_fine_sigmas: f64,
-    /// Darkening of the seams that is a defect `[-]`, above `seam_fine_sigmas`.
+    /// Drift of the seams' shade that is a defect `[-]`, above `seam_fine_sigmas`.
     pub seam_defect_sigmas: f64,
     /// Classes that a measurement alone can convict of: what the network says of them does not count.
     pub measured_only: Vec<String>,
@@ -75,10 +75,10 @@ impl RawEvidence {
         match class {
             // A width is calibrated, a seam only beside its own past: the width has the word where both are known.
             "under" => measured
-                .width_error_rel
-                .map(|error| ramp(-error, width))
-                .or(measured.seam_sigmas.map(|sigmas| ramp(-sigmas, seams))),
-            "over" => measured.width_error_rel.map(|error| ramp(error, width)),
+                .width_drift_rel
+                .map(|drift| ramp(-drift, width))
+                .or(measured.seam_drift_sigmas.map(|drift| ramp(drift, seams))),
+            "over" => measured.width_drift_rel.map(|drift| ramp(drift, width)),
             "shift" => offset_beyond(self.machine_error_m),
             // Shifted roads leave edges where none were commanded: the offset explains those, whoever caused it.
             "spaghetti" => odd.map(|odd| odd * (1.0 - offset_beyond(0.0).unwrap_or(0.0))),

@@ -3,8 +3,13 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 
 const CLASSES: [&str; 4] = ["ok", "under", "shift", "spaghetti"];
-const NOTHING: Measured =
-    Measured { width_error_rel: None, offset_m: None, unexplained: None, seam_sigmas: None };
+const NOTHING: Measured = Measured {
+    width_error_rel: None,
+    width_drift_rel: None,
+    offset_m: None,
+    unexplained: None,
+    seam_drift_sigmas: None,
+};
 
 fn classes() -> Vec<String> {
     CLASSES.iter().map(|&class| class.to_owned()).collect()
@@ -22,8 +27,8 @@ fn raw() -> RawFusionParams {
         evidence: RawEvidence {
             width_fine_rel: 0.08,
             width_defect_rel: 0.12,
-            seam_fine_sigmas: 3.0,
-            seam_defect_sigmas: 5.0,
+            seam_fine_sigmas: 2.0,
+            seam_defect_sigmas: 4.0,
             measured_only: vec![],
             unexplained_fine: 0.1,
             unexplained_defect: 0.2,
@@ -53,9 +58,9 @@ fn dark_seams_confirm_too_little_unless_the_width_is_as_wanted() {
         (0..12_u32)
             .any(|step| fusion.on_frame(Seconds(f64::from(step)), &sure_of(0), &measured).unwrap().confirmed)
     };
-    let seams = |sigmas| Measured { seam_sigmas: Some(sigmas), ..NOTHING };
-    assert!(confirmed(seams(-6.0)));
-    for sound in [seams(-2.9), seams(6.0), Measured { width_error_rel: Some(-0.02), ..seams(-6.0) }] {
+    let seams = |drift| Measured { seam_drift_sigmas: Some(drift), ..NOTHING };
+    assert!(confirmed(seams(5.0)));
+    for sound in [seams(1.9), seams(0.0), Measured { width_drift_rel: Some(-0.02), ..seams(5.0) }] {
         assert!(!confirmed(sound), "{sound:?}");
     }
 }
@@ -117,7 +122,7 @@ fn a_long_gap_between_frames_forgets_the_votes() {
 
 #[test]
 fn a_width_as_wanted_acquits_and_one_far_off_convicts() {
-    let width = |error| Measured { width_error_rel: Some(error), ..NOTHING };
+    let width = |error| Measured { width_drift_rel: Some(error), ..NOTHING };
     let cause = |scores: &Scores, measured: Measured| {
         let mut fusion = fusion();
         (0..10_u32)
@@ -177,7 +182,7 @@ fn frames_without_a_width_have_no_vote_on_it() {
     raw.evidence.measured_only = vec!["under".into()];
     raw.confirm.insert("under".into(), ConfirmRule { frames: 5, in_favour: 4, probability_min: 0.5 });
     let mut fusion = Fusion::new(raw.try_into().unwrap(), &classes()).unwrap();
-    let thin = Measured { width_error_rel: Some(-0.2), ..NOTHING };
+    let thin = Measured { width_drift_rel: Some(-0.2), ..NOTHING };
     let fused: Vec<Fused> = (0..8_u32)
         .map(|step| {
             let measured = if step % 2 == 0 { thin } else { NOTHING };
@@ -238,9 +243,10 @@ proptest! {
         let scores = Scores { probabilities: weights.iter().map(|weight| weight / sum).collect() };
         let measured = Measured {
             width_error_rel: Some(error),
+            width_drift_rel: Some(error),
             offset_m: Some([error * 1e-3, 0.0]),
             unexplained: Some(error.abs()),
-            seam_sigmas: Some(10.0 * error),
+            seam_drift_sigmas: Some(10.0 * error.abs()),
         };
         for step in 0..4_u32 {
             let fused = fusion.on_frame(Seconds(f64::from(step) * 0.2), &scores, &measured).unwrap();

@@ -45,8 +45,13 @@ pub struct RawSeam {
     pub shared_sigma: [f64; 3],
     /// Share of a new reading in that deviation's square `[-]`.
     pub shared_rate: f64,
-    /// Readings that many standard deviations off are not learned `[-]`.
+    /// Readings that many standard deviations off are not learned, nor those with a drift beyond that less the slack;
+    /// in the drift none counts for more `[-]`.
     pub learn_max_sigmas: f64,
+    /// Standard deviations below the usual shade that add nothing to the drift; half of what is to be found `[-]`.
+    pub drift_slack_sigmas: f64,
+    /// Largest drift, above `learn_max_sigmas`: how fast sound readings take it back `[-]`.
+    pub drift_max_sigmas: f64,
 }
 
 impl std::ops::Deref for SeamParams {
@@ -83,6 +88,16 @@ impl TryFrom<RawSeam> for SeamParams {
         in_range("seam.shared_sigma", first, "-", (least, most))?;
         in_range("seam.shared_rate", raw.shared_rate, "-", (0.0, 1.0))?;
         in_range("seam.learn_max_sigmas", raw.learn_max_sigmas, "-", (1.0, 100.0))?;
+        in_range("seam.drift_slack_sigmas", raw.drift_slack_sigmas, "-", (0.1, 10.0))?;
+        ordered(
+            ("seam.drift_slack_sigmas", raw.drift_slack_sigmas),
+            ("seam.learn_max_sigmas", raw.learn_max_sigmas),
+        )?;
+        ordered(
+            ("seam.learn_max_sigmas", raw.learn_max_sigmas),
+            ("seam.drift_max_sigmas", raw.drift_max_sigmas),
+        )?;
+        in_range("seam.drift_max_sigmas", raw.drift_max_sigmas, "-", (1.0, 1000.0))?;
         Ok(Self(raw))
     }
 }

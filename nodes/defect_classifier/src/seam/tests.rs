@@ -29,6 +29,8 @@ fn params() -> SeamParams {
         shared_sigma: [0.05, 0.03, 0.08],
         shared_rate: 0.05,
         learn_max_sigmas: 3.0,
+        drift_slack_sigmas: 1.0,
+        drift_max_sigmas: 8.0,
     })
     .unwrap()
 }
@@ -153,9 +155,42 @@ fn after_a_new_print_begins_the_past_is_another_part() {
     assert_eq!(wall.lay(Layer { ratio: 0.5, ..Layer::sound(5) }), None);
 }
 
+/// Each reading by itself is one that a sound print may show; `S` is then 1.5 a layer.
+#[test]
+fn what_one_reading_hides_many_tell_and_it_does_not_become_usual() {
+    let mut wall = Wall::known();
+    let mut drifts = vec![];
+    for number in 5..12 {
+        // About two standard deviations.
+        let reading = wall.lay(Layer { ratio: 0.8 - 0.14, ..Layer::sound(number) }).unwrap();
+        let sigmas = reading.shade / reading.sigma;
+        assert!((-3.0..-1.8).contains(&sigmas), "{sigmas}");
+        drifts.push(reading.drift_sigmas);
+    }
+    assert!(drifts.windows(2).all(|pair| pair[1] > pair[0] || pair[1] >= 8.0), "{drifts:?}");
+    assert!(drifts[0] < 2.0 && drifts[6] > 4.0, "{drifts:?}");
+    // Sound layers take back one a reading, a pause takes back all.
+    let after = wall.lay(Layer::sound(12)).unwrap().drift_sigmas;
+    assert!(after < drifts[6] && after > 2.0, "{after}");
+    wall.gauge.forget_drift();
+    assert!(wall.lay(Layer::sound(13)).unwrap().drift_sigmas < 1e-9);
+}
+
+#[test]
+fn darker_and_brighter_by_turns_is_no_drift() {
+    let mut wall = Wall::known();
+    for number in 5..12 {
+        let change = if number % 2 == 0 { 0.08 } else { -0.08 };
+        let reading = wall.lay(Layer { ratio: 0.8 + change, ..Layer::sound(number) }).unwrap();
+        assert!(reading.drift_sigmas < 2.0, "{number}: {reading:?}");
+    }
+}
+
 #[test]
 fn a_value_out_of_range_is_refused_by_name() {
     let refused = |raw: RawSeam| SeamParams::try_from(raw).unwrap_err().to_string();
     assert!(refused(RawSeam { rate: f64::NAN, ..*params() }).starts_with("seam.rate = NaN"));
     assert!(refused(RawSeam { shared_sigma: [0.1, 0.03, 0.08], ..*params() }).contains("shared_sigma"));
+    assert!(refused(RawSeam { drift_slack_sigmas: 3.5, ..*params() }).contains("drift_slack_sigmas"));
+    assert!(refused(RawSeam { drift_max_sigmas: 2.0, ..*params() }).contains("drift_max_sigmas"));
 }

@@ -1,5 +1,6 @@
 //! Many edges, one width: robust, with an honest standard deviation.
 
+use super::facing::Facing;
 use super::params::WidthParams;
 use models::units::Seconds;
 
@@ -16,6 +17,8 @@ pub struct PieceWidth {
     pub wanted_m: f64,
     /// Height of the road `[m]`.
     pub height_m: f64,
+    /// Which way its edges face.
+    pub facing: Facing,
 }
 
 /// A measured width.
@@ -31,6 +34,8 @@ pub struct WidthMeasurement {
     pub wanted_m: f64,
     /// Height of the road `[m]`.
     pub height_m: f64,
+    /// Which way the edges of the newest piece face.
+    pub facing: Facing,
     /// Pieces in it.
     pub pieces: u32,
 }
@@ -72,6 +77,7 @@ pub fn combine(
         sigma_m,
         wanted_m: newest.wanted_m,
         height_m: newest.height_m,
+        facing: newest.facing,
         pieces: u32::try_from(count).unwrap_or(u32::MAX),
     })
 }
@@ -102,7 +108,8 @@ mod tests {
     use super::*;
 
     fn piece(laid_s: f64, ratio: f64) -> PieceWidth {
-        PieceWidth { laid: Seconds(laid_s), ratio, sigma: 0.04, wanted_m: 4.5e-4, height_m: 2e-4 }
+        let facing = Facing::numbered(0);
+        PieceWidth { laid: Seconds(laid_s), ratio, sigma: 0.04, wanted_m: 4.5e-4, height_m: 2e-4, facing }
     }
 
     #[test]
