@@ -29,6 +29,8 @@ pub mod live;
 mod measurement;
 #[cfg(feature = "ros")]
 pub mod node;
+#[cfg(feature = "ros")]
+mod pace;
 pub mod params;
 pub mod printer_model;
 pub mod square_root;

@@ -14,6 +14,7 @@ use crate::convert;
 use crate::estimator::{Estimate, Estimator};
 use crate::input::{Event, Refusals};
 use crate::live::LIVE;
+use crate::pace::Pace;
 use crate::params::Params;
 
 /// Runs the node to its end.
@@ -65,11 +66,8 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
 
 /// When the filter turns, and what it tells then.
 struct Rhythm {
-    period: Seconds,
+    pace: Pace,
     ticks: Timer,
-    turned_at: Seconds,
-    /// A sample came too soon after a turn, and waits.
-    owes: bool,
     jumps: u64,
     clock: Clock,
     work: Work,
@@ -78,18 +76,10 @@ struct Rhythm {
 }
 
 impl Rhythm {
-    /// Share of the period by which the timer follows a turn on a sample later than on its own: it must not come just
-    /// before the next sample.
-    const SLACK: f64 = 0.25;
-    /// Share of the period that lies between two turns at least: a flood of samples is not answered one by one.
-    const LEAST: f64 = 0.25;
-
     fn open(node: &mut Node, period_s: f64) -> Result<Self, RuntimeError> {
         Ok(Self {
-            period: Seconds(period_s),
+            pace: Pace::new(Seconds(period_s)),
             ticks: node.timer(Seconds(period_s)),
-            turned_at: Seconds(f64::NEG_INFINITY),
-            owes: false,
             jumps: node.clock().jumps_back(),
             clock: node.clock(),
             work: node.work(),
@@ -98,24 +88,20 @@ impl Rhythm {
         })
     }
 
-    /// Answers a sample with an estimate at once, so that what it tells does not wait for the timer; one that comes just
-    /// after a turn waits for a quarter of the period.
+    /// Answers a sample with an estimate, at once where the pace allows it.
     fn answer(&mut self, setup: &Setup, estimator: &mut Estimator) {
         let now = self.clock.now();
-        let early_s = Self::LEAST * self.period.0 - (now - self.turned_at).0;
-        self.owes = true;
-        if early_s > 0.0 && self.jumps == self.clock.jumps_back() {
-            self.ticks.put_off(Seconds(early_s));
-        } else {
-            self.tick(now, setup, estimator);
+        match self.pace.asked(now) {
+            Some(after) => self.ticks.put_off(after),
+            None => self.tick(now, setup, estimator),
         }
     }
 
-    /// The timer's turn; the one that a sample waited for counts as an answer.
+    /// A turn of the filter; one that a sample waited for counts as an answer.
     fn tick(&mut self, now: Seconds, setup: &Setup, estimator: &mut Estimator) {
         self.turn(now, setup, estimator);
-        if std::mem::take(&mut self.owes) {
-            self.ticks.put_off(Seconds((1.0 + Self::SLACK) * self.period.0));
+        if let Some(after) = self.pace.turned(now) {
+            self.ticks.put_off(after);
         }
     }
 
@@ -128,7 +114,6 @@ impl Rhythm {
             self.estimates.send(convert::estimate(&estimate));
         }
         self.diagnostics.set("refused_ticks", estimator.refusals().tick.disordered);
-        self.turned_at = now;
         self.work.done();
     }
 }
