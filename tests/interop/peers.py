@@ -81,7 +81,7 @@ def killed_and_stopped(domain: int) -> str:
     Node("safety_supervisor", SUPERVISOR, ROS_DOMAIN_ID=domain)
     others = {name: Node(name, files, ROS_DOMAIN_ID=domain) for name, files in OTHERS.items()}
     permits = peer.reader("/printer/safety/command", "fdm_loop_msgs/ControlCommand")
-    hearts = peer.reader("/printer/heartbeat", "fdm_loop_msgs/Heartbeat")
+    hearts = peer.reader("/printer/heartbeat", "fdm_loop_msgs/Heartbeat", BEST_EFFORT)
     until(lambda: permits.take(100), "permits")
     gaps, backs = [], []
     for name, other in others.items():
@@ -154,7 +154,7 @@ def discovery_info():
 def ten_processes(domain: int) -> str:
     """Ten processes are found with all their services within 3 s, and tell the graph who they are."""
     peer = Peer(domain)
-    hearts = peer.reader("/printer/heartbeat", "fdm_loop_msgs/Heartbeat")
+    hearts = peer.reader("/printer/heartbeat", "fdm_loop_msgs/Heartbeat", BEST_EFFORT)
     # A node tells it anew with each of its endpoints, and the topic has no key: the depth is that of all.
     qos = Qos(*(policy for policy in LATCHED if "History" not in repr(policy)), Policy.History.KeepLast(1000))
     infos = DataReader(peer.subscriber, peer.topic("ros_discovery_info", discovery_info()), qos)
@@ -189,7 +189,7 @@ def clock(domain: int) -> str:
     peer = Peer(domain)
     Node("thermistor", THERMISTOR, "-p", "use_sim_time:=true", ROS_DOMAIN_ID=domain)
     writer = peer.writer("/clock", "rosgraph_msgs/Clock", RELIABLE)
-    hearts = peer.reader("/printer/heartbeat", "fdm_loop_msgs/Heartbeat")
+    hearts = peer.reader("/printer/heartbeat", "fdm_loop_msgs/Heartbeat", BEST_EFFORT)
     reports = peer.reader("/diagnostics", "diagnostic_msgs/DiagnosticArray")
     until(lambda: matched(writer), "a subscriber of /clock")
     time_kind, clock_kind = (DEFINITIONS.message(f"{name}") for name in ("builtin_interfaces/Time", "rosgraph_msgs/Clock"))
