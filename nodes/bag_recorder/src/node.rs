@@ -1,5 +1,6 @@
 //! The shell: listens to every topic, hands the bytes to the writer, reports.
 
+mod intake;
 mod passed;
 mod report;
 mod services;
@@ -9,10 +10,11 @@ use crate::error::RecorderError;
 use crate::folder::Folder;
 use crate::params::{LIVE, Params};
 use crate::tally::Tally;
-use crate::writer::{Item, Queue, Recorded, Recorder, Sample, Settings, Wish};
+use crate::writer::{Item, Recorded, Recorder, Settings, Wish};
+use intake::Intake;
 use passed::Passed;
 use report::Report;
-use runtime::{Gid, Node, RawMessage, RawSubscription, RuntimeError, Shutdown, Work, topics};
+use runtime::{Node, RawSubscription, RuntimeError, topics};
 use services::Services;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -62,13 +64,13 @@ pub async fn run(mut node: Node) -> Result<(), RecorderError> {
     })?;
     let services = Services::serve(&mut node, params.snapshot.span_ns > 0)?;
 
-    let mut readers = JoinSet::new();
-    for (topic, subscription) in subscriptions.into_iter().enumerate() {
+    let taken = subscriptions.into_iter().enumerate().map(|(topic, subscription)| {
         let (queue, tally, work) = (recorder.queue(), Arc::clone(&tally), node.work());
         let most = if pictures[topic] { params.picture_queue } else { params.queue_length };
-        let intake = Intake { topic, queue, most, tally, work, newest: BTreeMap::new() };
-        readers.spawn(read(subscription, intake, node.shutdown_handle()));
-    }
+        (subscription, Intake { topic, queue, most, tally, work, newest: BTreeMap::new() })
+    });
+    let mut readers = JoinSet::new();
+    readers.spawn(intake::take_all(taken.collect(), node.shutdown_handle()));
     let report = Report { names, tally, diagnostics: node.diagnostics() };
     let outcome = watch(&mut node, (&recorder, services), &report, &params).await;
     // The readers end with the demand; where the writer failed, there is none.
@@ -122,58 +124,6 @@ async fn wait_for_clock(node: &Node, longest: Duration) {
             () = tokio::time::sleep(longest) => {}
             () = shutdown.wait() => {}
         }
-    }
-}
-
-/// Where the messages of one topic go.
-struct Intake {
-    topic: usize,
-    queue: Queue,
-    /// Nothing is handed over where so many wait.
-    most: usize,
-    tally: Arc<Tally>,
-    work: Work,
-    /// Newest number of each publisher.
-    newest: BTreeMap<Gid, i64>,
-}
-
-impl Intake {
-    /// Hands a message to the writer, or drops it where too many wait. Never waits itself.
-    fn take(&mut self, message: RawMessage) {
-        let counts = &self.tally.topics[self.topic];
-        counts.received.add(1);
-        if let Some(before) = self.newest.insert(message.publisher, message.sequence) {
-            let gap = message.sequence.saturating_sub(before).saturating_sub(1);
-            counts.missed.add(u64::try_from(gap).unwrap_or(0));
-        }
-        let sample = Sample {
-            topic: self.topic,
-            received: message.received,
-            publish_ns: message.sent_ns.and_then(|sent| u64::try_from(sent).ok()),
-            sequence: convert::sequence(message.sequence),
-            payload: message.payload,
-        };
-        let has_room = self.queue.waiting() < self.most && !self.tally.full.load(Ordering::Relaxed);
-        if has_room && self.queue.offer(Item::Message(sample)) {
-            self.work.done();
-        } else {
-            counts.dropped.add(1);
-        }
-    }
-}
-
-/// Reads one topic until the end is demanded, and then what is already here.
-async fn read(mut subscription: RawSubscription, mut intake: Intake, mut shutdown: Shutdown) {
-    loop {
-        tokio::select! {
-            message = subscription.recv() => intake.take(message),
-            () = shutdown.wait() => break,
-        }
-        // A topic that never runs dry must not keep the others waiting.
-        tokio::task::consume_budget().await;
-    }
-    while let Some(message) = subscription.try_recv() {
-        intake.take(message);
     }
 }
 
