@@ -121,6 +121,29 @@ def stalled(domain: int) -> str:
     return f"longest time between permits {gap_s * 1e3:.0f} ms"
 
 
+def rival(domain: int) -> str:
+    """Who else writes permits is heard by the supervisor, which hears none of its own."""
+    peer = Peer(domain)
+    Node("safety_supervisor", SUPERVISOR, ROS_DOMAIN_ID=domain)
+    permits = peer.reader("/printer/safety/command", "fdm_loop_msgs/ControlCommand", BEST_EFFORT)
+    states = peer.reader("/printer/safety/state", "fdm_loop_msgs/SafetyState", LATCHED)
+    until(lambda: permits.take(100), "permits")
+    time.sleep(1.0)
+    refused = lambda: max([state.refused_sequence for state in states.read(100)], default=-1)
+    until(lambda: refused() >= 0, "a state")
+    check(refused() == 0, f"{refused()} of its own permits are refused")
+    writer = peer.writer("/printer/safety/command", "fdm_loop_msgs/ControlCommand")
+    begin = time.monotonic()
+
+    def told() -> bool:
+        for permit in permits.take(100):
+            writer.write(permit)
+        return refused() > 0
+
+    until(told, "a refused permit")
+    return f"told {time.monotonic() - begin:.1f} s after it began"
+
+
 def read(domain: int) -> None:
     """Reads reliably until it is stopped."""
     peer = Peer(domain)
@@ -285,6 +308,7 @@ CHECKS = {
     "late_joiner": late_joiner,
     "killed_and_stopped": killed_and_stopped,
     "stalled": stalled,
+    "rival": rival,
     "ten_processes": ten_processes,
     "clock": clock,
     "diagnostics": diagnostics,

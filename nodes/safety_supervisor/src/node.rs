@@ -5,12 +5,14 @@ mod latch_file;
 mod operators;
 mod outlets;
 mod record;
+mod rivals;
 mod standing_file;
 
 use std::path::PathBuf;
 
 use models::units::Seconds;
 use runtime::{Node, RuntimeError, topics};
+use tokio::time::{MissedTickBehavior, interval};
 
 use crate::event::{Event, Output, What};
 use crate::params::Params;
@@ -40,6 +42,8 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
         node.timer(topics::PERMIT_PERIOD).tell_irregular(node.diagnostics(), topics::PERMIT_JITTER);
     let (clock, work) = (node.clock(), node.work());
     node.witness(&[])?;
+    let mut looks = interval(rivals::LOOK);
+    looks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     node.activated().await;
     loop {
         tokio::select! {
@@ -63,6 +67,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 operators.take(ask, output);
                 operators.answer_waiting(shell.kept, shell.standing.failed.as_deref());
             }
+            _ = looks.tick() => inlets.look_for_rivals(&mut node),
             heard = inlets.next() => {
                 let now = clock.now();
                 if let Some(output) = shell.hear(now, heard) {

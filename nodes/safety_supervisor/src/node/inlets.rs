@@ -7,9 +7,10 @@ use fdm_loop_msgs::{
 use models::command::Scheduled;
 use models::units::Seconds;
 use runtime::wire::WireError;
-use runtime::{Gid, Inlet, Node, Reason, Refused, RuntimeError, Sessions, Subscription, topics};
+use runtime::{Gid, Inlet, Node, Reason, Refused, RuntimeError, Sessions, topics};
 
 use super::outlets::Totals;
+use super::rivals::Rivals;
 use crate::convert;
 use crate::event::{Event, SafetyState, Stream};
 use crate::params::{Params, StaleParams};
@@ -33,10 +34,7 @@ pub(super) struct Inlets {
     imu: Inlet<ImuBatch>,
     vision: Inlet<DefectReport>,
     schedule: Inlet<MotionTrim>,
-    /// Its own permits, and those of whoever else writes them.
-    permits: Subscription<ControlCommand>,
-    foreign_permits: Refused,
-    own: Gid,
+    rivals: Rivals,
     sessions: Sessions,
     /// Second event of a message that told two things.
     also: Option<Event>,
@@ -76,9 +74,7 @@ impl Inlets {
             schedule: node
                 .inlet(&topics::CONTROL_SCHEDULE, Seconds(f64::INFINITY))?
                 .with_stamps_within(stale.command.oldest_stamp()),
-            permits: node.subscribe(&topics::SAFETY_COMMAND)?,
-            foreign_permits: Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name()),
-            own: node.identity(),
+            rivals: Rivals::new(node),
             sessions: Sessions::default(),
             also: None,
         })
@@ -107,12 +103,14 @@ impl Inlets {
                 Ok(scheduled) => return Heard::Scheduled(scheduled),
                 Err(reason) => (Err(reason), Stream::Command),
             },
-            () = foreign(&mut self.permits, self.own) => {
-                self.foreign_permits.count(Reason::Gate);
-                return Heard::Event(Event::RivalPermit);
-            }
+            () = self.rivals.next() => return Heard::Event(Event::RivalPermit),
         };
         Heard::Event(taken.unwrap_or(Event::Refused { stream }))
+    }
+
+    /// Looks whether somebody else publishes permits.
+    pub(super) fn look_for_rivals(&mut self, node: &mut Node) {
+        self.rivals.look(node);
     }
 
     /// Takes over what the brain itself has refused.
@@ -133,7 +131,7 @@ impl Inlets {
             &self.imu.refused,
             &self.vision.refused,
             &self.schedule.refused,
-            &self.foreign_permits,
+            &self.rivals.refused,
         ];
         let sum = |reason| all.iter().map(|refused| refused.total(reason)).sum::<u64>();
         Totals {
@@ -143,11 +141,6 @@ impl Inlets {
             sequence: sum(Reason::Order) + sum(Reason::Gate),
         }
     }
-}
-
-/// Waits for a permit that another process has sent. Cancelling loses none.
-async fn foreign(permits: &mut Subscription<ControlCommand>, own: Gid) {
-    while permits.recv().await.publisher.process() == own.process() {}
 }
 
 /// A controller is who sends its commands, not who knows its session.
