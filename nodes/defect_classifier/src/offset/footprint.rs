@@ -49,8 +49,9 @@ impl Footprint {
             for column in index(wide.0)..=index(wide.1).min(self.cells[0] - 1) {
                 let [x_m, y_m] = self.centre_m([column, row]);
                 let way_m = ((x_m - from[0]) * along[0] + (y_m - from[1]) * along[1]).clamp(0.0, laid_m);
-                let off_m = (x_m - from[0] - way_m * along[0]).hypot(y_m - from[1] - way_m * along[1]);
-                if off_m <= half_m {
+                let off_m = [x_m - from[0] - way_m * along[0], y_m - from[1] - way_m * along[1]];
+                // Squares: a root for each cell of each road is the dearest line of a print.
+                if off_m[0] * off_m[0] + off_m[1] * off_m[1] <= half_m * half_m {
                     self.tops[row * self.cells[0] + column] = top;
                 }
             }
