@@ -10,6 +10,8 @@ use crate::params::DefectParams;
 pub struct DefectCheck {
     params: DefectParams,
     confirmed: Option<(Defect, Seconds)>,
+    /// When roads are as the slicer's own values lay them again, after corrections were taken back.
+    settled: Option<Seconds>,
     blind_since: Option<Seconds>,
 }
 
@@ -17,7 +19,7 @@ impl DefectCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: DefectParams) -> Self {
-        Self { params, confirmed: None, blind_since: None }
+        Self { params, confirmed: None, settled: None, blind_since: None }
     }
 
     /// Takes what one frame says. A frame that cannot be judged neither confirms nor clears.
@@ -36,16 +38,25 @@ impl DefectCheck {
         };
     }
 
+    /// Corrections are taken back from now on: while the pressure in the nozzle follows, roads are too thin or too wide.
+    pub fn corrections_ended(&mut self, now: Seconds) {
+        self.settled = Some(Seconds(now.0 + self.params.settle_s));
+    }
+
     /// The defect that calls for a pause: a loose print at once, a wrong road where it lasts.
     #[must_use]
     pub fn tripped(&self, now: Seconds) -> Option<Defect> {
         self.confirmed.and_then(|(defect, since)| {
-            let wait_s = match defect {
-                Defect::Spaghetti => 0.0,
-                Defect::Under | Defect::Over => self.params.persist_s,
-                Defect::Other => return None,
+            let lasts_s = |since: Seconds| (now - since).0;
+            let calls = match defect {
+                Defect::Spaghetti => true,
+                Defect::Under | Defect::Over => {
+                    lasts_s(since) >= self.params.persist_s
+                        && self.settled.is_none_or(|settled| lasts_s(settled) >= self.params.persist_s)
+                }
+                Defect::Other => false,
             };
-            ((now - since).0 >= wait_s).then_some(defect)
+            calls.then_some(defect)
         })
     }
 
@@ -70,7 +81,7 @@ mod tests {
     }
 
     fn check() -> DefectCheck {
-        DefectCheck::new(DefectParams { persist_s: 5.0, blind_s: 10.0 })
+        DefectCheck::new(DefectParams { persist_s: 5.0, settle_s: 4.0, blind_s: 10.0 })
     }
 
     #[test]
@@ -83,6 +94,17 @@ mod tests {
         assert_eq!((thin.tripped(Seconds(5.9)), thin.tripped(Seconds(6.0))), (None, Some(Defect::Under)));
         thin.on_report(Seconds(5.0), &report(None, true));
         assert_eq!(thin.tripped(Seconds(6.0)), None);
+    }
+
+    /// The pressure in the nozzle follows the slicer's own values for seconds: roads are thin meanwhile, none is loose.
+    #[test]
+    fn thin_roads_do_not_count_while_corrections_are_taken_back() {
+        let mut thin = check();
+        thin.on_report(Seconds(1.0), &report(Some(Defect::Under), true));
+        thin.corrections_ended(Seconds(2.0));
+        assert_eq!((thin.tripped(Seconds(10.9)), thin.tripped(Seconds(11.0))), (None, Some(Defect::Under)));
+        thin.on_report(Seconds(3.0), &report(Some(Defect::Spaghetti), true));
+        assert_eq!(thin.tripped(Seconds(3.0)), Some(Defect::Spaghetti));
     }
 
     #[test]

@@ -108,6 +108,8 @@ impl TryFrom<RawShiftParams> for ShiftParams {
 pub struct DefectParams {
     /// How long a wrong road must be confirmed until the job pauses `[s]`.
     pub persist_s: f64,
+    /// How long roads take to be as the slicer's own values lay them, after corrections were taken back `[s]`.
+    pub settle_s: f64,
     /// How long no frame may be fit to judge `[s]`.
     pub blind_s: f64,
 }
@@ -118,6 +120,8 @@ pub struct DefectParams {
 pub struct RawDefectParams {
     /// How long a wrong road must be confirmed until the job pauses `[s]`.
     pub persist_s: f64,
+    /// How long roads take to be as the slicer's own values lay them, after corrections were taken back `[s]`.
+    pub settle_s: f64,
     /// How long no frame may be fit to judge `[s]`.
     pub blind_s: f64,
 }
@@ -128,6 +132,7 @@ impl TryFrom<RawDefectParams> for DefectParams {
     fn try_from(raw: RawDefectParams) -> Result<Self, ParamError> {
         Ok(Self {
             persist_s: in_range("persist_s", raw.persist_s, "s", (0.0, 600.0))?,
+            settle_s: in_range("settle_s", raw.settle_s, "s", (0.0, 600.0))?,
             blind_s: in_range("blind_s", raw.blind_s, "s", (0.5, 600.0))?,
         })
     }
