@@ -29,20 +29,22 @@ pub struct Figures {
     pub quality_mean: f64,
     /// RMS of the relative width error.
     pub width_rms_rel: f64,
-    /// |delivered / commanded - 1|.
-    pub feed_error_rel: f64,
+    /// |delivered / commanded - 1|; `None` where nothing was commanded.
+    pub feed_error_rel: Option<f64>,
 }
 
 impl Integrals {
-    /// Figures of what was deposited since `earlier`; `None` where nothing was.
+    /// Figures of what was deposited since `earlier`; `None` where nothing was. A road for which no filament was commanded
+    /// (`M221 S0`) is one: thin.
     #[must_use]
     pub fn since(&self, earlier: &Self) -> Option<Figures> {
         let deposit_s = self.deposit_s - earlier.deposit_s;
         let wanted_m = self.wanted_m - earlier.wanted_m;
-        (deposit_s > 0.0 && wanted_m > 0.0).then(|| Figures {
+        (deposit_s > 0.0).then(|| Figures {
             quality_mean: (self.quality_s - earlier.quality_s) / deposit_s,
             width_rms_rel: ((self.width_error_sq_s - earlier.width_error_sq_s) / deposit_s).max(0.0).sqrt(),
-            feed_error_rel: ((self.delivered_m - earlier.delivered_m) / wanted_m - 1.0).abs(),
+            feed_error_rel: (wanted_m > 0.0)
+                .then(|| ((self.delivered_m - earlier.delivered_m) / wanted_m - 1.0).abs()),
         })
     }
 }
@@ -89,5 +91,22 @@ impl Score {
     #[must_use]
     pub fn integrals(&self) -> Integrals {
         self.integrals
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A print whose filament was never commanded has roads with errors all the same: only the feed has none.
+    #[test]
+    fn roads_without_commanded_filament_have_width_and_quality_but_no_feed_error() {
+        let laid =
+            Integrals { deposit_s: 4.0, width_error_sq_s: 1.0, quality_s: 8.0, ..Integrals::default() };
+        let figures = laid.since(&Integrals::default());
+        assert_eq!(figures, Some(Figures { quality_mean: 2.0, width_rms_rel: 0.5, feed_error_rel: None }));
+        let fed = Integrals { wanted_m: 2.0, delivered_m: 1.5, ..laid };
+        assert_eq!(fed.since(&Integrals::default()).and_then(|figures| figures.feed_error_rel), Some(0.25));
+        assert_eq!(laid.since(&laid), None);
     }
 }

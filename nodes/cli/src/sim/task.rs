@@ -106,9 +106,9 @@ impl Task {
             width_rms_rel: whole.map(|figures| figures.width_rms_rel),
             corner_width_rms_rel: printing.foresight.corners.rms(),
             corner_time_s: printing.foresight.corners.time_s(),
-            feed_error_rel: whole.map(|figures| figures.feed_error_rel),
-            feed_error_after_2s_rel: settled.map(|figures| figures.feed_error_rel),
-            feed_error_after_8s_rel: late.map(|figures| figures.feed_error_rel),
+            feed_error_rel: whole.and_then(|figures| figures.feed_error_rel),
+            feed_error_after_2s_rel: settled.and_then(|figures| figures.feed_error_rel),
+            feed_error_after_8s_rel: late.and_then(|figures| figures.feed_error_rel),
             recovery_time_s: fault_free
                 .zip(printing.onset_path_s)
                 .and_then(|(fault_free, onset_s)| printing.width.recovery_s(fault_free, onset_s)),
