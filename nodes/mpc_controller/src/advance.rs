@@ -77,6 +77,22 @@ fn attaches(host: HostProfile) -> bool {
     matches!(host, HostProfile::Native | HostProfile::Serial)
 }
 
+impl AdvanceSource {
+    /// What is in force where this one is asked for: the file's own under a level that corrects nothing, the material's
+    /// constant behind a host that attaches nothing to moves.
+    #[must_use]
+    pub fn in_force(self, level: Level, host: HostProfile) -> Self {
+        if level == Level::Off { Self::File } else { self.behind(host) }
+    }
+
+    fn behind(self, host: HostProfile) -> Self {
+        match self {
+            Self::Planned | Self::Predicted if !attaches(host) => Self::Material,
+            source => source,
+        }
+    }
+}
+
 /// What became of the predictions, for diagnostics.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AdvanceReport {
@@ -183,12 +199,11 @@ impl Advance {
 
     /// The advance to send at `now_s`; `nominal_s` is the material's constant.
     pub(crate) fn command(&mut self, now_s: f64, status: &PrinterStatus, nominal_s: f64) -> Option<f64> {
-        self.report.sent_s = match self.settings.source {
+        self.report.sent_s = match self.settings.source.behind(status.host) {
             AdvanceSource::None => Some(0.0),
             AdvanceSource::File => None,
             AdvanceSource::Material | AdvanceSource::Planned => Some(nominal_s),
-            AdvanceSource::Predicted if attaches(status.host) => self.predicted(now_s, status),
-            AdvanceSource::Predicted => Some(nominal_s),
+            AdvanceSource::Predicted => self.predicted(now_s, status),
         };
         self.report.sent_s
     }

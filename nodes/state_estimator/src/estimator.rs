@@ -61,6 +61,14 @@ pub struct Estimate {
     pub refusals: Refusals,
 }
 
+impl Estimate {
+    /// States held at what is believed of them: a slip that no encoder shows.
+    #[must_use]
+    pub fn held(&self) -> [bool; state::COUNT] {
+        std::array::from_fn(|index| index == state::SLIP && !self.alive[Channel::Encoder as usize])
+    }
+}
+
 /// A width that waits for the next tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Frame {

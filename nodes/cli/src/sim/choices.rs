@@ -44,7 +44,18 @@ pub fn advance(name: &str) -> anyhow::Result<AdvanceSource> {
     })
 }
 
-/// Its name.
+/// The name of a source.
+pub(super) fn advance_name(source: AdvanceSource) -> &'static str {
+    match source {
+        AdvanceSource::None => "none",
+        AdvanceSource::File => "file",
+        AdvanceSource::Material => "material",
+        AdvanceSource::Planned => "planned",
+        AdvanceSource::Predicted => "predicted",
+    }
+}
+
+/// The name of a control level.
 pub(super) fn name_of(level: Level) -> &'static str {
     match level {
         Level::Off => "off",

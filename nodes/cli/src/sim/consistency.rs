@@ -8,6 +8,10 @@ use state_estimator::Estimate;
 const COVERED: f64 = 1.96;
 /// States of the estimator.
 const STATES: usize = state_estimator::state::COUNT;
+/// Their names, in the order of the estimator's vector.
+pub const STATE_NAMES: [&str; STATES] = ["block", "nozzle", "thermistor", "flow", "slip", "gain"];
+/// Median of a chi-square distribution with as many degrees of freedom: that of the NEES of a filter whose covariance is true.
+pub const TRUE_MEDIAN: f64 = 5.35;
 
 /// Gathers the normalised estimation error squared while roads are deposited.
 #[derive(Debug, Clone, Default)]
@@ -15,6 +19,10 @@ pub struct Consistency {
     nees: Vec<f64>,
     /// Moments at which each state's error was within 1.96 of its stated deviations.
     covered: [f64; STATES],
+    /// States that a sensor told of at some moment.
+    observed: [bool; STATES],
+    /// States that were not held at some moment.
+    moved: [bool; STATES],
 }
 
 impl Consistency {
@@ -32,6 +40,11 @@ impl Consistency {
             truth.slip,
             truth.gain,
         ]);
+        let held = estimate.held();
+        for state in 0..STATES {
+            self.observed[state] |= estimate.observed[state];
+            self.moved[state] |= !held[state];
+        }
         let error = actual - estimate.x;
         for (state, covered) in self.covered.iter_mut().enumerate() {
             let inside = error[state].abs() <= COVERED * estimate.p[(state, state)].sqrt();
@@ -49,11 +62,52 @@ impl Consistency {
         (count > 0.0).then(|| self.covered.map(|covered| covered / count))
     }
 
+    /// States that no sensor told of while roads were laid, and those that the estimator held all the while; none before the
+    /// first.
+    #[must_use]
+    pub fn blind(&self) -> [Vec<&'static str>; 2] {
+        [self.observed, self.moved].map(|seen| {
+            let never = STATE_NAMES.into_iter().zip(seen).filter(|(_, seen)| !seen && !self.nees.is_empty());
+            never.map(|(name, _)| name).collect()
+        })
+    }
+
     /// Median of the error; `None` before the first.
     #[must_use]
     pub fn median(&self) -> Option<f64> {
         let mut sorted = self.nees.clone();
         sorted.sort_by(f64::total_cmp);
         sorted.get(sorted.len() / 2).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use state_estimator::state;
+
+    /// The names stand where the estimator's indices point.
+    #[test]
+    fn the_states_are_named_in_the_estimators_order() {
+        let named = [
+            (state::BLOCK, "block"),
+            (state::NOZZLE, "nozzle"),
+            (state::SENSOR, "thermistor"),
+            (state::FLOW, "flow"),
+            (state::SLIP, "slip"),
+            (state::GAIN, "gain"),
+        ];
+        for (index, name) in named {
+            assert_eq!(STATE_NAMES[index], name);
+        }
+    }
+
+    /// Wilson and Hilferty: the cube root of a chi-square over its degrees is about normal, with mean and median
+    /// 1 - 2 / (9 degrees).
+    #[test]
+    fn the_median_of_a_true_covariance_is_below_the_mean() {
+        let degrees = 6.0_f64;
+        let median = degrees * (1.0 - 2.0 / (9.0 * degrees)).powi(3);
+        assert!((TRUE_MEDIAN - median).abs() < 0.02, "{median}");
     }
 }

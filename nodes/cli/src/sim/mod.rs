@@ -6,6 +6,7 @@ pub mod consistency;
 pub mod corners;
 mod fitted;
 pub mod foresight;
+pub mod group;
 pub mod message;
 pub mod printing;
 pub mod relay;
@@ -25,7 +26,7 @@ pub use choices::{advance, level, seed_range};
 use clap::Args;
 use fdm_loop_msgs::PrintInfo;
 use fitted::{HOSTS, SENSORS, without};
-use report::{Comparison, Group};
+use group::{Comparison, Group};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use task::{Names, Task};
@@ -123,6 +124,7 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
         host: args.host.clone(),
         advance: args.advance.clone(),
         buffer: args.buffer,
+        without: args.without.clone(),
     };
     let bag = args.bag.as_deref().map(|bag| new_bag(bag, (&config, &choice), &names, &file)).transpose()?;
     let mut task = Task { setup, file, scenario, names, bag };

@@ -57,7 +57,7 @@ pub struct AdvanceFigures {
 }
 
 /// One run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Run {
     /// Odd lines of the file: read, refused or left out as `fdm gcode` says.
     pub gcode_oddities: u64,
@@ -71,10 +71,18 @@ pub struct Run {
     pub control: String,
     /// Host profile.
     pub host: String,
-    /// Source of the pressure advance.
+    /// Source of the pressure advance that was asked for.
     pub advance: String,
+    /// The one in force under this control level and behind this host.
+    pub advance_in_force: &'static str,
     /// Moves that the firmware knows ahead; `null` for the printer's own look-ahead.
     pub buffer: Option<u32>,
+    /// Sensors that the printer does without.
+    pub without: Vec<String>,
+    /// States that no sensor told of while roads were laid: what the estimator says of them is its model's.
+    pub states_not_observed: Vec<&'static str>,
+    /// Those of them that it held at what it believed.
+    pub states_held: Vec<&'static str>,
     /// Seed of all noise.
     pub seed: u64,
     /// How the job ended.
@@ -107,8 +115,10 @@ pub struct Run {
     pub nis_mean: BTreeMap<&'static str, Option<f64>>,
     /// Median NEES; six states.
     pub nees_median: Option<f64>,
-    /// Share of the time within the stated 95 % interval: block, nozzle, thermistor, flow, slip, gain.
+    /// Share of the time within the stated 95 % interval, by state.
     pub coverage: Option<[f64; 6]>,
+    /// Names of these states.
+    pub coverage_states: [&'static str; 6],
     /// Share of the time of deposition with a trim of flow or speed beyond 1 %.
     pub trimmed_share: Option<f64>,
     /// The same of feedback alone: the spool's calibration is taken out.
@@ -128,84 +138,4 @@ pub struct Run {
     /// What the camera saw, beside the truth; absent without `--camera`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<SightFigures>,
-}
-
-/// Mean and spread of the runs of one control level.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Group {
-    /// Control level.
-    pub control: String,
-    /// One run a seed.
-    pub runs: Vec<Run>,
-    /// Number of seeds.
-    pub seeds: usize,
-    /// Mean by figure, over the runs that have it.
-    pub mean: BTreeMap<&'static str, f64>,
-    /// Standard deviation by figure.
-    pub spread: BTreeMap<&'static str, f64>,
-}
-
-/// Several runs.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
-    /// One group a control level.
-    pub results: Vec<Group>,
-}
-
-type Figure = (&'static str, fn(&Run) -> Option<f64>);
-
-/// Figures that are averaged.
-const FIGURES: [Figure; 11] = [
-    ("quality_mean", |run| run.quality_mean),
-    ("width_rms_rel", |run| run.width_rms_rel),
-    ("corner_width_rms_rel", |run| run.corner_width_rms_rel),
-    ("print_time_s", |run| Some(run.print_time_s)),
-    ("feed_error_rel", |run| run.feed_error_rel),
-    ("feed_error_after_2s_rel", |run| run.feed_error_after_2s_rel),
-    ("feed_error_after_8s_rel", |run| run.feed_error_after_8s_rel),
-    ("recovery_time_s", |run| run.recovery_time_s),
-    ("recovery_5s_s", |run| run.recovery_5s_s),
-    ("nees_median", |run| run.nees_median),
-    ("realtime_factor", |run| Some(run.realtime_factor)),
-];
-
-impl Group {
-    /// Averages the runs of one control level.
-    #[must_use]
-    pub fn of(control: String, runs: Vec<Run>) -> Self {
-        let (mut mean, mut spread) = (BTreeMap::new(), BTreeMap::new());
-        for (name, figure) in FIGURES {
-            let values: Vec<f64> = runs.iter().filter_map(figure).collect();
-            if let Some((average, deviation)) = mean_and_deviation(&values) {
-                mean.insert(name, average);
-                spread.insert(name, deviation);
-            }
-        }
-        Self { control, seeds: runs.len(), runs, mean, spread }
-    }
-}
-
-/// Mean and sample standard deviation (zero for a single value).
-fn mean_and_deviation(values: &[f64]) -> Option<(f64, f64)> {
-    if values.is_empty() {
-        return None;
-    }
-    #[allow(clippy::cast_precision_loss, reason = "seeds are few")]
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    Some((mean, (squares / (count - 1.0).max(1.0)).sqrt()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn mean_and_sample_deviation() {
-        // Deviations -1, 0, 1: variance 2 / (3 - 1) = 1.
-        assert_eq!(mean_and_deviation(&[1.0, 2.0, 3.0]), Some((2.0, 1.0)));
-        assert_eq!(mean_and_deviation(&[5.0]), Some((5.0, 0.0)));
-        assert_eq!(mean_and_deviation(&[]), None);
-    }
 }

@@ -1,7 +1,8 @@
 //! One simulated print after another.
 
 use super::bagging::Bagging;
-use super::choices::name_of;
+use super::choices::{advance_name, name_of};
+use super::consistency::STATE_NAMES;
 use super::printing::Printing;
 use super::report::Run;
 use super::width_trace::WidthTrace;
@@ -33,6 +34,7 @@ pub(super) struct Names {
     pub(super) host: String,
     pub(super) advance: String,
     pub(super) buffer: Option<u32>,
+    pub(super) without: Vec<String>,
 }
 
 impl Task {
@@ -74,6 +76,12 @@ impl Task {
         Ok((printing, stuck))
     }
 
+    /// Name of the source of the pressure advance that this level and the host leave in force.
+    fn advance_in_force(&self, level: Level) -> &'static str {
+        let asked = self.setup.controller.advance.source;
+        advance_name(asked.in_force(level, self.setup.simulated.simulator.executor.host))
+    }
+
     fn report(
         &self,
         printing: &Printing,
@@ -83,6 +91,7 @@ impl Task {
         let truth = printing.simulator().truth();
         let whole = truth.integrals.since(&Default::default());
         let [settled, late] = printing.settled.map(|at| at.and_then(|at| truth.integrals.since(&at)));
+        let [states_not_observed, states_held] = printing.consistency.blind();
         let channels = ["thermistor", "encoder", "width"];
         let ended = stuck.unwrap_or_else(|| match printing.simulator().phase() {
             JobPhase::Done => "done".to_owned(),
@@ -96,7 +105,11 @@ impl Task {
             control: name_of(level).to_owned(),
             host: self.names.host.clone(),
             advance: self.names.advance.clone(),
+            advance_in_force: self.advance_in_force(level),
             buffer: self.names.buffer,
+            without: self.names.without.clone(),
+            states_not_observed,
+            states_held,
             seed,
             ended,
             print_time_s: truth.stamp_s,
@@ -118,6 +131,7 @@ impl Task {
             nis_mean: channels.into_iter().zip(printing.nis_mean).collect(),
             nees_median: printing.consistency.median(),
             coverage: printing.consistency.coverage(),
+            coverage_states: STATE_NAMES,
             trimmed_share: printing.trimmed.shares().map(|shares| shares.0),
             feedback_share: printing.trimmed.shares().map(|shares| shares.1),
             detections: printing.noticed.iter().filter(|found| found.onset_s.is_some()).cloned().collect(),

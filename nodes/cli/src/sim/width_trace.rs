@@ -41,15 +41,15 @@ impl WidthTrace {
     }
 
     /// As [`WidthTrace::recovery_s`], but the error has to stay within 2 % for `hold_s` only: what a later corner or
-    /// another fault does is not this one's.
+    /// another fault does is not this one's. `None` too where the trace ends earlier. 0.2 s, the least that can be told, is a
+    /// width that did not leave 2 % for `hold_s` from the onset on: what acts later than that is not seen here.
     #[must_use]
     pub fn recovery_for_s(&self, fault_free: &Self, onset_s: f64, hold_s: f64) -> Option<f64> {
         let first = bin_of(onset_s);
         let window = bin_of(WINDOW_S).max(1);
         let mut recovered = None;
         for end in first..self.bins.len() {
-            #[allow(clippy::cast_precision_loss, reason = "bins of a print are far below 2^52")]
-            if recovered.is_some_and(|since| (end - first - since) as f64 * BIN_S >= hold_s) {
+            if recovered.is_some_and(|since| seconds(end - first - since) >= hold_s) {
                 break;
             }
             let bins = first.max((end + 1).saturating_sub(window))..=end;
@@ -60,9 +60,16 @@ impl WidthTrace {
                 recovered = Some(end - first);
             }
         }
-        #[allow(clippy::cast_precision_loss, reason = "bins of a print are far below 2^52")]
-        recovered.map(|bin| bin as f64 * BIN_S)
+        // The trace has to go on for long enough after it, where the time is bounded.
+        let left_s = |since: usize| seconds(self.bins.len().saturating_sub(first + since));
+        recovered.filter(|&since| hold_s.is_infinite() || left_s(since) >= hold_s).map(seconds)
     }
+}
+
+fn seconds(bins: usize) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "bins of a print are far below 2^52")]
+    let count = bins as f64;
+    count * BIN_S
 }
 
 fn bin_of(time_s: f64) -> usize {
@@ -97,6 +104,21 @@ mod tests {
     fn a_lasting_error_never_recovers() {
         let hurt = trace(|t| if t < 30.0 { 0.0 } else { -0.05 });
         assert_eq!(hurt.recovery_s(&trace(|_| 0.0), 30.0), None);
+    }
+
+    /// Back at 58 s of 60 s: nobody knows what the next 5 s would have shown. 0.45 s later than the error, as the window is.
+    #[test]
+    fn a_width_that_is_back_just_before_the_end_was_not_back_for_5_s() {
+        let sound = trace(|_| 0.0);
+        let back_at = |back_s: f64| trace(move |t| if (30.0..back_s).contains(&t) { 0.05 } else { 0.0 });
+        assert_eq!(back_at(58.0).recovery_for_s(&sound, 30.0, 5.0), None);
+        assert!(back_at(58.0).recovery_s(&sound, 30.0).is_some(), "for good, as far as the print goes");
+        let recovery_s = back_at(54.0).recovery_for_s(&sound, 30.0, 5.0).unwrap();
+        assert!((24.2..24.5).contains(&recovery_s), "{recovery_s}");
+        // a later fault is another one's
+        let again = trace(|t| if (30.0..31.0).contains(&t) || t > 50.0 { 0.05 } else { 0.0 });
+        let recovery_s = again.recovery_for_s(&sound, 30.0, 5.0).unwrap();
+        assert!((1.2..1.5).contains(&recovery_s), "{recovery_s}");
     }
 
     #[test]

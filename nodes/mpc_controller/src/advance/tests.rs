@@ -228,3 +228,20 @@ fn words_that_are_no_numbers_are_invalid() {
     assert!(!word(0.0, 0.6, Some(Turn { probability: 1.1, ..COMING.unwrap() })).is_valid());
     assert!(word(0.0, 0.6, COMING).is_valid());
 }
+
+/// What is told of the source is what is sent.
+#[test]
+fn a_source_that_a_level_or_a_host_cannot_have_in_force_is_told_as_what_is() {
+    use AdvanceSource::{File, Material, None, Planned, Predicted};
+    use HostProfile::{Moonraker, Native, Octoprint, Serial};
+    for source in [None, File, Material, Planned, Predicted] {
+        assert_eq!(source.in_force(Level::Off, Native), File, "{source:?}");
+        for host in [Native, Serial] {
+            assert_eq!(source.in_force(Level::Mpc, host), source, "{host:?}");
+        }
+        for host in [Moonraker, Octoprint] {
+            let told = if matches!(source, Planned | Predicted) { Material } else { source };
+            assert_eq!(source.in_force(Level::Encoder, host), told, "{source:?} {host:?}");
+        }
+    }
+}
