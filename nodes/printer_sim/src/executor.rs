@@ -147,36 +147,6 @@ impl Executor {
             if goal > self.pace { (self.pace + change).min(goal) } else { (self.pace - change).max(goal) };
     }
 
-    /// Keeps the host's buffer filled: one move for a native host, a stretch of time for a serial one.
-    fn refill(&mut self, around: &Surroundings) {
-        let (moves, span_s) = match self.settings.host {
-            HostProfile::Serial => (self.settings.serial_buffer_moves, self.settings.serial_buffer_s),
-            _ => (self.settings.plan_moves, self.settings.plan_s),
-        };
-        // nothing is planned across a halt: what comes after it is not known before
-        let halts = |queued: &Queued| matches!(queued, Queued::Act(action, _) if action.stops());
-        while !self.exhausted
-            && (self.queue.is_empty() || (self.queue.len() < moves && self.queued_s < span_s))
-            && !self.queue.back().is_some_and(halts)
-        {
-            match self.steps.next() {
-                None => self.exhausted = true,
-                Some(Step::Action(action, line)) => {
-                    self.line = self.line.max(line);
-                    self.queue.push_back(Queued::Act(action, line));
-                }
-                Some(Step::Move(segment)) => {
-                    self.queued_s += segment.profile.duration().0;
-                    let trims = (self.settings.host == HostProfile::Serial).then_some(around.trims);
-                    let coming = Coming { sequence: self.entered, segment: Box::new(segment) };
-                    self.entered += 1;
-                    self.coming.push(coming.clone());
-                    self.queue.push_back(Queued::Move(coming, trims));
-                }
-            }
-        }
-    }
-
     /// Whether motion may go on; a dwell uses up time of the step.
     fn ready(&mut self, left_s: f64, spent_s: &mut f64, around: &Surroundings) -> bool {
         let (band_k, lower_k) = (self.settings.reached_band_k, around.trims.setpoint_offset_k.min(0.0));

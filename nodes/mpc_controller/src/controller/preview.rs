@@ -3,6 +3,7 @@
 use super::{Controller, Printer};
 use crate::input::Estimate;
 use crate::params::{AdvanceSource, Level};
+use crate::reference::nozzle_reference;
 use models::command::{AdvanceLaw, MotionTrim};
 use models::extruder::StaticLaw;
 use models::motion::{MoveKind, Segment};
@@ -33,12 +34,22 @@ impl Controller {
     }
 
     /// The nominal law of the filament held compressed up to a move's cruise; `None` where no recent estimate tells the
-    /// nozzle's temperature.
+    /// nozzle's temperature, or that is colder than at the lowest set-point of the material: a law of a melt that nothing
+    /// drives says nothing of the one that is going to be laid.
     fn melt_law(&self, now: Seconds, segment: &Segment, feed: f64) -> Option<AdvanceLaw> {
         let limit_s = self.params.estimate_age_limit_s;
-        let estimate = self.estimate.filter(|made| now.0 - made.stamp.0 <= limit_s)?;
+        let recent = self.estimate.filter(|made| now.0 - made.stamp.0 <= limit_s)?;
+        let estimate = Some(recent).filter(|made| made.nozzle.0 >= self.least_nozzle().0)?;
         let cruise_m_s = segment.filament_per_path() * segment.profile.cruise_m_s * feed;
         (cruise_m_s > 0.0).then(|| self.outlet_law(&estimate, cruise_m_s))?.map(|law| law.advance())
+    }
+
+    /// Temperature of a nozzle whose block is at the lowest set-point of the material, while the material is laid.
+    fn least_nozzle(&self) -> Kelvin {
+        let Printer { hotend, material, .. } = &self.printer;
+        let ambient = Kelvin(self.params.ambient_k);
+        let flow = (self.params.reference.flow_m3_s, ambient);
+        nozzle_reference(hotend, material, Kelvin(material.min_temp_k), flow)
     }
 
     /// The nominal law `x = a u^n + K_lin u` of the outlet (model book 1.2) from a corner's speed up to `fastest_m_s`, > 0, at

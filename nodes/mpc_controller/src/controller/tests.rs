@@ -22,6 +22,7 @@ struct Node {
 
 mod force;
 mod health;
+mod preview;
 mod rig;
 mod storm;
 

@@ -1,8 +1,9 @@
 //! Looking ahead: what moves are coming, and the filament that their roads will hold compressed.
 
-use super::{Coming, Executor, Queued};
+use super::{Coming, Executor, Queued, Surroundings, Wait};
 use models::command::{AdvanceLaw, MotionTrim, Trims};
-use models::motion::{MoveKind, Segment};
+use models::motion::{MoveKind, Segment, Step};
+use models::status::HostProfile;
 use models::units::Seconds;
 
 /// Trims of coming moves that are kept: a second of the shortest ones.
@@ -20,6 +21,40 @@ pub enum Ahead {
 }
 
 impl Executor {
+    /// Keeps the host's buffer filled: one move for a native host, a stretch of time for a serial one.
+    pub(super) fn refill(&mut self, around: &Surroundings) {
+        let (moves, span_s) = match self.settings.host {
+            HostProfile::Serial => (self.settings.serial_buffer_moves, self.settings.serial_buffer_s),
+            _ => (self.settings.plan_moves, self.settings.plan_s),
+        };
+        // nothing is planned across a halt: what comes after it is not known before; nor while a temperature is waited for,
+        // whose wait has left the queue
+        if matches!(self.wait, Wait::Hotend | Wait::Bed) {
+            return;
+        }
+        let halts = |queued: &Queued| matches!(queued, Queued::Act(action, _) if action.stops());
+        while !self.exhausted
+            && (self.queue.is_empty() || (self.queue.len() < moves && self.queued_s < span_s))
+            && !self.queue.back().is_some_and(halts)
+        {
+            match self.steps.next() {
+                None => self.exhausted = true,
+                Some(Step::Action(action, line)) => {
+                    self.line = self.line.max(line);
+                    self.queue.push_back(Queued::Act(action, line));
+                }
+                Some(Step::Move(segment)) => {
+                    self.queued_s += segment.profile.duration().0;
+                    let trims = (self.settings.host == HostProfile::Serial).then_some(around.trims);
+                    let coming = Coming { sequence: self.entered, segment: Box::new(segment) };
+                    self.entered += 1;
+                    self.coming.push(coming.clone());
+                    self.queue.push_back(Queued::Move(coming, trims));
+                }
+            }
+        }
+    }
+
     /// Moves that have become known since the last call.
     pub fn take_coming(&mut self) -> Vec<Coming> {
         std::mem::take(&mut self.coming)
@@ -35,6 +70,12 @@ impl Executor {
         }
         self.schedule.push_back((trim, lapse));
         true
+    }
+
+    /// Trims that are kept.
+    #[must_use]
+    pub fn scheduled(&self) -> usize {
+        self.schedule.len()
     }
 
     /// Drops what has lapsed at `now`. What has begun is carried through: half a move without its advance would be a fault

@@ -89,3 +89,21 @@ fn what_does_not_count_is_refused() {
     simulator.on_permit(permit(2, Mode::Act)).unwrap();
     assert_eq!(simulator.on_scheduled(&scheduled(4, 0)), Err(Unscheduled::Late), "the move has begun");
 }
+
+/// A cold start: the wait for the hot end has left the queue long before it is over. What was said of a move meanwhile would be
+/// of a nozzle that cannot lay it.
+#[test]
+fn no_move_is_told_before_the_hot_end_is_warm() {
+    let mut simulator = Simulator::new(params(), straight_job(3), &Scenario::default(), 1).unwrap();
+    let told = |simulator: &mut Simulator| {
+        std::iter::from_fn(|| simulator.poll()).any(|output| matches!(output, Output::Coming { .. }))
+    };
+    while !told(&mut simulator) {
+        assert!(simulator.now().0 < 600.0, "the printer never became warm");
+        simulator.step(Seconds(1e-3));
+    }
+    let hotend_c = simulator.hotend_sensor.last().0;
+    assert!(hotend_c >= 226.0 - params().simulator.executor.reached_band_k, "{hotend_c} degC");
+    run_to_end(&mut simulator);
+    assert!(simulator.truth().integrals.deposit_s > 2.9, "all is laid: {:?}", simulator.truth().integrals);
+}
