@@ -3,7 +3,7 @@
 use super::Simulator;
 use crate::drive::Goal;
 use crate::executor::Ahead;
-use models::command::{AdvanceOf, Mode, MotionTrim, Refusal, Request, Scheduled, Trims};
+use models::command::{AdvanceOf, Mode, Refusal, Request, Scheduled, Trims};
 use models::status::HostProfile;
 use models::units::Seconds;
 
@@ -47,21 +47,22 @@ impl Simulator {
         matches!(self.params.simulator.executor.host, HostProfile::Native | HostProfile::Serial)
     }
 
-    /// Takes a scheduled trim as the supervisor sends it, or refuses and counts it.
+    /// Attaches a scheduled trim, as the supervisor sends it, to its coming move, or refuses and counts it. It is void once
+    /// its validity has passed unless the move has begun.
     ///
     /// # Errors
     /// The reason, see [`Unscheduled`].
     pub fn on_scheduled(&mut self, scheduled: &Scheduled) -> Result<(), Unscheduled> {
         let bound = self.dead_man.session(self.now);
         self.schedule_gate.offer(bound, scheduled).map_err(Unscheduled::Refused)?;
-        let taken = self.on_schedule(scheduled.trim, self.now + scheduled.validity);
+        let taken = self.schedules() && self.executor.schedule(scheduled.trim, self.now + scheduled.validity);
         if taken { Ok(()) } else { Err(Unscheduled::Late) }
     }
 
-    /// Attaches a trim to a coming move, void at `lapse` unless the move has begun; false where it is refused: not
-    /// physical, too late, or sent to a host that cannot execute it.
-    pub fn on_schedule(&mut self, trim: MotionTrim, lapse: Seconds) -> bool {
-        self.schedules() && trim.is_valid() && self.executor.schedule(trim, lapse)
+    /// Trims that are attached to the move under way and to coming ones, and have not lapsed.
+    #[must_use]
+    pub fn attached(&self) -> usize {
+        self.executor.scheduled()
     }
 
     /// What the drive's advance follows: the schedule while a permit to act is in force, else `K_A` of now. Between file,

@@ -22,7 +22,8 @@ impl Printing {
         if let Some(bagging) = &mut self.bagging {
             bagging.allow_ahead(now, &allowed);
         }
-        _ = self.simulator.on_schedule(allowed.trim, Seconds(f64::INFINITY));
+        // As the node does: beside permits of this supervisor, until it lapses. The first moves after a halt come too late.
+        _ = self.simulator.on_scheduled(&allowed);
     }
 
     fn wish_ahead(&mut self, (stamp, sequence): (Seconds, u64), segment: &Segment) -> Option<Scheduled> {
