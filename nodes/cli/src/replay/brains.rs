@@ -58,7 +58,7 @@ pub(crate) fn encode<T: RosType>(message: &T) -> Option<Vec<u8>> {
 impl<'a> Brains<'a> {
     /// Brains that have seen nothing.
     pub(crate) fn new(settings: &'a Settings, feeds: Feeds) -> anyhow::Result<Self> {
-        let nominal = (&settings.printer.hotend, &settings.printer.extruder);
+        let (estimated, controlled) = (&settings.estimated, &settings.controlled);
         let sessions = settings.sessions;
         let predictor = settings.foresight.as_ref().map(|setup| {
             let (params, compensation) = (setup.params.clone(), setup.compensation.clone());
@@ -68,11 +68,15 @@ impl<'a> Brains<'a> {
         Ok(Self {
             settings,
             feeds,
-            estimator: Estimator::new(settings.estimator, nominal, &settings.material),
+            estimator: Estimator::new(
+                settings.estimator,
+                (&estimated.printer.hotend, &estimated.printer.extruder),
+                &estimated.material,
+            ),
             controller: Controller::new(
                 settings.controller,
-                nominal,
-                &settings.material,
+                (&controlled.printer.hotend, &controlled.printer.extruder),
+                &controlled.material,
                 sessions.controller,
             )?,
             supervisor: Supervisor::new(settings.supervisor, sessions.supervisor, None),

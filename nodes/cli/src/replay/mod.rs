@@ -8,6 +8,7 @@ mod brains;
 mod compare;
 mod record;
 mod schedule;
+mod set;
 mod settings;
 mod text;
 
@@ -24,7 +25,8 @@ use record::Record;
 use runtime::topics;
 use schedule::{Schedule, Timers};
 use serde::Serialize;
-use settings::{Set, Settings, Source};
+use set::Set;
+use settings::{Settings, Source};
 use std::path::PathBuf;
 
 /// Runs the brains over a bag in virtual time.
@@ -99,7 +101,7 @@ pub fn run(args: &ReplayArgs) -> anyhow::Result<()> {
 }
 
 fn figures(args: &ReplayArgs) -> anyhow::Result<Figures> {
-    let sets = args.set.iter().map(|text| Set::parse(text)).collect::<anyhow::Result<Vec<_>>>()?;
+    let sets = Set::parse_all(&args.set)?;
     let judged = args.camera || sets.iter().any(|set| set.node == "defect_classifier");
     let config = ConfigDir::find(args.config.as_deref())?;
     config.check_material(&args.material)?;

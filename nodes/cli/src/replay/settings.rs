@@ -1,7 +1,8 @@
 //! The parameters with which a bag was recorded, and those that are set instead.
 
+use super::set::Set;
 use crate::config::{ConfigDir, Foresight, Sight};
-use anyhow::{anyhow, bail};
+use anyhow::anyhow;
 use models::material::Material;
 use models::printer::Printer;
 use runtime::params::{NodePath, ParamFileError, Parameters};
@@ -32,14 +33,28 @@ struct Unlike {
     unknown: Vec<String>,
 }
 
+/// The printer and the material that a brain believes in; each has its own, as its node has.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Nominal {
+    pub(crate) printer: Printer,
+    pub(crate) material: Material,
+}
+
+impl Nominal {
+    fn of(parameters: &Parameters) -> Result<Self, ParamFileError> {
+        Ok(Self { printer: parameters.block("printer")?, material: parameters.block("material")? })
+    }
+}
+
 /// Parameters of every brain.
 #[derive(Debug, Clone)]
 pub(crate) struct Settings {
     pub(crate) estimator: state_estimator::Params,
     pub(crate) controller: mpc_controller::Params,
     pub(crate) supervisor: safety_supervisor::Params,
-    pub(crate) printer: Printer,
-    pub(crate) material: Material,
+    /// What the estimator and the controller believe of printer and material.
+    pub(crate) estimated: Nominal,
+    pub(crate) controlled: Nominal,
     pub(crate) sight: Option<Sight>,
     pub(crate) foresight: Option<Foresight>,
     pub(crate) sessions: Sessions,
@@ -70,31 +85,6 @@ impl Recorded {
     }
 }
 
-/// A parameter that is set instead of the recorded one.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Set {
-    pub(crate) node: &'static str,
-    pub(crate) name: String,
-    pub(crate) value: String,
-}
-
-impl Set {
-    /// Reads `node.param=value`.
-    pub(crate) fn parse(text: &str) -> anyhow::Result<Self> {
-        let parts = text
-            .split_once('=')
-            .and_then(|(path, value)| path.split_once('.').map(|(node, name)| (node, name, value)))
-            .filter(|(_, name, value)| !name.is_empty() && !value.is_empty());
-        let Some((node, name, value)) = parts else {
-            bail!("--set {text}: must be node.parameter=value");
-        };
-        match BRAINS.iter().find(|brain| **brain == node) {
-            Some(node) => Ok(Self { node, name: name.to_owned(), value: value.to_owned() }),
-            None => bail!("--set {text}: no brain '{node}' is replayed; there are {}", BRAINS.join(", ")),
-        }
-    }
-}
-
 /// Where parameters come from.
 pub(crate) struct Source<'a> {
     pub(crate) config: &'a ConfigDir,
@@ -115,8 +105,8 @@ impl Source<'_> {
         let supervisor = self.parameters("safety_supervisor", sets)?.without(&["latch_file"]);
         let refuse = |node| move |error: ParamFileError| refused(node, sets, &error);
         Ok(Settings {
-            printer: estimator.block("printer").map_err(refuse("state_estimator"))?,
-            material: estimator.block("material").map_err(refuse("state_estimator"))?,
+            estimated: Nominal::of(&estimator).map_err(refuse("state_estimator"))?,
+            controlled: Nominal::of(&controller).map_err(refuse("mpc_controller"))?,
             estimator: estimator.without(&NOMINAL).parse().map_err(refuse("state_estimator"))?,
             controller: controller
                 .without(&NOMINAL)
@@ -284,13 +274,22 @@ mod tests {
         );
     }
 
+    /// The controller has a printer and a material of its own, as its node has: either is set alone.
     #[test]
-    fn what_is_set_is_refused_by_name() {
-        let said = |text| Set::parse(text).unwrap_err().to_string();
-        assert!(Set::parse("mpc_controller.trims.delay_s=0.2").is_ok());
-        assert_eq!(said("mpc_controller=2"), "--set mpc_controller=2: must be node.parameter=value");
-        assert!(
-            said("thermistor.x=1").contains("no brain 'thermistor' is replayed; there are state_estimator")
-        );
+    fn what_is_set_of_printer_and_material_reaches_the_brain_that_it_is_set_of() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+        let config = &ConfigDir::find(Some(&root)).unwrap();
+        let recorded = &Recorded::default();
+        let (material, sessions) = ("PLA", Sessions::default());
+        let source = Source { config, recorded, material, frames: false, predictions: false, sessions };
+        let set = |text: &str| source.settings(&[Set::parse(text).unwrap()]);
+        let shipped = source.settings(&[]).unwrap();
+        let lag = set("mpc_controller.material.lag_s=0.7").unwrap();
+        assert!((lag.controlled.material.lag_s - 0.7).abs() < 1e-12 && lag.estimated == shipped.estimated);
+        let force = set("state_estimator.printer.extruder.force_max_n=70.0").unwrap();
+        assert!((force.estimated.printer.extruder.force_max_n - 70.0).abs() < 1e-12);
+        assert_eq!(force.controlled, shipped.controlled);
+        let refused = set("mpc_controller.material.lag_s=0.0").unwrap_err().to_string();
+        assert!(refused.starts_with("--set mpc_controller.material.lag_s=0.0: "), "{refused}");
     }
 }
