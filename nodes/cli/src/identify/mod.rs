@@ -25,7 +25,7 @@ use mpc_controller::params::Level;
 use params::IdentifyParams;
 use record::Recorded;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Learns a printer from a recorded heat-up and test line: hot end, pressure lag, noise, each with its 95 % interval.
 ///
@@ -37,13 +37,16 @@ pub struct IdentifyArgs {
     /// Folder of the bag, or one .mcap file.
     #[arg(required_unless_present = "trial", conflicts_with = "trial")]
     bag: Option<PathBuf>,
-    /// Write a printer file, in the form of config/printers/.
+    /// Write a new printer file, in the form of config/printers/.
     #[arg(long, conflicts_with = "trial")]
     out: Option<PathBuf>,
+    /// Replace the printer file if it is there.
+    #[arg(long, requires = "out")]
+    overwrite: bool,
     /// Learn only this; the rest stays as the printer's file says.
     #[arg(long, value_enum, conflicts_with = "trial")]
     only: Option<Part>,
-    /// Material that was printed.
+    /// Material that was printed: as the bag says; PLA where it says nothing.
     #[arg(long)]
     material: Option<String>,
     /// Namespace of the printer; the first one in the bag by default.
@@ -100,11 +103,12 @@ pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
     };
     if let Some(out) = &args.out {
         output::check_apart(out, std::slice::from_ref(bag))?;
+        check_new(out, args.overwrite)?;
     }
     let params = IdentifyParams::load(&config)?;
-    let material = args.material.clone().unwrap_or_else(|| "PLA".to_owned());
-    let setup = config.load(&Choice::of(material, Level::Off))?;
     let recorded = Recorded::read(bag, args.namespace.as_deref())?;
+    let material = material(args.material.as_deref(), recorded.material(), &bag.display().to_string())?;
+    let setup = config.load(&Choice::of(material, Level::Off))?;
     let with_flow = args.only != Some(Part::Hotend);
     check(&recorded, &setup, (&params, with_flow), &bag.display().to_string())?;
     let learned = learn(&recorded, (&setup.printer, &setup.material), &params, with_flow)
@@ -128,6 +132,24 @@ pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
         output::line(&text::page(&figures))?;
     }
     json.write(&figures)
+}
+
+/// Refuses a file that is there, whose numbers nobody could bring back, unless it is to be replaced.
+fn check_new(out: &Path, overwrite: bool) -> anyhow::Result<()> {
+    if out.is_file() && !overwrite {
+        bail!("--out {}: is there already; --overwrite replaces it", out.display());
+    }
+    Ok(())
+}
+
+/// The material whose melt is taken as given: what the bag says was printed; what is asked for has to be the same.
+fn material(asked: Option<&str>, printed: Option<&str>, bag: &str) -> anyhow::Result<String> {
+    match (asked, printed) {
+        (Some(asked), Some(printed)) if !asked.eq_ignore_ascii_case(printed) => {
+            bail!("--material {asked}: {bag} is a print in {printed}, as its print/info says")
+        }
+        (asked, printed) => Ok(asked.or(printed).unwrap_or("PLA").to_owned()),
+    }
 }
 
 /// Refuses a bag out of which nothing can be learned, and says everything that it lacks.

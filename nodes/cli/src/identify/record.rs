@@ -4,6 +4,7 @@ use crate::report::bag::Bag;
 use crate::report::decode::decode;
 use crate::report::scan::{Raw, Visitor, scan_what_is_there};
 use anyhow::bail;
+use fdm_loop_msgs::PrintInfo;
 use models::status::PrinterStatus;
 use models::units::Kelvin;
 use runtime::topics;
@@ -41,7 +42,12 @@ pub(super) struct Recorded {
     pub(super) refused: u64,
     namespace: Option<String>,
     jumped: bool,
+    /// Material of the configuration in force.
+    material: Option<String>,
 }
+
+/// What a configuration says before the name of its material.
+const MATERIAL: &str = "material.name: ";
 
 impl Recorded {
     /// Reads a bag.
@@ -67,6 +73,11 @@ impl Recorded {
         }
     }
 
+    /// Material that was printed, as the print's configuration says.
+    pub(super) fn material(&self) -> Option<&str> {
+        self.material.as_deref()
+    }
+
     fn take(&mut self, topic: &str, payload: &[u8]) -> Option<()> {
         match topic {
             topic if topic == topics::HOTEND_TEMPERATURE.name() => {
@@ -90,6 +101,11 @@ impl Recorded {
                 let (at_s, width_m, sigma_m) = (read.exposed.0, read.width_m, read.sigma_m);
                 self.widths.push(Width { at_s, width_m, sigma_m });
             }
+            topic if topic == topics::PRINT_INFO.name() => {
+                let info: PrintInfo = decode(payload)?;
+                let name = info.config.lines().find_map(|line| line.strip_prefix(MATERIAL));
+                self.material = name.map(|name| name.trim().trim_matches('"').to_owned());
+            }
             _ => {}
         }
         Some(())
@@ -106,7 +122,8 @@ fn push(readings: &mut Vec<At>, reading: At, jumped: &mut bool) {
 }
 
 /// Topics that are read.
-const READ: [&str; 4] = [
+const READ: [&str; 5] = [
+    topics::PRINT_INFO.name(),
     topics::HOTEND_TEMPERATURE.name(),
     topics::PRINTER_STATE.name(),
     topics::FILAMENT_MOTION.name(),
@@ -127,4 +144,22 @@ impl Visitor for Recorded {
     }
 
     fn note(&mut self, _: &str, _: &BTreeMap<String, String>) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_material_is_the_one_of_the_prints_configuration() {
+        let read = |config: &str| {
+            let info = PrintInfo { config: config.to_owned(), ..PrintInfo::default() };
+            let mut recorded = Recorded::default();
+            recorded.take(topics::PRINT_INFO.name(), &crate::replay::encode(&info).unwrap()).unwrap();
+            recorded.material().map(str::to_owned)
+        };
+        let config = "# imu 0f\nperiod_s: 0.1\n\n# mpc_controller 1a\nmaterial.name: \"PETG\"\n";
+        assert_eq!(read(config).as_deref(), Some("PETG"));
+        assert_eq!(read("# imu 0f\nperiod_s: 0.1\n"), None);
+    }
 }

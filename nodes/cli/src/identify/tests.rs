@@ -211,3 +211,32 @@ fn a_bag_without_excitation_is_refused_with_what_is_missing() {
         "{empty}"
     );
 }
+
+/// Lags of a PLA melt, taken for PETG's, would be learned without a word.
+#[test]
+fn a_material_that_the_bag_contradicts_is_refused() {
+    let of = |asked, printed| super::material(asked, printed, "bags/cold").map_err(|error| error.to_string());
+    assert_eq!(
+        of(Some("PETG"), Some("PLA")).unwrap_err(),
+        "--material PETG: bags/cold is a print in PLA, as its print/info says"
+    );
+    for (asked, printed, taken) in [
+        (Some("pla"), Some("PLA"), "pla"),
+        (None, Some("PETG"), "PETG"),
+        (Some("ABS"), None, "ABS"),
+        (None, None, "PLA"),
+    ] {
+        assert_eq!(of(asked, printed).as_deref(), Ok(taken));
+    }
+}
+
+#[test]
+fn a_printer_file_is_replaced_only_where_that_is_asked_for() {
+    let out = std::env::temp_dir().join(format!("fdm_identify_out_{}.yaml", std::process::id()));
+    assert!(super::check_new(&out, false).is_ok(), "not there");
+    std::fs::write(&out, "mine").unwrap();
+    let refused = super::check_new(&out, false).unwrap_err().to_string();
+    assert!(refused.contains("is there already; --overwrite replaces it"), "{refused}");
+    assert!(super::check_new(&out, true).is_ok());
+    std::fs::remove_file(&out).unwrap();
+}
