@@ -51,6 +51,8 @@ pub struct Controller {
     estimate: Option<Estimate>,
     /// Move in force, about the base.
     held: Move,
+    /// Exposure of the newest width `[s]`.
+    width_s: Option<f64>,
     /// Since when path, width and deposition are steady `[s]`.
     steady_since_s: f64,
     /// Since when the trims in force differ from the held ones `[s]`.
@@ -93,6 +95,7 @@ impl Controller {
             status: None,
             estimate: None,
             held: [0.0; input::COUNT],
+            width_s: None,
             steady_since_s: f64::NEG_INFINITY,
             differ_since_s: None,
             report: Report::default(),

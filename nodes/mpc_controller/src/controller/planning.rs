@@ -19,6 +19,11 @@ impl Controller {
             self.report.refusals.width.invalid += 1;
             return;
         }
+        if self.width_s.is_some_and(|newest_s| exposed.0 <= newest_s) {
+            self.report.refusals.width.late += 1;
+            return;
+        }
+        let before_s = self.width_s.replace(exposed.0);
         self.advance.on_width(exposed, width_m);
         let Some(status) = self.status else { return };
         let target_m = status.target_width_m.filter(|_| status.depositing);
@@ -30,8 +35,10 @@ impl Controller {
             return;
         }
         let error = self.params.deadband.relative(error);
-        let (low, high, rate) =
-            (self.params.limits.low(), self.params.limits.high(), self.params.limits.rate());
+        // Rates are per period: frames that follow each other faster have a part of it each.
+        let share = before_s.map_or(1.0, |before_s| ((exposed.0 - before_s) / self.params.period_s).min(1.0));
+        let rate = self.params.limits.rate().map(|rate| share * rate);
+        let (low, high) = (self.params.limits.low(), self.params.limits.high());
         let around = |index: usize| {
             (
                 (self.held[index] - rate[index]).max(low[index]),

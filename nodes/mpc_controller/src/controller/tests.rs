@@ -21,6 +21,7 @@ struct Node {
 }
 
 mod force;
+mod frames;
 mod health;
 mod preview;
 mod rig;

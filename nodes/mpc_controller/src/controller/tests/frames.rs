@@ -1,0 +1,49 @@
+//! Widths: in order, once each, and no faster than the time between them allows.
+
+use super::*;
+
+/// 4.5 % too wide: beyond the dead band, and no transient.
+const WIDE_M: f64 = 1.045 * 4.8e-4;
+
+fn steady() -> Controller {
+    let mut rig = Rig::new(Level::Mpc);
+    rig.run(59, |estimate| estimate);
+    rig.controller
+}
+
+fn see(controller: &mut Controller, exposed_s: f64) {
+    controller.on_event(Event::Width { exposed: Seconds(exposed_s), width_m: WIDE_M });
+}
+
+#[test]
+fn a_width_that_is_repeated_or_older_is_refused_and_counted() {
+    let mut controller = steady();
+    see(&mut controller, 2.9);
+    let after_one = controller.held;
+    assert!(after_one[FEED] < -1e-4, "{after_one:?}");
+    for exposed_s in [2.9, 2.8, 1.0] {
+        see(&mut controller, exposed_s);
+    }
+    assert_eq!((controller.held, controller.report().refusals.width.late), (after_one, 3));
+    see(&mut controller, 3.4);
+    assert!(controller.held[FEED] < after_one[FEED], "{:?}", controller.held);
+    assert_eq!(controller.report().refusals.width.late, 3);
+}
+
+/// A hundred frames within a period of the plan may move the feed by what the period allows, not by a hundred gains.
+#[test]
+fn a_burst_of_frames_moves_no_further_than_its_time_allows() {
+    let mut controller = steady();
+    let (period_s, rate) = (controller.params.period_s, controller.params.limits.rate());
+    see(&mut controller, 2.9);
+    let before = controller.held;
+    for frame in 1..=100 {
+        see(&mut controller, 2.9 + 0.01 * period_s * f64::from(frame));
+    }
+    assert_eq!(controller.report().refusals.width.late, 0);
+    for index in [FEED, SPEED] {
+        let moved = (controller.held[index] - before[index]).abs();
+        assert!(moved <= rate[index] + 1e-9, "{index}: {moved} of {}", rate[index]);
+    }
+    assert!((controller.held[FEED] - before[FEED]).abs() > 0.5 * rate[FEED], "{:?}", controller.held);
+}
