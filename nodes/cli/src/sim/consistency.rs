@@ -41,10 +41,8 @@ impl Consistency {
             truth.gain,
         ]);
         let held = estimate.held();
-        for state in 0..STATES {
-            self.observed[state] |= estimate.observed[state];
-            self.moved[state] |= !held[state];
-        }
+        self.observed = std::array::from_fn(|state| self.observed[state] || estimate.observed[state]);
+        self.moved = std::array::from_fn(|state| self.moved[state] || !held[state]);
         let error = actual - estimate.x;
         for (state, covered) in self.covered.iter_mut().enumerate() {
             let inside = error[state].abs() <= COVERED * estimate.p[(state, state)].sqrt();
