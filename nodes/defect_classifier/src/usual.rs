@@ -12,6 +12,7 @@
 
 use crate::width::Facing;
 use models::params::{ParamError, in_range, ordered};
+use models::units::Seconds;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -42,6 +43,9 @@ pub struct RawUsual {
     pub drift_slack_rel: f64,
     /// Largest drift: how fast sound widths take it back `[-]`.
     pub drift_max_rel: f64,
+    /// From the first width of a print and after a resume, widths add nothing to the drift for so long: the pressure in
+    /// the nozzle builds up, and sound roads are thin `[s]`.
+    pub build_up_s: f64,
 }
 
 impl TryFrom<RawUsual> for UsualParams {
@@ -57,6 +61,7 @@ impl TryFrom<RawUsual> for UsualParams {
         in_range("usual.error_max_rel", raw.error_max_rel, "-", (0.01, 1.0))?;
         in_range("usual.drift_slack_rel", raw.drift_slack_rel, "-", (0.001, 0.5))?;
         in_range("usual.drift_max_rel", raw.drift_max_rel, "-", (0.01, 10.0))?;
+        in_range("usual.build_up_s", raw.build_up_s, "s", (0.0, 60.0))?;
         let slack = ("usual.drift_slack_rel", raw.drift_slack_rel);
         ordered(slack, ("usual.error_max_rel", raw.error_max_rel))?;
         ordered(slack, ("usual.drift_max_rel", raw.drift_max_rel))?;
@@ -96,25 +101,30 @@ pub struct Usual {
     facings: BTreeMap<Facing, Learned>,
     /// Sums of what exceeded the slack: too little, too much.
     drifts_rel: [f64; 2],
+    /// When the first width since then was laid.
+    first: Option<Seconds>,
 }
 
 impl Usual {
     /// Nothing learned: the file's own width is the usual one.
     #[must_use]
     pub fn new(params: UsualParams) -> Self {
-        Self { params: params.0, facings: BTreeMap::new(), drifts_rel: [0.0; 2] }
+        Self { params: params.0, facings: BTreeMap::new(), drifts_rel: [0.0; 2], first: None }
     }
 
     /// Forgets what errors add up to: after a pause the flow may be another.
     pub fn forget_drift(&mut self) {
-        self.drifts_rel = [0.0; 2];
+        (self.drifts_rel, self.first) = ([0.0; 2], None);
     }
 
     /// What a width says; `ratio` is the width over the wanted one, without the loop's corrections.
-    pub fn on_width(&mut self, ratio: f64, facing: Facing) -> WidthError {
+    pub fn on_width(&mut self, laid: Seconds, ratio: f64, facing: Facing) -> WidthError {
         let error_rel = self.error_rel(ratio, facing);
         if !error_rel.is_finite() {
             return WidthError { error_rel, drift_rel: error_rel };
+        }
+        if laid.0 < self.first.get_or_insert(laid).0 + self.params.build_up_s {
+            return WidthError { error_rel, drift_rel: 0.0 };
         }
         let counts_rel = error_rel.clamp(-self.params.error_max_rel, self.params.error_max_rel);
         for (drift_rel, sign) in self.drifts_rel.iter_mut().zip([-1.0, 1.0]) {
@@ -177,12 +187,14 @@ pub(crate) mod tests {
             error_max_rel: 0.2,
             drift_slack_rel: 0.06,
             drift_max_rel: 0.3,
+            build_up_s: 4.0,
         }
     }
 
     fn after(ratios: impl IntoIterator<Item = f64>) -> Usual {
         let mut usual = Usual::new(params());
-        ratios.into_iter().for_each(|ratio| _ = usual.on_width(ratio, here()));
+        usual.on_width(Seconds(0.0), 1.0, here());
+        ratios.into_iter().for_each(|ratio| _ = usual.on_width(Seconds(4.0), ratio, here()));
         usual
     }
 
@@ -193,7 +205,7 @@ pub(crate) mod tests {
     /// 1.07 * 0.8 is 0.856: 14 % short of the file, a fifth short of itself.
     #[test]
     fn a_fifth_is_a_fifth_on_a_printer_that_lays_too_much() {
-        let error_rel = after([1.07; 40]).on_width(0.856, here()).error_rel;
+        let error_rel = after([1.07; 40]).on_width(Seconds(4.0), 0.856, here()).error_rel;
         assert!((error_rel + 0.2).abs() < 1e-9, "{error_rel}");
     }
 
@@ -202,28 +214,28 @@ pub(crate) mod tests {
     fn an_edge_that_faces_as_none_before_may_err() {
         let mut usual = after([1.0; 40]);
         let there = Facing::numbered(3);
-        let errors: Vec<f64> = (0..20).map(|_| usual.on_width(0.87, there).error_rel).collect();
+        let errors: Vec<f64> = (0..20).map(|_| usual.on_width(Seconds(4.0), 0.87, there).error_rel).collect();
         assert!(errors[..6].iter().all(|error_rel| (error_rel + 0.07).abs() < 1e-9), "{errors:?}");
         // What is usual for it has become known; a fifth of it is one.
-        let error_rel = usual.on_width(0.8 * 0.87, there).error_rel;
+        let error_rel = usual.on_width(Seconds(4.0), 0.8 * 0.87, there).error_rel;
         assert!((-0.22..-0.2 + 1e-9).contains(&error_rel), "{error_rel}");
-        assert!((after([1.0; 40]).on_width(0.8, there).error_rel + 0.14).abs() < 1e-9);
+        assert!((after([1.0; 40]).on_width(Seconds(4.0), 0.8, there).error_rel + 0.14).abs() < 1e-9);
     }
 
     #[test]
     fn a_defect_does_not_become_usual() {
         let mut usual = after([1.0; 40]);
         for _ in 0..1000 {
-            assert!((usual.on_width(0.82, here()).error_rel + 0.18).abs() < 1e-9);
+            assert!((usual.on_width(Seconds(4.0), 0.82, here()).error_rel + 0.18).abs() < 1e-9);
         }
-        let from_the_first = after([0.8; 1000]).on_width(0.8, here()).error_rel;
+        let from_the_first = after([0.8; 1000]).on_width(Seconds(4.0), 0.8, here()).error_rel;
         assert!((from_the_first + 0.14).abs() < 1e-9, "{from_the_first}");
     }
 
     #[test]
     fn what_creeps_stays_a_defect_by_the_file() {
         let creeping = (0..4000).map(|width| 1.0 - 5e-5 * f64::from(width));
-        let last = after(creeping).on_width(0.8, here());
+        let last = after(creeping).on_width(Seconds(4.0), 0.8, here());
         assert!(last.error_rel < -0.099 && last.drift_rel < -0.299, "{last:?}");
     }
 
@@ -231,14 +243,18 @@ pub(crate) mod tests {
     #[test]
     fn what_one_width_hides_many_tell() {
         let mut usual = after([1.0; 40]);
-        let drifts: Vec<f64> = (0..8).map(|_| usual.on_width(0.91, here()).drift_rel).collect();
+        let drifts: Vec<f64> = (0..8).map(|_| usual.on_width(Seconds(4.0), 0.91, here()).drift_rel).collect();
         assert!((drifts[0] + 0.03).abs() < 1e-9 && drifts[7] < -0.19 && drifts[7] > -0.241, "{drifts:?}");
         usual.forget_drift();
-        assert!(usual.on_width(1.0, here()).drift_rel.abs() < 1e-9);
-        let wild = usual.on_width(0.3, here()).drift_rel;
+        for laid_s in [20.0, 22.0, 23.9] {
+            assert!(
+                usual.on_width(Seconds(laid_s), 0.7, here()).drift_rel.abs() < 1e-9,
+                "it builds up: {laid_s}"
+            );
+        }
+        let wild = usual.on_width(Seconds(24.0), 0.3, here()).drift_rel;
         assert!((wild + 0.14).abs() < 1e-9, "one convicts of nothing: {wild}");
-        usual.forget_drift();
-        let much = (0..20).map(|_| usual.on_width(1.2, here()).drift_rel).last().unwrap();
+        let much = (0..20).map(|_| usual.on_width(Seconds(25.0), 1.2, here()).drift_rel).last().unwrap();
         assert!((much - 0.3).abs() < 1e-9, "bounded: {much}");
     }
 
@@ -247,15 +263,15 @@ pub(crate) mod tests {
         let mut usual = after([1.0; 40]);
         for width in 0..100 {
             let error = if width % 2 == 0 { 0.09 } else { -0.09 };
-            assert!(usual.on_width(1.0 + error, here()).drift_rel.abs() < 0.04);
+            assert!(usual.on_width(Seconds(4.0), 1.0 + error, here()).drift_rel.abs() < 0.04);
         }
     }
 
     #[test]
     fn nothing_is_learned_from_a_nan() {
         let mut usual = after([1.05; 40]);
-        assert!(usual.on_width(f64::NAN, here()).error_rel.is_nan());
-        let after = usual.on_width(1.05, here());
+        assert!(usual.on_width(Seconds(4.0), f64::NAN, here()).error_rel.is_nan());
+        let after = usual.on_width(Seconds(4.0), 1.05, here());
         assert!(after.error_rel.abs() < 0.051 && after.drift_rel.abs() < 1e-9, "{after:?}");
     }
 

@@ -200,7 +200,6 @@ impl Supervisor {
         });
         if self.modes.update(now, &raised, job_runs) {
             let after = self.modes.mode();
-            self.checks.on_mode(now, (before, after));
             let what = if before == after { What::CauseChanged } else { What::ModeChanged };
             self.find(now);
             let why = self.found.map_or("the cause is gone", |(cause, _)| cause.text());

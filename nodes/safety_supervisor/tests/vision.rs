@@ -116,7 +116,7 @@ fn p9_p5_confirmed_defects_pause_with_their_cause() {
 
 /// S7: with the accelerations the corrections end, and the pressure in the nozzle takes seconds to follow.
 #[test]
-fn p5_waits_until_roads_are_the_slicers_own_again() {
+fn p5_waits_longer_where_nothing_is_corrected() {
     let mut watched = Watched::acting();
     watched.shock_m_s2 = None;
     watched.until(Mode::Degraded);

@@ -17,8 +17,9 @@ impl Classifier {
     pub(super) fn judge(&mut self, grey: &Mat, exposed: Seconds, found: &Found) -> Result<Judged, Unusable> {
         // What the loop corrects is wrong all the same: the width is held against what the file alone would have laid.
         let flow = self.status.map_or(1.0, |status| status.trims.flow);
-        let width =
-            found.width.map(|width| self.usual.on_width(width.width_m / width.wanted_m / flow, width.facing));
+        let width = found.width.map(|width| {
+            self.usual.on_width(width.laid, width.width_m / width.wanted_m / flow, width.facing)
+        });
         let measured = Measured {
             width_error_rel: width.map(|width| width.error_rel),
             width_drift_rel: width.map(|width| width.drift_rel),

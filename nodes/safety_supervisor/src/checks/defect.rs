@@ -10,8 +10,6 @@ use crate::params::DefectParams;
 pub struct DefectCheck {
     params: DefectParams,
     confirmed: Option<(Defect, Seconds)>,
-    /// When roads are as the slicer's own values lay them again, after corrections were taken back.
-    settled: Option<Seconds>,
     blind_since: Option<Seconds>,
 }
 
@@ -19,7 +17,7 @@ impl DefectCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: DefectParams) -> Self {
-        Self { params, confirmed: None, settled: None, blind_since: None }
+        Self { params, confirmed: None, blind_since: None }
     }
 
     /// Takes what one frame says. A frame that cannot be judged neither confirms nor clears.
@@ -38,22 +36,16 @@ impl DefectCheck {
         };
     }
 
-    /// Corrections are taken back from now on: while the pressure in the nozzle follows, roads are too thin or too wide.
-    pub fn corrections_ended(&mut self, now: Seconds) {
-        self.settled = Some(Seconds(now.0 + self.params.settle_s));
-    }
-
-    /// The defect that calls for a pause: a loose print at once, a wrong road where it lasts.
+    /// The defect that calls for a pause: a loose print at once, a wrong road where it lasts. Where nothing is `corrected`
+    /// it has to last longer: until the pressure in the nozzle has built up, a sound road is as thin as one of a clog.
     #[must_use]
-    pub fn tripped(&self, now: Seconds) -> Option<Defect> {
+    pub fn tripped(&self, now: Seconds, corrected: bool) -> Option<Defect> {
         self.confirmed.and_then(|(defect, since)| {
-            let lasts_s = |since: Seconds| (now - since).0;
+            let lasts_s = (now - since).0;
             let calls = match defect {
                 Defect::Spaghetti => true,
-                Defect::Under | Defect::Over => {
-                    lasts_s(since) >= self.params.persist_s
-                        && self.settled.is_none_or(|settled| lasts_s(settled) >= self.params.persist_s)
-                }
+                Defect::Under | Defect::Over if corrected => lasts_s >= self.params.persist_s,
+                Defect::Under | Defect::Over => lasts_s >= self.params.uncorrected_s,
                 Defect::Other => false,
             };
             calls.then_some(defect)
@@ -81,30 +73,32 @@ mod tests {
     }
 
     fn check() -> DefectCheck {
-        DefectCheck::new(DefectParams { persist_s: 5.0, settle_s: 4.0, blind_s: 10.0 })
+        DefectCheck::new(DefectParams { persist_s: 1.0, uncorrected_s: 5.0, blind_s: 10.0 })
     }
 
     #[test]
     fn a_loose_print_trips_at_once_a_thin_road_where_it_lasts() {
         let mut loose = check();
         loose.on_report(Seconds(1.0), &report(Some(Defect::Spaghetti), true));
-        assert_eq!(loose.tripped(Seconds(1.0)), Some(Defect::Spaghetti));
+        assert_eq!(loose.tripped(Seconds(1.0), true), Some(Defect::Spaghetti));
         let mut thin = check();
         thin.on_report(Seconds(1.0), &report(Some(Defect::Under), true));
-        assert_eq!((thin.tripped(Seconds(5.9)), thin.tripped(Seconds(6.0))), (None, Some(Defect::Under)));
-        thin.on_report(Seconds(5.0), &report(None, true));
-        assert_eq!(thin.tripped(Seconds(6.0)), None);
+        let later = [1.9, 2.0].map(|now_s| thin.tripped(Seconds(now_s), true));
+        assert_eq!(later, [None, Some(Defect::Under)]);
+        thin.on_report(Seconds(2.0), &report(None, true));
+        assert_eq!(thin.tripped(Seconds(3.0), true), None);
     }
 
-    /// The pressure in the nozzle follows the slicer's own values for seconds: roads are thin meanwhile, none is loose.
+    /// Without corrections roads are thin for seconds wherever the pressure in the nozzle has to build up; none is loose.
     #[test]
-    fn thin_roads_do_not_count_while_corrections_are_taken_back() {
+    fn thin_roads_have_to_last_longer_where_nothing_is_corrected() {
         let mut thin = check();
         thin.on_report(Seconds(1.0), &report(Some(Defect::Under), true));
-        thin.corrections_ended(Seconds(2.0));
-        assert_eq!((thin.tripped(Seconds(10.9)), thin.tripped(Seconds(11.0))), (None, Some(Defect::Under)));
+        assert_eq!(thin.tripped(Seconds(2.0), true), Some(Defect::Under));
+        let later = [5.9, 6.0].map(|now_s| thin.tripped(Seconds(now_s), false));
+        assert_eq!(later, [None, Some(Defect::Under)]);
         thin.on_report(Seconds(3.0), &report(Some(Defect::Spaghetti), true));
-        assert_eq!(thin.tripped(Seconds(3.0)), Some(Defect::Spaghetti));
+        assert_eq!(thin.tripped(Seconds(3.0), false), Some(Defect::Spaghetti));
     }
 
     #[test]
@@ -112,10 +106,10 @@ mod tests {
         let mut check = check();
         check.on_report(Seconds(0.0), &report(Some(Defect::Spaghetti), true));
         check.on_report(Seconds(1.0), &report(None, false));
-        assert_eq!(check.tripped(Seconds(1.0)), Some(Defect::Spaghetti));
+        assert_eq!(check.tripped(Seconds(1.0), true), Some(Defect::Spaghetti));
         check.on_report(Seconds(9.0), &report(None, false));
         assert!(!check.is_blind(Seconds(11.0)) && check.is_blind(Seconds(11.1)));
         check.on_report(Seconds(12.0), &report(None, true));
-        assert!(!check.is_blind(Seconds(12.0)) && check.tripped(Seconds(12.0)).is_none());
+        assert!(!check.is_blind(Seconds(12.0)) && check.tripped(Seconds(12.0), true).is_none());
     }
 }

@@ -20,7 +20,6 @@ use crate::checks::stale::StaleCheck;
 use crate::checks::stop_input::StopInputCheck;
 use crate::event::{Defect, Stream};
 use crate::params::{Params, Streams};
-use models::command::Mode;
 use models::units::Seconds;
 
 /// Ages of the streams.
@@ -176,13 +175,6 @@ impl Checks {
         self.filament.reset();
         self.oscillation.reset();
         self.forget_pictures();
-    }
-
-    /// The mode has changed.
-    pub(super) fn on_mode(&mut self, now: Seconds, (before, after): (Mode, Mode)) {
-        if before == Mode::Act && after != Mode::Act {
-            self.defect.corrections_ended(now);
-        }
     }
 
     /// What the camera's judge has said counts no more.
