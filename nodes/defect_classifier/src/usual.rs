@@ -193,8 +193,10 @@ pub(crate) mod tests {
 
     fn after(ratios: impl IntoIterator<Item = f64>) -> Usual {
         let mut usual = Usual::new(params());
-        usual.on_width(Seconds(0.0), 1.0, here());
-        ratios.into_iter().for_each(|ratio| _ = usual.on_width(Seconds(4.0), ratio, here()));
+        // The first of them opens the time in which pressure builds up, the others come after it.
+        for (number, ratio) in ratios.into_iter().enumerate() {
+            usual.on_width(Seconds(if number == 0 { 0.0 } else { 4.0 }), ratio, here());
+        }
         usual
     }
 

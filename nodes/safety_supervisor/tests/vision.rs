@@ -102,8 +102,8 @@ fn p8_a_layer_shift_pauses() {
 fn p9_p5_confirmed_defects_pause_with_their_cause() {
     for (defect, cause, earliest_s, limit_s) in [
         (Defect::Spaghetti, Some(Cause::Spaghetti), 0.0, 0.6),
-        (Defect::Under, Some(Cause::UnderExtrusion), 1.0, 1.6),
-        (Defect::Over, Some(Cause::OverExtrusion), 1.0, 1.6),
+        (Defect::Under, Some(Cause::UnderExtrusion), 5.0, 5.6),
+        (Defect::Over, Some(Cause::OverExtrusion), 5.0, 5.6),
         (Defect::Other, None, 40.0, 40.1),
     ] {
         let mut watched = Watched::acting();
