@@ -17,6 +17,8 @@ const OVERSHOOT_S: f64 = 20.0;
 const PATIENCE_S: f64 = 20.0;
 /// How long a run waits for a reaction whose limit is one of filament or layers `[s]`.
 const WORDS_S: f64 = 300.0;
+/// Longest time in which DEGRADED takes corrections back, and a look of the printer `[s]`.
+const RAMP_S: f64 = 2.02;
 /// Part of a run after the limit in which a late reaction is still measured `[s]`.
 const LATE_S: f64 = 10.0;
 
@@ -68,6 +70,8 @@ struct Run {
     /// Farthest position of the motor, and layer, at the onset.
     from: Option<(f64, u32)>,
     ended: bool,
+    /// Since when the printer has been told to take corrections back `[s]` after the onset.
+    degraded_s: Option<f64>,
     outcome: Outcome,
 }
 
@@ -97,7 +101,7 @@ impl Trial<'_> {
             recovered_s: None,
             overshoot_k: 0.0,
         };
-        let mut run = Run { printing, mark_s: None, from: None, ended: false, outcome };
+        let mut run = Run { printing, mark_s: None, from: None, ended: false, degraded_s: None, outcome };
         while run.printing.step() || run.outcome.onset_s.is_some() {
             if self.is_over(&mut run)? {
                 break;
@@ -130,8 +134,17 @@ impl Trial<'_> {
             run.outcome.recovered_s.is_none()
                 && since_s < self.spec.duration_s.unwrap_or(0.0) + recover_s + LATE_S
         });
-        let watched_s = if self.spec.overshoot_max_k.is_some() { OVERSHOOT_S } else { self.spec.watch_s };
-        Ok(!recovering && since_s >= reaction_s + watched_s)
+        Ok(!recovering && since_s >= reaction_s + self.watched_s().max(self.ramp_s()))
+    }
+
+    /// How long after the reaction nothing worse may follow `[s]`.
+    fn watched_s(&self) -> f64 {
+        if self.spec.overshoot_max_k.is_some() { OVERSHOOT_S } else { self.spec.watch_s }
+    }
+
+    /// How long after the reaction it is seen whether corrections are taken back `[s]`.
+    fn ramp_s(&self) -> f64 {
+        if self.reaction == Reaction::Degraded { RAMP_S + 0.1 } else { 0.0 }
     }
 
     /// How long a reaction is waited for `[s]`.
@@ -199,7 +212,14 @@ impl Trial<'_> {
                 printing.safety.and_then(|state| state.cause).map(|cause| cause.id().to_owned());
         }
         let most = self.spec.at_most.unwrap_or(self.reaction);
-        if let Some(worse) = worse_than(most, printing).or_else(|| taken_from_a_rival(printing)) {
+        let degraded = simulator.in_force().mode == Mode::Degraded;
+        run.degraded_s = run.degraded_s.or(Some(since_s)).filter(|_| degraded);
+        let kept =
+            kept_too_long(run.degraded_s.map(|begun_s| since_s - begun_s), &simulator.in_force().trims);
+        let told = self.spec.recover_s.is_none()
+            && run.outcome.reaction_s.is_some_and(|reaction_s| since_s > reaction_s + self.watched_s());
+        let worse = worse_than(most, printing).filter(|_| !told);
+        if let Some(worse) = worse.or_else(|| taken_from_a_rival(printing)).or(kept) {
             run.outcome.too_much.get_or_insert(worse);
         }
         let acting = simulator.in_force().mode == Mode::Act && !simulator.in_force().lapsed;
@@ -215,7 +235,8 @@ impl Trial<'_> {
         match self.reaction {
             Reaction::None => false,
             Reaction::Flagged => printing.noticed.iter().any(|found| found.action == "flagged"),
-            Reaction::Baseline => in_force.trims == Trims::NEUTRAL,
+            // Neutral by the dead-man: the slicer's values may have been in force before.
+            Reaction::Baseline => in_force.lapsed && in_force.trims == Trims::NEUTRAL,
             Reaction::Observe => printing.safety.is_some_and(|state| state.set_mode == Mode::Observe),
             Reaction::Degraded => in_force.mode >= Mode::Degraded && !in_force.lapsed,
             Reaction::Paused => matches!(simulator.phase(), JobPhase::Paused | JobPhase::Failed),
@@ -225,10 +246,16 @@ impl Trial<'_> {
     }
 }
 
+/// Corrections that are in force so long after they were to be taken back; `None` where they need not be gone.
+fn kept_too_long(degraded_s: Option<f64>, in_force: &Trims) -> Option<String> {
+    let late = degraded_s.is_some_and(|degraded_s| degraded_s > RAMP_S);
+    (late && *in_force != Trims::NEUTRAL).then(|| format!("corrections in force {RAMP_S} s after DEGRADED"))
+}
+
 /// What nobody but a second publisher asks for, in force at the printer.
 fn taken_from_a_rival(printing: &Printing) -> Option<String> {
     let in_force = printing.simulator().in_force();
-    let taken = !in_force.lapsed && (in_force.trims.flow - RIVAL_FLOW).abs() < f64::EPSILON;
+    let taken = !in_force.lapsed && (in_force.trims.flow - RIVAL_FLOW).abs() < 1e-6;
     taken.then(|| "the flow of a second publisher in force".to_owned())
 }
 
@@ -255,3 +282,6 @@ pub(super) fn share_of(seed: u64) -> f64 {
     let seed = seed as f64;
     (seed * 0.618_033_988_749_894_9).fract()
 }
+
+#[cfg(test)]
+mod tests;
