@@ -6,7 +6,7 @@
 mod judge;
 mod notes;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use crate::annotate;
 use crate::event::{Defects, EstimateReading, Event, Judged, Output};
@@ -17,6 +17,7 @@ use crate::network::Network;
 use crate::offset::{Offset, OffsetFinder};
 use crate::params::Params;
 use crate::path::PathHistory;
+use crate::pressure::NominalFlow;
 use crate::seam::{SeamGauge, SeamReading};
 use crate::surroundings::in_view;
 use crate::unexplained::Surface;
@@ -64,6 +65,7 @@ pub struct Classifier {
     path: PathHistory,
     gauge: WidthGauge,
     seams: SeamGauge,
+    nozzle: NominalFlow,
     usual: Usual,
     finder: OffsetFinder,
     surface: Surface,
@@ -89,6 +91,7 @@ impl Classifier {
             path: PathHistory::new(params.history),
             gauge: WidthGauge::new(params.width, models.edge),
             seams: SeamGauge::new(params.seam, &params.width),
+            nozzle: NominalFlow::new(params.pressure, models.nominal.clone(), params.layer.ambient()),
             usual: Usual::new(params.usual),
             finder: OffsetFinder::new(params.offset, &params.camera),
             surface: Surface::new(params.unexplained),
@@ -149,6 +152,7 @@ impl Classifier {
 
     fn on_status(&mut self, status: &PrinterStatus) -> Vec<Output> {
         self.path.on_status(status.stamp, status.path_time_s, status.position_m);
+        self.nozzle.on_status(status);
         let before = self.status.replace(*status);
         let printing = status.phase == JobPhase::Printing;
         let mut outputs = Vec::new();

@@ -45,6 +45,14 @@ impl TryFrom<RawLayer> for LayerParams {
     }
 }
 
+impl LayerParams {
+    /// Room and incoming filament.
+    #[must_use]
+    pub fn ambient(&self) -> Kelvin {
+        Kelvin(self.0.ambient_k)
+    }
+}
+
 /// Quality of one layer, done or under way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LayerFigure {

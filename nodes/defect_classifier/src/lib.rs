@@ -5,6 +5,7 @@
 //! | [`classifier`] | the brain: events in, outputs out |
 //! | [`camera`] [`frame`] | where a pixel lies on the bed; from a JPEG to a grey picture that can be judged |
 //! | [`path`] | which road was laid where and when, as commanded |
+//! | [`pressure`] | share of the wanted flow that a sound nozzle lays while pressure builds up |
 //! | [`width`] | width of fresh road from its edges in the picture |
 //! | [`seam`] | shade of the seams between roads, beside the same places on the layers below |
 //! | [`offset`] | where what was laid before lies, beside where it was laid |
@@ -32,6 +33,7 @@ pub mod node;
 pub mod offset;
 pub mod params;
 pub mod path;
+pub mod pressure;
 pub mod seam;
 mod surroundings;
 pub mod unexplained;

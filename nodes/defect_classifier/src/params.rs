@@ -7,6 +7,7 @@ use crate::fusion::FusionParams;
 use crate::layer::LayerParams;
 use crate::offset::OffsetParams;
 use crate::path::HistoryParams;
+use crate::pressure::PressureParams;
 use crate::seam::SeamParams;
 use crate::unexplained::UnexplainedParams;
 use crate::usual::UsualParams;
@@ -29,6 +30,8 @@ pub struct Params {
     pub history: HistoryParams,
     /// Measurement of the road's width.
     pub width: WidthParams,
+    /// How the commanded filament is followed.
+    pub pressure: PressureParams,
     /// What widths are usual here.
     pub usual: UsualParams,
     /// Shade of the seams between roads.

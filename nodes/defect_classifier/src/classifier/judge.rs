@@ -15,10 +15,12 @@ const AROUND_PX: f64 = 12.0;
 impl Classifier {
     /// What features, measurements and memory say together.
     pub(super) fn judge(&mut self, grey: &Mat, exposed: Seconds, found: &Found) -> Result<Judged, Unusable> {
-        // What the loop corrects is wrong all the same: the width is held against what the file alone would have laid.
+        // What the loop corrects is wrong all the same: the width is held against what the file alone would have laid, by
+        // a sound nozzle under the advance in force.
         let flow = self.status.map_or(1.0, |status| status.trims.flow);
         let width = found.width.map(|width| {
-            self.usual.on_width(width.laid, width.width_m / width.wanted_m / flow, width.facing)
+            let sound_m = width.wanted_m * flow * self.nozzle.share(width.laid);
+            self.usual.on_width(width.laid, width.width_m / sound_m, width.facing)
         });
         let measured = Measured {
             width_error_rel: width.map(|width| width.error_rel),

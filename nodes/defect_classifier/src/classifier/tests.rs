@@ -31,6 +31,15 @@ struct Blocks {
     quality: Option<models::quality::Quality>,
 }
 
+/// Ender 3 and PLA of the shipped files.
+pub(crate) fn nominal() -> Nominal {
+    Nominal {
+        quality: load::<Blocks>("quality.yaml").quality.unwrap(),
+        printer: load::<Blocks>("printers/ender3.yaml").printer.unwrap(),
+        material: load::<Blocks>("materials/pla.yaml").material.unwrap(),
+    }
+}
+
 /// The classifier of the shipped files.
 fn classifier() -> Classifier {
     let params: Params = load("defect_classifier.param.yaml");
@@ -38,17 +47,17 @@ fn classifier() -> Classifier {
     let models = Models {
         network: Network::parse(&text("models/toolhead.json")).unwrap(),
         edge: EdgeModel::parse(&text("models/road_edge.json")).unwrap(),
-        nominal: Nominal {
-            quality: load::<Blocks>("quality.yaml").quality.unwrap(),
-            printer: load::<Blocks>("printers/ender3.yaml").printer.unwrap(),
-            material: load::<Blocks>("materials/pla.yaml").material.unwrap(),
-        },
+        nominal: nominal(),
     };
     Classifier::new(params, models).unwrap()
 }
 
 fn status(stamp_s: f64, phase: JobPhase, layer: u32) -> Event {
-    Event::Printer(Box::new(PrinterStatus {
+    Event::Printer(Box::new(printer_status(stamp_s, phase, layer)))
+}
+
+pub(crate) fn printer_status(stamp_s: f64, phase: JobPhase, layer: u32) -> PrinterStatus {
+    PrinterStatus {
         stamp: Seconds(stamp_s),
         phase,
         host: HostProfile::Native,
@@ -78,7 +87,7 @@ fn status(stamp_s: f64, phase: JobPhase, layer: u32) -> Event {
         filament_present: None,
         part_fan_speed_1_s: None,
         stop_input: None,
-    }))
+    }
 }
 
 /// A print that stands at (0.11, 0.1) at 10 s, a short road behind it.

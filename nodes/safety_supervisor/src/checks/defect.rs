@@ -36,16 +36,14 @@ impl DefectCheck {
         };
     }
 
-    /// The defect that calls for a pause: a loose print at once, a wrong road where it lasts. Where nothing is `corrected`
-    /// it has to last longer: until the pressure in the nozzle has built up, a sound road is as thin as one of a clog.
+    /// The defect that calls for a pause: a loose print at once, a wrong road where it lasts.
     #[must_use]
-    pub fn tripped(&self, now: Seconds, corrected: bool) -> Option<Defect> {
+    pub fn tripped(&self, now: Seconds) -> Option<Defect> {
         self.confirmed.and_then(|(defect, since)| {
             let lasts_s = (now - since).0;
             let calls = match defect {
                 Defect::Spaghetti => true,
-                Defect::Under | Defect::Over if corrected => lasts_s >= self.params.persist_s,
-                Defect::Under | Defect::Over => lasts_s >= self.params.uncorrected_s,
+                Defect::Under | Defect::Over => lasts_s >= self.params.persist_s,
                 Defect::Other => false,
             };
             calls.then_some(defect)
@@ -73,32 +71,20 @@ mod tests {
     }
 
     fn check() -> DefectCheck {
-        DefectCheck::new(DefectParams { persist_s: 1.0, uncorrected_s: 5.0, blind_s: 10.0 })
+        DefectCheck::new(DefectParams { persist_s: 1.0, blind_s: 10.0 })
     }
 
     #[test]
     fn a_loose_print_trips_at_once_a_thin_road_where_it_lasts() {
         let mut loose = check();
         loose.on_report(Seconds(1.0), &report(Some(Defect::Spaghetti), true));
-        assert_eq!(loose.tripped(Seconds(1.0), true), Some(Defect::Spaghetti));
+        assert_eq!(loose.tripped(Seconds(1.0)), Some(Defect::Spaghetti));
         let mut thin = check();
         thin.on_report(Seconds(1.0), &report(Some(Defect::Under), true));
-        let later = [1.9, 2.0].map(|now_s| thin.tripped(Seconds(now_s), true));
+        let later = [1.9, 2.0].map(|now_s| thin.tripped(Seconds(now_s)));
         assert_eq!(later, [None, Some(Defect::Under)]);
         thin.on_report(Seconds(2.0), &report(None, true));
-        assert_eq!(thin.tripped(Seconds(3.0), true), None);
-    }
-
-    /// Without corrections roads are thin for seconds wherever the pressure in the nozzle has to build up; none is loose.
-    #[test]
-    fn thin_roads_have_to_last_longer_where_nothing_is_corrected() {
-        let mut thin = check();
-        thin.on_report(Seconds(1.0), &report(Some(Defect::Under), true));
-        assert_eq!(thin.tripped(Seconds(2.0), true), Some(Defect::Under));
-        let later = [5.9, 6.0].map(|now_s| thin.tripped(Seconds(now_s), false));
-        assert_eq!(later, [None, Some(Defect::Under)]);
-        thin.on_report(Seconds(3.0), &report(Some(Defect::Spaghetti), true));
-        assert_eq!(thin.tripped(Seconds(3.0), false), Some(Defect::Spaghetti));
+        assert_eq!(thin.tripped(Seconds(3.0)), None);
     }
 
     #[test]
@@ -106,10 +92,10 @@ mod tests {
         let mut check = check();
         check.on_report(Seconds(0.0), &report(Some(Defect::Spaghetti), true));
         check.on_report(Seconds(1.0), &report(None, false));
-        assert_eq!(check.tripped(Seconds(1.0), true), Some(Defect::Spaghetti));
+        assert_eq!(check.tripped(Seconds(1.0)), Some(Defect::Spaghetti));
         check.on_report(Seconds(9.0), &report(None, false));
         assert!(!check.is_blind(Seconds(11.0)) && check.is_blind(Seconds(11.1)));
         check.on_report(Seconds(12.0), &report(None, true));
-        assert!(!check.is_blind(Seconds(12.0)) && check.tripped(Seconds(12.0), true).is_none());
+        assert!(!check.is_blind(Seconds(12.0)) && check.tripped(Seconds(12.0)).is_none());
     }
 }

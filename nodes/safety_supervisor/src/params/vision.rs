@@ -106,10 +106,8 @@ impl TryFrom<RawShiftParams> for ShiftParams {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "RawDefectParams")]
 pub struct DefectParams {
-    /// How long a wrong road must be confirmed until the job pauses, while corrections are in force `[s]`.
+    /// How long a wrong road must be confirmed until the job pauses `[s]`.
     pub persist_s: f64,
-    /// The same where nothing is corrected `[s]`.
-    pub uncorrected_s: f64,
     /// How long no frame may be fit to judge `[s]`.
     pub blind_s: f64,
 }
@@ -118,10 +116,8 @@ pub struct DefectParams {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawDefectParams {
-    /// How long a wrong road must be confirmed until the job pauses, while corrections are in force `[s]`.
+    /// How long a wrong road must be confirmed until the job pauses `[s]`.
     pub persist_s: f64,
-    /// The same where nothing is corrected `[s]`.
-    pub uncorrected_s: f64,
     /// How long no frame may be fit to judge `[s]`.
     pub blind_s: f64,
 }
@@ -132,7 +128,6 @@ impl TryFrom<RawDefectParams> for DefectParams {
     fn try_from(raw: RawDefectParams) -> Result<Self, ParamError> {
         Ok(Self {
             persist_s: in_range("persist_s", raw.persist_s, "s", (0.0, 600.0))?,
-            uncorrected_s: in_range("uncorrected_s", raw.uncorrected_s, "s", (0.0, 600.0))?,
             blind_s: in_range("blind_s", raw.blind_s, "s", (0.5, 600.0))?,
         })
     }
