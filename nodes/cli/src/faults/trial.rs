@@ -3,6 +3,7 @@
 use super::catalogue::{Mark, Reaction, TrialSpec};
 use crate::config::Setup;
 use crate::job::GcodeFile;
+use crate::sim::message::Lane;
 use crate::sim::printing::Printing;
 use crate::sim::relay::{RIVAL_FLOW, Relay};
 use models::command::{Mode, Trims};
@@ -214,8 +215,9 @@ impl Trial<'_> {
         let most = self.spec.at_most.unwrap_or(self.reaction);
         let degraded = simulator.in_force().mode == Mode::Degraded;
         run.degraded_s = run.degraded_s.or(Some(since_s)).filter(|_| degraded);
-        let kept =
-            kept_too_long(run.degraded_s.map(|begun_s| since_s - begun_s), &simulator.in_force().trims);
+        let late_s: f64 = self.spec.relay.iter().map(|relay| relay.keeps_back_s(Lane::Permit)).sum();
+        let degraded_s = run.degraded_s.map(|begun_s| since_s - begun_s - late_s);
+        let kept = kept_too_long(degraded_s, &simulator.in_force().trims);
         let told = self.spec.recover_s.is_none()
             && run.outcome.reaction_s.is_some_and(|reaction_s| since_s > reaction_s + self.watched_s());
         let worse = worse_than(most, printing).filter(|_| !told);

@@ -4,6 +4,7 @@ use super::super::catalogue::Catalogue;
 use super::*;
 use crate::config::{Choice, ConfigDir};
 use crate::sim;
+use crate::sim::relay::Tampering;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -44,4 +45,18 @@ fn corrections_that_outlive_their_ramp_are_too_much() {
     ] {
         assert_eq!(kept_too_long(degraded_s, &trims).is_some(), kept, "{degraded_s:?} {trims:?}");
     }
+}
+
+/// C6: what is on its way is not kept.
+#[test]
+fn corrections_may_outlive_their_ramp_by_what_the_way_keeps_back() {
+    let keeps_back_s = |how: Value, share: f64| {
+        let relay = json!({"lanes": ["permit"], "how": how, "share": share});
+        let relay: Tampering = serde_json::from_value(relay).unwrap();
+        [Lane::Permit, Lane::Hotend].map(|lane| relay.keeps_back_s(lane))
+    };
+    assert_eq!(keeps_back_s(json!({"delay": [0.05, 0.5]}), 1.0), [0.5, 0.0]);
+    assert_eq!(keeps_back_s(json!("lose"), 1.0), [f64::INFINITY, 0.0]);
+    assert_eq!(keeps_back_s(json!("lose"), 0.3), [0.2, 0.0]);
+    assert_eq!(keeps_back_s(json!("repeat"), 1.0), [0.0, 0.0]);
 }
