@@ -123,6 +123,8 @@ pub struct InjectFaultRequest {
     pub duration_s: f64,
     /// Seed of its random part.
     pub seed: u64,
+    /// Time to grow from nothing to full size; 0 at once `[s]`. Range `[0, inf)`.
+    pub ramp_s: f64,
 }
 
 /// Answer of [`InjectFault`].
@@ -130,7 +132,7 @@ pub struct InjectFaultRequest {
 pub struct InjectFaultResponse {
     /// The fault is scheduled.
     pub accepted: bool,
-    /// What was scheduled, or the reason of the refusal.
+    /// What was scheduled, with size, onset, growth and duration, or the reason of the refusal.
     pub message: String,
 }
 

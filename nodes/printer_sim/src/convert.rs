@@ -3,7 +3,7 @@
 use crate::faults::{Component, Kind};
 use crate::imu::Batch;
 use crate::output::Truth;
-use crate::scenario::{Entry, FaultError};
+use crate::scenario::{Course, Entry, FaultError};
 use crate::wire::{HeightSample, WireTruth};
 use fdm_loop_msgs::{
     BeadWidth, CompressedImage, FilamentReport, Header, ImuBatch, InjectFaultRequest, LayerHeight,
@@ -112,25 +112,24 @@ pub fn wire_truth(truth: &WireTruth) -> SimWire {
     }
 }
 
+/// A fault that was injected, with all that it is.
+pub fn injected(who: &str, stamp: Seconds, what: &Entry) -> PrintEvent {
+    PrintEvent { what: "fault_injected".to_owned(), ..note(who, stamp, what.to_string()) }
+}
+
 /// A fault as the service asks for it, from `now` on.
 pub fn fault(now: Seconds, asked: &InjectFaultRequest) -> Result<Entry, FaultError> {
-    let unknown = |kind: &str, allowed| FaultError::Unknown {
+    let component = Component::from_name(&asked.component)
+        .ok_or_else(|| FaultError::UnknownComponent { component: asked.component.clone() })?;
+    let kind = Kind::from_name(&asked.kind).ok_or_else(|| FaultError::Unknown {
         component: asked.component.clone(),
-        kind: kind.to_owned(),
-        allowed,
-    };
-    let component = Component::from_name(&asked.component).ok_or_else(|| {
-        unknown(
-            &asked.kind,
-            "component extruder, filament, hotend_heater, hotend_thermistor, bed_heater, bed_thermistor, \
-             stop_input, fan, ambient, motion or part",
-        )
+        kind: asked.kind.clone(),
+        allowed: crate::scenario::allowed_kinds(component),
     })?;
-    let kind = Kind::from_name(&asked.kind)
-        .ok_or_else(|| unknown(&asked.kind, crate::scenario::allowed_kinds(component)))?;
     // A stop time of zero means for good; NaN is no time and is refused by the range check.
     let duration_s = (asked.duration_s != 0.0).then_some(asked.duration_s);
-    Entry::new((component, kind), asked.size, now.0 + asked.start_s, duration_s)
+    let course = Course { size: Some(asked.size), ramp_s: asked.ramp_s, duration_s };
+    Entry::after(now, (component, kind), course, asked.start_s)
 }
 
 #[cfg(test)]
@@ -159,9 +158,42 @@ mod tests {
         let refusal = |component, kind, size| {
             fault(Seconds(1.0), &asked(component, kind, size)).unwrap_err().to_string()
         };
-        assert!(refusal("bed", "knock", 1.0).contains("ambient, motion or part"));
+        assert_eq!(
+            refusal("bed", "knock", 1.0),
+            "component = bed: there is none of this name; it can be extruder, filament, hotend_heater, \
+             hotend_thermistor, bed_heater, bed_thermistor, fan, stop_input, ambient, motion, part"
+        );
         assert!(refusal("motion", "slip", 1.0).contains("layer_shift_x, layer_shift_y, knock"));
         assert_eq!(refusal("motion", "layer_shift_x", 0.8), "size = 0.8 m: must be in [-0.05, 0.05]");
+    }
+
+    /// A fault of the past would begin at once, and a negative time is nobody's wish.
+    #[test]
+    fn times_out_of_range_are_refused_under_their_own_names() {
+        let slip = asked("extruder", "slip", 0.1);
+        let refusal = |asked: InjectFaultRequest| fault(Seconds(100.0), &asked).unwrap_err().to_string();
+        let range = "must be in [0, 604800]";
+        assert_eq!(
+            refusal(InjectFaultRequest { start_s: -5.0, ..slip.clone() }),
+            format!("start_s = -5 s: {range}")
+        );
+        assert_eq!(
+            refusal(InjectFaultRequest { start_s: 1e9, ..slip.clone() }),
+            format!("start_s = 1000000000 s: {range}")
+        );
+        assert_eq!(
+            refusal(InjectFaultRequest { duration_s: -1.0, ..slip.clone() }),
+            format!("duration_s = -1 s: {range}")
+        );
+        assert_eq!(
+            refusal(InjectFaultRequest { ramp_s: f64::NAN, ..slip.clone() }),
+            format!("ramp_s = NaN s: {range}")
+        );
+        let later = InjectFaultRequest { start_s: 5.0, ramp_s: 2.0, duration_s: 9.0, ..slip };
+        assert_eq!(
+            fault(Seconds(100.0), &later).unwrap().to_string(),
+            "extruder slip, size 0.1 (no unit), from 105.00 s of the simulation on, grows for 2 s, lasts 9 s"
+        );
     }
 
     #[test]

@@ -7,8 +7,7 @@ use crate::run_params::ProcessKind;
 use crate::simulator::{Simulator, Unscheduled};
 use fdm_loop_msgs::{
     BeadWidth, Clock, CompressedImage, ControlCommand, FilamentReport, Header, ImuBatch, InjectFault,
-    InjectFaultResponse, MotionSegment, MotionTrim, PrintEvent, PrintInfo, PrinterState, SimTruth,
-    TemperatureReport, Time,
+    MotionSegment, MotionTrim, PrintEvent, PrintInfo, PrinterState, SimTruth, TemperatureReport, Time,
 };
 use models::command::{Permit, Scheduled};
 use models::units::Seconds;
@@ -20,6 +19,7 @@ use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
 
 pub(crate) mod darkroom;
+mod injection;
 mod wall;
 
 /// Step of the plant `[s]`.
@@ -113,7 +113,7 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
                 shell.advance();
                 work.done();
             }
-            asked = next_fault(&mut faults) => shell.inject(&faults, &asked),
+            asked = next_fault(&mut faults) => shell.inject(faults.as_ref(), &asked),
             () = node.shutdown() => return Ok(()),
         }
     }
@@ -271,18 +271,5 @@ impl Shell {
                 outlets.events.send(convert::note(&self.name, stamp, text))
             }
         };
-    }
-
-    fn inject(&mut self, faults: &Option<Server<InjectFault>>, asked: &Asked<InjectFault>) {
-        let Some(server) = faults else { return };
-        let answer = match convert::fault(self.simulator.now(), &asked.request) {
-            Ok(entry) => {
-                self.simulator.inject(entry);
-                let message = format!("{} {} is scheduled", asked.request.component, asked.request.kind);
-                InjectFaultResponse { accepted: true, message }
-            }
-            Err(error) => InjectFaultResponse { accepted: false, message: error.to_string() },
-        };
-        server.answer(asked, answer);
     }
 }

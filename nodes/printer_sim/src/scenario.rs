@@ -12,15 +12,14 @@
 //! ```
 
 use crate::faults::{Component, Fault, Kind};
-use check::{LONGEST_S, bounded, name_of, range};
+use check::{bounded, name_of, range};
 use models::units::Seconds;
 use serde::{Deserialize, Serialize};
 
 mod check;
+mod told;
 
-pub use check::FaultError;
-#[cfg(feature = "ros")]
-pub(crate) use check::allowed_kinds;
+pub use check::{COMPONENTS, FaultError, LONGEST_S, Size, allowed_kinds, size_of};
 
 /// Faults of one run.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
@@ -81,14 +80,13 @@ struct RawEntry {
 impl RawEntry {
     /// The size, which only kinds without one may leave out.
     fn size_or_none(&self) -> Result<f64, FaultError> {
-        let without =
-            self.kind.has_no_size() || (self.component, self.kind) == (Component::Part, Kind::Detached);
+        let without = has_no_size(self.component, self.kind);
         self.size.or(without.then_some(0.0)).ok_or_else(|| FaultError::NoSize { kind: name_of(&self.kind) })
     }
 
     /// Refuses a course in time where there is none: a skip or a knock is a moment, and a part that came off stays off.
     fn check_course(&self) -> Result<(), FaultError> {
-        let for_good = (self.component, self.kind) == (Component::Part, Kind::Detached);
+        let for_good = is_for_good(self.component, self.kind);
         let refused = |name| Err(FaultError::NoCourse { name, kind: name_of(&self.kind) });
         match self.duration_s {
             Some(_) if self.kind.at_once() || for_good => refused("duration_s"),
@@ -96,6 +94,16 @@ impl RawEntry {
             _ => Ok(()),
         }
     }
+}
+
+/// It is there or not: `Kind::Detached` has a size at a thermistor alone.
+fn has_no_size(component: Component, kind: Kind) -> bool {
+    kind.has_no_size() || is_for_good(component, kind)
+}
+
+/// What came off the bed stays off.
+fn is_for_good(component: Component, kind: Kind) -> bool {
+    (component, kind) == (Component::Part, Kind::Detached)
 }
 
 impl TryFrom<RawEntry> for Entry {
@@ -122,6 +130,12 @@ impl TryFrom<RawEntry> for Entry {
 }
 
 impl Component {
+    /// Its name in files and services.
+    #[must_use]
+    pub fn name(self) -> String {
+        name_of(&self)
+    }
+
     /// From its name in files and services.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
@@ -138,26 +152,28 @@ impl Kind {
 }
 
 impl Entry {
-    /// A fault as the `inject_fault` service asks for it; sets in at `onset_s` of the simulation.
-    ///
-    /// # Errors
-    /// [`FaultError`] for a kind that the component does not have and for numbers out of range.
-    pub fn new(
-        (component, kind): (Component, Kind),
-        size: f64,
-        onset_s: f64,
-        duration_s: Option<f64>,
-    ) -> Result<Self, FaultError> {
-        Self::at(component, kind, Course { size: Some(size), ramp_s: 0.0, duration_s }, onset_s)
-    }
-
     /// A fault with its course; sets in at `onset_s` of the simulation.
     ///
     /// # Errors
-    /// As [`Entry::new`], and for a size that is missing.
+    /// [`FaultError`] for a kind that the component does not have, numbers out of range, and a size that is missing.
     pub fn at(component: Component, kind: Kind, course: Course, onset_s: f64) -> Result<Self, FaultError> {
         let Course { size, ramp_s, duration_s } = course;
         Self::try_from(RawEntry { component, kind, size, onset: Onset::TimeS(onset_s), ramp_s, duration_s })
+    }
+
+    /// A fault as the `inject_fault` service asks for it; sets in `start_s` after `now`.
+    ///
+    /// # Errors
+    /// As [`Entry::at`], and for a `start_s` out of range.
+    pub fn after(
+        now: Seconds,
+        (component, kind): (Component, Kind),
+        course: Course,
+        start_s: f64,
+    ) -> Result<Self, FaultError> {
+        let start_s = bounded("start_s", start_s, ("s", 0.0, LONGEST_S))?;
+        let entry = Self::at(component, kind, course, start_s)?;
+        Ok(Self { onset: Onset::TimeS(now.0 + start_s), ..entry })
     }
 
     /// The fault, if its onset has come.
@@ -183,7 +199,11 @@ mod tests {
     use super::*;
 
     fn entry(component: Component, kind: Kind, size: f64) -> Result<Entry, FaultError> {
-        Entry::new((component, kind), size, 0.0, None)
+        Entry::at(component, kind, course(size, None), 0.0)
+    }
+
+    fn course(size: f64, duration_s: Option<f64>) -> Course {
+        Course { size: Some(size), ramp_s: 0.0, duration_s }
     }
 
     #[test]
@@ -229,7 +249,7 @@ mod tests {
     #[test]
     fn what_happens_in_a_moment_or_for_good_has_no_course_in_time() {
         let lasting =
-            |component, kind, size| Entry::new((component, kind), size, 0.0, Some(1.0)).unwrap_err();
+            |component, kind, size| Entry::at(component, kind, course(size, Some(1.0)), 0.0).unwrap_err();
         for kind in [Kind::LayerShiftX, Kind::Knock] {
             let name = name_of(&kind);
             let error = lasting(Component::Motion, kind, 0.01);
@@ -237,7 +257,8 @@ mod tests {
         }
         let error = lasting(Component::Part, Kind::Detached, 0.0);
         assert_eq!(error.to_string(), "duration_s: detached has none, leave it out");
-        assert!(Entry::new((Component::HotendThermistor, Kind::Detached), 0.5, 0.0, Some(1.0)).is_ok());
+        let half = course(0.5, Some(1.0));
+        assert!(Entry::at(Component::HotendThermistor, Kind::Detached, half, 0.0).is_ok());
     }
 
     #[test]

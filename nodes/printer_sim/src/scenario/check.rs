@@ -8,6 +8,12 @@ use crate::faults::{Component, Kind};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FaultError {
+    /// There is no such component.
+    #[error("component = {component}: there is none of this name; it can be {}", component_names())]
+    UnknownComponent {
+        /// Component asked for.
+        component: String,
+    },
     /// The component has no such fault.
     #[error("kind = {kind}: not a fault of {component}; it can be {allowed}")]
     Unknown {
@@ -48,8 +54,23 @@ pub enum FaultError {
     },
 }
 
+/// All of them, in the order of `config/scenarios/README.md`.
+pub const COMPONENTS: [Component; 11] = [
+    Component::Extruder,
+    Component::Filament,
+    Component::HotendHeater,
+    Component::HotendThermistor,
+    Component::BedHeater,
+    Component::BedThermistor,
+    Component::Fan,
+    Component::StopInput,
+    Component::Ambient,
+    Component::Motion,
+    Component::Part,
+];
+
 /// Longest time that a fault's fields may name `[s]`: a week.
-pub(super) const LONGEST_S: f64 = 604_800.0;
+pub const LONGEST_S: f64 = 604_800.0;
 
 /// Allowed sizes by fault: `(unit, low, high)`.
 pub(super) fn range(component: Component, kind: Kind) -> Result<(&'static str, f64, f64), FaultError> {
@@ -83,8 +104,32 @@ pub(super) fn range(component: Component, kind: Kind) -> Result<(&'static str, f
     })
 }
 
+/// Unit and range of a size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Size {
+    /// Unit, `-` for none.
+    pub unit: &'static str,
+    /// Smallest allowed.
+    pub low: f64,
+    /// Largest allowed.
+    pub high: f64,
+}
+
+/// Unit and range of the size of a fault; `None` where it has no size, or the component no such fault.
+#[must_use]
+pub fn size_of(component: Component, kind: Kind) -> Option<Size> {
+    let sized = !super::has_no_size(component, kind);
+    range(component, kind).ok().filter(|_| sized).map(|(unit, low, high)| Size { unit, low, high })
+}
+
+/// Names of all components, for people.
+fn component_names() -> String {
+    COMPONENTS.iter().map(name_of).collect::<Vec<_>>().join(", ")
+}
+
 /// Names of the kinds of a component.
-pub(crate) fn allowed_kinds(component: Component) -> &'static str {
+#[must_use]
+pub fn allowed_kinds(component: Component) -> &'static str {
     match component {
         Component::Extruder => "slip, clog, leak",
         Component::Filament => "diameter, run_out",
@@ -100,6 +145,7 @@ pub(crate) fn allowed_kinds(component: Component) -> &'static str {
     }
 }
 
+/// Name of a component or kind in files and services.
 pub(super) fn name_of<T: std::fmt::Debug>(value: &T) -> String {
     let mut name = String::new();
     for letter in format!("{value:?}").chars() {
