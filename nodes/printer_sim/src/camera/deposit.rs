@@ -10,6 +10,8 @@ const SIDE: usize = 64;
 const CELLS: usize = SIDE * SIDE;
 /// Tiles that know what lay below the newest road; a road passes no more of them within [`SAME_ROAD`] widths.
 const RECENT_TILES: usize = 16;
+/// No road is drawn wider `[tiles]`: a nozzle spreads the melt over about its own width, what is more heaps up.
+const WIDEST_TILES: f64 = 2.0;
 /// Way back along the path, in widths, within which a deposit counts as the same road.
 const SAME_ROAD: f32 = 2.0;
 
@@ -77,13 +79,15 @@ impl Deposit {
     ///
     /// Across the road `z = h sqrt(1 - (2d/w)^2)`, flattened where it is squished, united with what lies there by
     /// the maximum. Where the road overlaps its neighbour a share of the shared volume raises the seam, at most by
-    /// `ridge_share` over the layer.
+    /// `ridge_share` over the layer. What is wider than two tiles is drawn as wide as these, and counted.
     pub fn lay(&mut self, from_m: [f64; 2], to_m: [f64; 2], bead: Bead) {
         let area_m2 = stadium::area_m2(bead.width_m, bead.height_m);
         let round_m2 = std::f64::consts::FRAC_PI_4 * bead.height_m.powi(2);
         let base_m = bead.top_m - bead.height_m;
+        let widest_m = WIDEST_TILES * f64::from(signed(SIDE)) * self.cell_m;
+        self.refused += u64::from(bead.width_m > widest_m);
         if area_m2 >= round_m2 {
-            self.stamp(from_m, to_m, (bead.width_m, base_m, bead.height_m));
+            self.stamp(from_m, to_m, (bead.width_m.min(widest_m), base_m, bead.height_m));
         } else if area_m2 > 1e-2 * round_m2 {
             let strand_m = bead.height_m * (area_m2 / round_m2).sqrt();
             self.stamp(from_m, to_m, (strand_m, base_m, strand_m));
@@ -230,7 +234,7 @@ impl Deposit {
         self.tiles.len() * size_of::<[f32; CELLS]>() + self.recent.len() * size_of::<Recent>()
     }
 
-    /// Pieces of road that were not drawn: no tile left, or not a number.
+    /// Pieces of road that were not drawn as they are: no tile left, not a number, or wider than any road.
     #[must_use]
     pub fn refused(&self) -> u64 {
         self.refused

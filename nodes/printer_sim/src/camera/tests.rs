@@ -266,3 +266,14 @@ fn frames_come_once_a_period_late_and_numbered() {
     // The road of 42 mm has reached the field up to the last frame at least.
     assert!(rig.deposit().height_m([0.139, 0.1]) > 0.9 * HEIGHT_M);
 }
+
+/// A metre of filament in a millimetre of way would be a road of metres: the picture's work stays that of a heap.
+#[test]
+fn what_no_nozzle_spreads_is_drawn_as_a_heap_and_counted() {
+    let mut deposit = bed();
+    deposit.lay([0.1, 0.1], [0.1004, 0.1], Bead { width_m: 15.0, ..BEAD });
+    assert_eq!(deposit.refused(), 1);
+    assert!((deposit.height_m([0.1002, 0.1]) - HEIGHT_M).abs() < 0.02 * HEIGHT_M);
+    // At most four tiles of 16 KiB to a side, each with what the newest road covers.
+    assert!(deposit.bytes() <= 16 * 3 * 16_384, "{}", deposit.bytes());
+}
