@@ -155,3 +155,16 @@ fn what_only_processes_can_show_is_told() {
     assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{told}");
     assert!(told.contains("--process"), "{told}");
 }
+
+/// What only the camera sees is no empty table without it, alone or beside what runs.
+#[test]
+fn what_only_the_camera_can_show_is_told() {
+    let path = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    for (only, blind) in [("S8,P8", "nothing of S8, P8:"), ("S1,S8", "nothing of S8:")] {
+        let arguments = ["faults", "--only", only, "--no-camera", "--seeds", "1..1"];
+        let output = Command::new(&path).current_dir(root()).args(arguments).output().unwrap();
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{told}");
+        assert!(told.contains(blind), "{told}");
+    }
+}

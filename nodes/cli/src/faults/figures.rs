@@ -255,6 +255,16 @@ impl Figures {
         }
     }
 
+    /// Where an ID is tried that none of these trials shows, in words.
+    #[must_use]
+    pub fn elsewhere(&self) -> &'static str {
+        if self.level == "process" {
+            "tried without --process"
+        } else {
+            "not tried here: with --process, or with the camera"
+        }
+    }
+
     /// Whether nothing was missed and nothing tripped without a cause.
     #[must_use]
     pub fn is_sound(&self) -> bool {

@@ -87,14 +87,8 @@ pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
     let catalogue = Catalogue::read(&config.file("faults.yaml"))?;
     let chosen = chosen(&catalogue, &args.only)?;
-    if !(args.process
-        || args.only.is_empty()
-        || args.hours > 0.0
-        || chosen.iter().any(|fault| !fault.trials.is_empty()))
-    {
-        bail!(
-            "none of these IDs is tried in virtual time: with --process real processes are, and `fdm faults` names the tests"
-        );
+    if !args.process {
+        check_tried(&chosen, args)?;
     }
     let figures = if args.process {
         let wish = process::Wish { seeds, soak_s: args.soak_s, keep: args.keep };
@@ -167,6 +161,34 @@ fn chosen<'a>(catalogue: &'a Catalogue, only: &[String]) -> anyhow::Result<Vec<&
     }
     let wanted = |fault: &&FaultSpec| only.is_empty() || only.contains(&fault.id);
     Ok(catalogue.faults.iter().filter(wanted).collect())
+}
+
+/// Refuses a run in virtual time that would try nothing of what is asked for, and tells what a wish leaves out.
+fn check_tried(chosen: &[&FaultSpec], args: &FaultsArgs) -> anyhow::Result<()> {
+    let named = |of: fn(&FaultSpec) -> bool| {
+        let ids: Vec<&str> = chosen.iter().filter(|fault| of(fault)).map(|fault| fault.id.as_str()).collect();
+        ids.join(", ")
+    };
+    let is_tried = |fault: &&FaultSpec| !fault.trials.is_empty();
+    if !args.only.is_empty() && args.hours <= 0.0 && !chosen.iter().any(is_tried) {
+        bail!(
+            "none of these IDs is tried in virtual time: with --process real processes are, and `fdm faults` names the tests"
+        );
+    }
+    let blind = named(|fault| !fault.trials.is_empty() && fault.trials.iter().all(|trial| trial.camera));
+    if !args.no_camera || blind.is_empty() {
+        return Ok(());
+    }
+    if args.only.is_empty() {
+        let partly = named(|fault| {
+            fault.trials.iter().any(|trial| trial.camera) && !fault.trials.iter().all(|trial| trial.camera)
+        });
+        output::note(&format!("--no-camera leaves out {blind}, and parts of {partly}"));
+        return Ok(());
+    }
+    bail!(
+        "--no-camera leaves nothing of {blind}: every trial of theirs renders frames; leave out the one or the other"
+    )
 }
 
 fn prepare<'a>(

@@ -37,7 +37,7 @@ pub fn page(figures: &Figures) -> String {
                     tr { th { "ID" } th { "fault" } th { "reaction" } th { "worst / limit" } th { (axis()) } }
                     @for fault in &figures.faults {
                         @for trial in &fault.trials { (row(fault, trial)) }
-                        @if fault.trials.is_empty() { (unseen(fault)) }
+                        @if fault.trials.is_empty() { (unseen(fault, figures)) }
                     }
                 } }
             }
@@ -65,11 +65,11 @@ fn row(fault: &FaultFigures, trial: &TrialFigures) -> Markup {
     }
 }
 
-fn unseen(fault: &FaultFigures) -> Markup {
+fn unseen(fault: &FaultFigures, figures: &Figures) -> Markup {
     let why = match (&fault.waiting, &fault.test) {
         (Some(why), _) => format!("waiting: {why}"),
         (None, Some(test)) => format!("test: {test}"),
-        (None, None) => String::new(),
+        (None, None) => figures.elsewhere().to_owned(),
     };
     html! { tr { td { (fault.id) } td { (fault.fault) } td { (fault.action) } td colspan="2" { small { (why) } } } }
 }

@@ -29,6 +29,8 @@ pub fn table(figures: &Figures) -> String {
             _ = writeln!(text, "{:<4} {:<34} waiting: {why}", fault.id, fault.fault);
         } else if let (true, Some(test)) = (fault.trials.is_empty(), &fault.test) {
             _ = writeln!(text, "{:<4} {:<34} test: {test}", fault.id, fault.fault);
+        } else if fault.trials.is_empty() {
+            _ = writeln!(text, "{:<4} {:<34} {}", fault.id, fault.fault, figures.elsewhere());
         }
     }
     for fault in &figures.faults {
