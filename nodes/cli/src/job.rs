@@ -11,6 +11,8 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
+mod slow;
+
 /// Bytes at the end of a file in which slicers state the material.
 const MATERIAL_BYTES: usize = 65_536;
 /// Longest file that is printed, as it is held in memory `[byte]`; `fdm gcode` reads longer ones.
@@ -70,11 +72,14 @@ impl GcodeFile {
     pub fn read_telling(path: &Path, motion: &MotionParams, layers: Option<u32>) -> anyhow::Result<Self> {
         let mut file = Self::read(path, motion, layers)?;
         let mut job = Job::new(Cursor::new(Arc::clone(&file.bytes)), &file.header, motion);
-        (&mut job).for_each(drop);
+        let slowest = slow::slowest(&mut job);
         file.oddities = job.oddities().total();
         if let Some(first) = first_of_each(job.oddities().kept()) {
             let (name, count) = (path.display(), file.oddities);
             output::note(&format!("{name}: {count} odd, first {first}; `fdm gcode` names them"));
+        }
+        if let Some(slow) = slowest.filter(slow::Line::is_long) {
+            output::note(&format!("{}: {slow}", path.display()));
         }
         if job.totals().deposit_m <= 0.0 {
             bail!(

@@ -3,7 +3,7 @@
 use crate::operate::{executor, in_namespace};
 use crate::output::{self, Json};
 use crate::participant;
-use crate::up::words::{mode_name, phase_name};
+use crate::up::words::{mode_name, phase_name, todo};
 use anyhow::bail;
 use clap::Args;
 use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, Temperature};
@@ -158,8 +158,8 @@ fn text(status: &Status) -> String {
     let cause = cause.map_or(String::new(), |cause| format!(" ({cause})"));
     let latched = if status.latched == Some(true) { ", latched until `fdm acknowledge`" } else { "" };
     lines.push(format!("supervisor: {mode}{cause}{latched}"));
-    if let Some(todo) = status.what_to_do.as_deref().filter(|todo| !todo.is_empty()) {
-        lines.push(format!("what to do: {todo}"));
+    if let Some(text) = status.what_to_do.as_deref().filter(|text| !text.is_empty()) {
+        lines.push(format!("what to do: {}", todo(text)));
     }
     if let Some(progress) = status.progress {
         let layer = status.layer.map_or("-".to_owned(), |layer| layer.to_string());

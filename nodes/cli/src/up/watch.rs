@@ -5,7 +5,7 @@ use super::ended::{Ended, Marks};
 use super::fleet::{Fleet, Happening};
 use super::hearing::Hearing;
 use super::recipes::{NODES, Plan};
-use super::words::{mode_name, text};
+use super::words::{mode_name, text, todo};
 use crate::output;
 use crate::suspension::Suspension;
 use anyhow::bail;
@@ -248,9 +248,9 @@ impl Watch {
         let why = if safety.cause.is_empty() { String::new() } else { format!(": {}", safety.cause) };
         let line = format!("{}{why}", mode_name(safety.mode));
         if safety.mode >= SafetyState::MODE_DEGRADED || !self.modes.is_empty() {
-            let todo =
-                if safety.what_to_do.is_empty() { String::new() } else { format!(". {}", safety.what_to_do) };
-            let shown = format!("supervisor at {:.1} s: {line}{todo}", self.marks.last_s);
+            let asked = &safety.what_to_do;
+            let then = if asked.is_empty() { String::new() } else { format!(". {}", todo(asked)) };
+            let shown = format!("supervisor at {:.1} s: {line}{then}", self.marks.last_s);
             self.bar.suspend(|| output::note(&shown));
         }
         self.modes.push((self.marks.last_s, line));

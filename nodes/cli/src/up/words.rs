@@ -16,6 +16,21 @@ pub fn phase_name(phase: u8) -> &'static str {
     NAMES.get(usize::from(phase)).copied().unwrap_or("unknown")
 }
 
+/// What the supervisor says to do, with the commands that its words stand for.
+#[must_use]
+pub fn todo(text: &str) -> String {
+    let said = |word: &&str| {
+        let words = text.split(|letter: char| !letter.is_alphanumeric());
+        words.clone().any(|said| said == *word) && !text.contains(&format!("fdm {word}"))
+    };
+    let commands: Vec<String> = ["acknowledge", "resume", "stop"]
+        .iter()
+        .filter(|word| said(word))
+        .map(|word| format!("`fdm {word}`"))
+        .collect();
+    if commands.is_empty() { text.to_owned() } else { format!("{text} ({})", commands.join(", ")) }
+}
+
 /// A happening for people.
 #[must_use]
 pub fn text(happening: &Happening) -> String {
@@ -25,5 +40,26 @@ pub fn text(happening: &Happening) -> String {
         Happening::GivenUp { name } => format!("{name} ended and stays down: see its log"),
         Happening::Silent { name } => format!("{name} is silent: its heart stands still"),
         Happening::HeardAgain { name } => format!("{name} is heard again"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::todo;
+
+    /// Who reads "acknowledge" cannot know that it is a command, and whose.
+    #[test]
+    fn what_to_do_names_its_commands() {
+        assert_eq!(
+            todo("look at the print, then resume or stop"),
+            "look at the print, then resume or stop (`fdm resume`, `fdm stop`)"
+        );
+        assert_eq!(
+            todo("check the plug, then acknowledge"),
+            "check the plug, then acknowledge (`fdm acknowledge`)"
+        );
+        for plain in ["check the plug, then `fdm acknowledge`", "the print has stopped", "see the log", ""] {
+            assert_eq!(todo(plain), plain);
+        }
     }
 }
