@@ -34,13 +34,14 @@ impl Graph {
     fn start() -> Self {
         let folder = std::env::temp_dir().join(format!("fdm_operate_{}", std::process::id()));
         let file = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode";
-        let mut child = command(&["up", "--gcode", file, "--warm", "--speed", "2", "--bag"])
-            .arg(folder.join("bag"))
-            .arg("--json")
-            .arg(folder.join("print.json"))
-            .stdin(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn();
+        let mut child =
+            command(&["up", "--gcode", file, "--warm", "--speed", "2", "--allow-fault-injection", "--bag"])
+                .arg(folder.join("bag"))
+                .arg("--json")
+                .arg(folder.join("print.json"))
+                .stdin(Stdio::null())
+                .stderr(Stdio::piped())
+                .spawn();
         let stderr = child.as_mut().unwrap().stderr.take().unwrap();
         std::fs::create_dir_all(&folder).unwrap();
         Self { child: child.unwrap(), lines: BufReader::new(stderr).lines(), folder }
@@ -113,6 +114,11 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     assert!(granted(&["mode", "observe"]).contains("mode observe"));
     graph.until(", observe, ");
     status_where("observe", |told| told["mode"] == "observe" && told["phase"] == "printing");
+    // Long after the end of this test, so that the print goes on as it is.
+    let slip = ["inject", "extruder", "slip", "--size", "0.09", "--start-s", "3000", "--duration-s", "20"];
+    let injected = granted(&slip);
+    assert!(injected.contains("injected: extruder slip, size 0.09 (no unit), from 30"), "{injected}");
+    assert!(injected.contains("s of the simulation on, lasts 20 s"), "{injected}");
     assert!(granted(&["pause"]).contains("mode paused"));
     graph.until("supervisor at");
     let held = status_where("paused", |told| told["mode"] == "paused" && told["phase"] == "paused");
@@ -136,6 +142,20 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     assert!(figures["cause"].as_str().unwrap().starts_with("P13"), "{figures}");
     let modes = figures["modes"].to_string();
     assert!(modes.contains("paused") && modes.contains("safe_off"), "{modes}");
+}
+
+/// What no printer takes is told at once, and where no printer takes faults that is told with what to do.
+#[test]
+fn a_fault_that_nobody_takes_is_refused() {
+    for (size, told) in
+        [("2", "size = 2 (no unit): must be in [0, 0.95]"), ("0.1", "fdm up --allow-fault-injection")]
+    {
+        let refused = command(&["inject", "extruder", "slip", "--size", size, "--namespace", "/nobody"])
+            .output()
+            .unwrap();
+        assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+        assert!(refused.stdout.is_empty() && said(&refused).contains(told), "{}", said(&refused));
+    }
 }
 
 /// A process that was stopped and continued has lost its middleware: who asked is told to ask again, no crash.

@@ -10,6 +10,7 @@ pub mod faults;
 pub mod gcode;
 pub mod html;
 pub mod identify;
+pub mod inject;
 pub mod install;
 pub mod job;
 pub mod kinematics;
@@ -66,6 +67,8 @@ enum Command {
     Approve(operate::AskArgs),
     /// What the loop may do: observe, advise or act.
     Mode(operate::ModeArgs),
+    /// Let a part of the simulated printer fail while it prints.
+    Inject(inject::InjectArgs),
     /// Simulate the whole loop in one process and virtual time.
     Sim(sim::SimArgs),
     /// Run the catalogue of faults in virtual time: reaction times beside their limits.
@@ -115,6 +118,7 @@ pub fn main() -> ExitCode {
         Command::Acknowledge(args) => operate::ask(Ask::Acknowledge, &args),
         Command::Approve(args) => operate::ask(Ask::Approve, &args),
         Command::Mode(args) => operate::set_mode(&args),
+        Command::Inject(args) => inject::run(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Faults(args) => faults::run(&args),
         Command::Doctor(args) => doctor::run(&args),
