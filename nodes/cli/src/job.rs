@@ -4,7 +4,7 @@ use crate::config::Setup;
 use crate::output;
 use anyhow::{Context, bail};
 use models::gcode::{Header, Warning};
-use models::motion::{Job, MotionParams, Step};
+use models::motion::{Job, MotionParams, Step, Totals};
 use printer_sim::JobSource;
 use printer_sim::job::Wishes;
 use std::io::Cursor;
@@ -71,24 +71,30 @@ impl GcodeFile {
     /// As [`Self::read`]; a file that lays no road.
     pub fn read_telling(path: &Path, motion: &MotionParams, layers: Option<u32>) -> anyhow::Result<Self> {
         let mut file = Self::read(path, motion, layers)?;
-        let mut job = Job::new(Cursor::new(Arc::clone(&file.bytes)), &file.header, motion);
+        let totals = file.tell(path, motion);
+        if totals.deposit_m <= 0.0 {
+            bail!(
+                "{}: none of its {} moves lays a road (moves the tool while filament is pushed): nothing to print",
+                path.display(),
+                totals.moves
+            );
+        }
+        Ok(file)
+    }
+
+    /// Says on standard error what is odd in it, and a line at which the print stands for minutes.
+    pub fn tell(&mut self, path: &Path, motion: &MotionParams) -> Totals {
+        let mut job = Job::new(Cursor::new(Arc::clone(&self.bytes)), &self.header, motion);
         let slowest = slow::slowest(&mut job);
-        file.oddities = job.oddities().total();
+        self.oddities = job.oddities().total();
         if let Some(first) = first_of_each(job.oddities().kept()) {
-            let (name, count) = (path.display(), file.oddities);
+            let (name, count) = (path.display(), self.oddities);
             output::note(&format!("{name}: {count} odd, first {first}; `fdm gcode` names them"));
         }
         if let Some(slow) = slowest.filter(slow::Line::is_long) {
             output::note(&format!("{}: {slow}", path.display()));
         }
-        if job.totals().deposit_m <= 0.0 {
-            bail!(
-                "{}: none of its {} moves lays a road (moves the tool while filament is pushed): nothing to print",
-                path.display(),
-                job.totals().moves
-            );
-        }
-        Ok(file)
+        *job.totals()
     }
 
     /// How much is odd, where that was counted.

@@ -2,6 +2,7 @@
 
 pub mod catalogue;
 pub mod figures;
+pub mod meaning;
 pub mod measure;
 pub mod page;
 pub mod process;
@@ -54,7 +55,8 @@ pub struct FaultsArgs {
     /// Write a page with the figure.
     #[arg(long)]
     html: Option<PathBuf>,
-    /// Write the figures to a file, or to standard output with `-`.
+    /// Write the figures to a file, or to standard output with `-`. Times and limit of an ID are those of its trial that
+    /// came nearest to its limit; each trial's own stand in `trials`.
     #[arg(long)]
     json: Option<PathBuf>,
 }

@@ -1,12 +1,15 @@
 //! The figures of `fdm faults` as one page that stands by itself: reaction times beside limits and other firmware.
 
 use super::figures::{FaultFigures, Figures, TrialFigures};
+use super::meaning;
 use maud::{DOCTYPE, Markup, html};
 
 /// Shortest and longest time of the axis `[s]`; it is logarithmic.
 const AXIS_S: (f64, f64) = (0.01, 100.0);
 /// Size of a row's drawing `[px]`.
 const ROW_PX: (f64, f64) = (480.0, 22.0);
+/// Room at both ends of the axis for half of a mark's label `[px]`: "0.01 s" takes some 35 px.
+const MARGIN_PX: f64 = 24.0;
 /// Marks of the axis `[s]`.
 const MARKS_S: [f64; 5] = [0.01, 0.1, 1.0, 10.0, 100.0];
 
@@ -28,9 +31,11 @@ pub fn page(figures: &Figures) -> String {
                 h1 { "From fault to reaction" }
                 p {
                     (figures.title()) ": " (figures.faults.len()) " faults, " (trials) " trials, "
-                    (runs) " runs. Bar: median to worst; black line: limit; "
+                    (runs) " runs. Bar: median to worst; black line: limit (none is drawn where it counts filament or "
+                    "layers: it stands beside the worst time then); "
                     span style="color:#c77700" { "K" } " and " span style="color:#6a3fa0" { "M" }
-                    ": what Klipper and Marlin need. False trips: " (figures.false_trips) " (sound prints: "
+                    ": what Klipper and Marlin need by their sources or as measured, no run of this table "
+                    "(peers in config/faults.yaml). False trips: " (figures.false_trips) " (sound prints: "
                     (format!("{:.1}", figures.hours)) " h)."
                 }
                 div class="wide" { table {
@@ -40,6 +45,7 @@ pub fn page(figures: &Figures) -> String {
                         @if fault.trials.is_empty() { (unseen(fault, figures)) }
                     }
                 } }
+                @for meaning in meaning::of(figures) { p { small { (meaning) } } }
             }
         }
     }
@@ -58,6 +64,10 @@ fn row(fault: &FaultFigures, trial: &TrialFigures) -> Markup {
             td { (trial.action) " " small { (trial.detected) "/" (trial.runs) } }
             td class=[(!trial.within_limit).then_some("missed")] { (time(trial.reaction_max_s)) " / " (limit) }
             td { (bar(fault, trial)) }
+        }
+        @if !trial.figures.is_empty() {
+            @let figures = trial.figures.iter().map(|(name, figure)| format!("{name} {figure:.2}"));
+            tr { td {} td colspan="4" { small { (figures.collect::<Vec<_>>().join(", ")) } } }
         }
         @for measure in &trial.measures {
             tr { td {} td colspan="4" { small { (measure.text()) } } }
@@ -113,8 +123,7 @@ fn drawing(inside: &Markup) -> Markup {
 fn place(seconds: f64) -> f64 {
     let (low, high) = (AXIS_S.0.ln(), AXIS_S.1.ln());
     let share = (seconds.clamp(AXIS_S.0, AXIS_S.1).ln() - low) / (high - low);
-    // Room for a letter at both ends.
-    16.0 + share * (ROW_PX.0 - 32.0)
+    MARGIN_PX + share * (ROW_PX.0 - 2.0 * MARGIN_PX)
 }
 
 #[cfg(test)]

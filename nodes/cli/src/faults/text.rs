@@ -1,6 +1,7 @@
 //! The figures of `fdm faults` for people.
 
 use super::figures::{FaultFigures, Figures, TrialFigures};
+use super::meaning;
 use std::fmt::Write;
 
 /// One row a trial, then what was missed.
@@ -32,6 +33,9 @@ pub fn table(figures: &Figures) -> String {
         } else if fault.trials.is_empty() {
             _ = writeln!(text, "{:<4} {:<34} {}", fault.id, fault.fault, figures.elsewhere());
         }
+    }
+    for meaning in meaning::of(figures) {
+        _ = writeln!(text, "{meaning}");
     }
     for fault in &figures.faults {
         for trial in &fault.trials {

@@ -95,7 +95,7 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
         bail!("--speed {}: must be in [0.1, 20]; `fdm sim` is faster", args.speed);
     }
     let config = ConfigDir::find(args.config.as_deref())?;
-    let file = GcodeFile::read(&args.gcode, &config.motion()?, args.layers)?;
+    let mut file = GcodeFile::read(&args.gcode, &config.motion()?, args.layers)?;
     let material = args.material.clone().unwrap_or_else(|| file.material());
     config.check_material(&material)?;
     config.scenario(&args.scenario)?;
@@ -106,6 +106,7 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
         let processes: Vec<_> = plans.iter().map(Plan::processes).collect::<anyhow::Result<_>>()?;
         return output::line(&serde_json::to_string_pretty(&processes)?);
     }
+    _ = file.tell(&args.gcode, &config.motion()?);
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let mut prints = Vec::new();
     for plan in &plans {

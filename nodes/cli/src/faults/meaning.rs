@@ -1,0 +1,61 @@
+//! What the named figures of a trial are, for people.
+
+use super::figures::Figures;
+use std::collections::BTreeSet;
+
+/// Name and meaning of each; the names of the catalogue's bounds among them.
+const MEANINGS: [(&str, &str); 16] = [
+    ("acknowledged_s", "until the latched mode was acknowledged and permits came again"),
+    ("answer", "time until a service call was answered"),
+    ("answered_hz", "service calls answered a second"),
+    ("died", "1 where the process ended for lack of memory, 0 where it went on"),
+    ("foreign_cores", "processors that were busy with something else"),
+    ("growth_mib", "memory that the largest of the nodes took more"),
+    ("not_answered", "service calls without an answer"),
+    ("permit", "how far the interval of two permits was from 20 ms"),
+    ("permit late", "how much longer than 20 ms the interval of two permits was"),
+    ("permit that stops", "time from the call until the permit that demands the stop"),
+    ("printer_state_gap_s", "longest silence of printer/state"),
+    ("rss_all_mib", "memory of all nodes together"),
+    ("rss_slope_mib_h", "growth of the node that grows fastest"),
+    ("sent_hz", "messages of the flood that were sent a second"),
+    ("whole", "time from the start until every node works"),
+    ("whole_s", "from the end of the fault until every node works again"),
+];
+
+/// One line for each named figure that occurs.
+#[must_use]
+pub fn of(figures: &Figures) -> Vec<String> {
+    let trials = figures.faults.iter().flat_map(|fault| &fault.trials);
+    let names: BTreeSet<&str> = trials
+        .flat_map(|trial| {
+            let measures = trial.measures.iter().map(|measure| measure.name.as_str());
+            trial.figures.keys().map(String::as_str).chain(measures)
+        })
+        .collect();
+    let meaning = |name: &str| MEANINGS.iter().find(|(known, _)| *known == name).map(|(_, meaning)| meaning);
+    names.into_iter().filter_map(|name| Some(format!("{name}: {}", meaning(name)?))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// Every name that a process trial inserts has a meaning.
+    #[test]
+    fn no_named_figure_is_left_unexplained() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/faults/process");
+        let mut found = 0;
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let text = std::fs::read_to_string(entry.unwrap().path()).unwrap();
+            for mark in ["figures.insert(\"", "measures.insert(\""] {
+                for name in text.split(mark).skip(1).filter_map(|rest| rest.split('"').next()) {
+                    assert!(MEANINGS.iter().any(|(known, _)| *known == name), "{name}");
+                    found += 1;
+                }
+            }
+        }
+        assert!(found >= MEANINGS.len(), "{found} names found in the sources");
+    }
+}
