@@ -5,7 +5,7 @@ use crate::config::Setup;
 use crate::job::GcodeFile;
 use crate::sim::message::Lane;
 use crate::sim::printing::Printing;
-use crate::sim::relay::{RIVAL_FLOW, Relay};
+use crate::sim::relay::{RIVAL_FLOW, RIVAL_SESSION, Relay};
 use models::command::{Mode, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Kelvin};
@@ -254,8 +254,11 @@ fn kept_too_long(degraded_s: Option<f64>, in_force: &Trims) -> Option<String> {
     (late && *in_force != Trims::NEUTRAL).then(|| format!("corrections in force {RAMP_S} s after DEGRADED"))
 }
 
-/// What nobody but a second publisher asks for, in force at the printer.
+/// A second publisher's permit that the printer took, or its flow in force: slewed to, that needs a tenth of a second.
 fn taken_from_a_rival(printing: &Printing) -> Option<String> {
+    if printing.obeyed == Some(RIVAL_SESSION) {
+        return Some("a permit of a second publisher was taken".to_owned());
+    }
     let in_force = printing.simulator().in_force();
     let taken = !in_force.lapsed && (in_force.trims.flow - RIVAL_FLOW).abs() < 1e-6;
     taken.then(|| "the flow of a second publisher in force".to_owned())

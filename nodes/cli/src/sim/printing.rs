@@ -57,6 +57,8 @@ pub struct Printing {
     pub nis_mean: [Option<f64>; state_estimator::CHANNELS],
     /// What the loop noticed.
     pub noticed: Vec<Detection>,
+    /// Session of the newest permit that the printer has taken.
+    pub obeyed: Option<u64>,
     /// Pauses that the file itself asked for.
     pub file_pauses: Vec<FilePause>,
     /// How much of the time corrections were more than small.
@@ -109,6 +111,7 @@ impl Printing {
             width: WidthTrace::default(),
             nis_mean: [None; state_estimator::CHANNELS],
             noticed: Vec::new(),
+            obeyed: None,
             file_pauses: Vec::new(),
             trimmed: Trimmed::default(),
             extremes: Extremes::default(),

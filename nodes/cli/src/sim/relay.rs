@@ -10,7 +10,7 @@ use serde::Deserialize;
 /// Random stream of the relay; those of the simulated printer are below ten.
 const STREAM: u64 = 40;
 /// Session of a second publisher, unlike those of the loop's own.
-const RIVAL_SESSION: u64 = 999;
+pub const RIVAL_SESSION: u64 = 999;
 /// What a share of messages that do not arrive delays a stream of 50 Hz by `[s]`: ten of them.
 const LOST_S: f64 = 0.2;
 /// Flow that a second publisher asks for `[-]`, allowed, and unlike any that a loop comes to by itself.

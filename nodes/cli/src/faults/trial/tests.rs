@@ -8,12 +8,12 @@ use crate::sim::relay::Tampering;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// A printer that waits hot beside a supervisor that sends no correction: time until it is at the slicer's values.
-fn baseline_s(relay: &Value) -> Option<f64> {
+/// A printer that waits hot beside a supervisor that sends no correction, and what it came to.
+fn waiting(relay: &Value) -> Outcome {
     let config = ConfigDir::find(Some(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config"))).unwrap();
     let spec: TrialSpec = serde_json::from_value(json!({
         "name": "permits", "job": "hot", "onset": {"after": "start", "time_s": 1.0}, "limit_s": 0.25,
-        "set": {"safety_supervisor": {"start_mode": "observe"}}, "relay": relay,
+        "set": {"safety_supervisor": {"start_mode": "observe"}}, "at_most": "safe_off", "watch_s": 20.0, "relay": relay,
     }))
     .unwrap();
     let file = Catalogue::read(&config.file("faults.yaml")).unwrap().jobs["hot"].load(&config).unwrap();
@@ -21,15 +21,28 @@ fn baseline_s(relay: &Value) -> Option<f64> {
     let choice = Choice { overrides, ..Choice::of(file.material(), sim::level(&spec.control).unwrap()) };
     let setup = config.load(&choice).unwrap();
     let trial = Trial { spec: &spec, reaction: Reaction::Baseline, setup: &setup, file: &file, warm: true };
-    trial.run(1).unwrap().reaction_s
+    trial.run(1).unwrap()
 }
 
 /// C2: the dead-man is what is measured. Values that nobody had corrected are the slicer's without it.
 #[test]
 fn the_slicers_values_count_where_the_dead_man_has_brought_them() {
-    assert_eq!(baseline_s(&json!([])), None, "permits come, nothing lapses");
-    let reaction_s = baseline_s(&json!([{"lanes": ["permit"], "how": "lose"}])).unwrap();
+    assert_eq!(waiting(&json!([])).reaction_s, None, "permits come, nothing lapses");
+    let reaction_s = waiting(&json!([{"lanes": ["permit"], "how": "lose"}])).reaction_s.unwrap();
     assert!((0.1..=0.25).contains(&reaction_s), "{reaction_s}");
+}
+
+/// C8: beside the supervisor nobody is obeyed; where its permits stay away for longer than they hold, another one is, and
+/// that is too much from the first permit on.
+#[test]
+fn a_permit_of_a_second_publisher_that_is_taken_is_too_much() {
+    let rival = json!({"lanes": ["permit"], "how": "rival"});
+    assert_eq!(waiting(&json!([rival])).too_much, None);
+    let rare = json!({"lanes": ["permit"], "how": "lose", "share": 0.97});
+    // Of each pair the one or the other comes first.
+    let late = json!({"lanes": ["permit"], "how": {"delay": [0.0, 0.2]}});
+    let too_much = waiting(&json!([rival, rare, late])).too_much;
+    assert_eq!(too_much.as_deref(), Some("a permit of a second publisher was taken"));
 }
 
 /// DEGRADED takes corrections back within 2 s: what is in force later is too much, what is on its way is not.

@@ -157,8 +157,9 @@ impl Printing {
             }
             // A refused permit is counted by the dead-man itself.
             Content::Permit(permit) => {
-                if runtime::check_age((now - stamp).0, printer_sim::PERMIT_STAMP_LIMIT).is_ok() {
-                    _ = self.simulator.on_permit(permit);
+                let young = runtime::check_age((now - stamp).0, printer_sim::PERMIT_STAMP_LIMIT).is_ok();
+                if young && self.simulator.on_permit(permit).is_ok() {
+                    self.obeyed = Some(permit.session);
                 }
             }
         }
