@@ -46,6 +46,8 @@ pub struct DefectReport {
     pub region_known: bool,
     /// Column, row, width and height of that place `[px]`. Invalid where region_known is false.
     pub region_px: [u32; 4],
+    /// The frame itself could tell of the cause; where not, what earlier frames said stands.
+    pub cause_told: bool,
 }
 
 impl RosType for DefectReport {

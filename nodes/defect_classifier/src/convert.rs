@@ -89,6 +89,7 @@ pub fn defects(defects: &Defects, classes: &[String]) -> DefectReport {
             offset_sigma_m: judged.offset.map_or(0.0, |offset| offset.sigma_m),
             region_known: judged.region_px.is_some(),
             region_px: judged.region_px.unwrap_or_default(),
+            cause_told: judged.fused.told,
             ..blank
         },
     }

@@ -35,6 +35,8 @@ pub struct Fused {
     pub cause: String,
     /// Enough of the last frames say the same cause.
     pub confirmed: bool,
+    /// This frame could tell of the cause; where not, what earlier ones said stands.
+    pub told: bool,
     /// Frames of the cause's window that say so.
     pub in_favour: u32,
     /// Frames that the cause's window holds when full.
@@ -50,6 +52,8 @@ pub struct Fusion {
     rules: Vec<Option<ConfirmRule>>,
     /// Votes per class, newest last.
     votes: Vec<VecDeque<bool>>,
+    /// When a frame could tell of a class last.
+    told: Vec<Option<Seconds>>,
     smoothed: Option<(Seconds, Vec<f64>)>,
     residual: Option<(Seconds, f64, f64)>,
     grace_until: Option<Seconds>,
@@ -66,6 +70,7 @@ impl Fusion {
             params,
             classes: classes.to_vec(),
             votes: vec![VecDeque::new(); rules.len()],
+            told: vec![None; rules.len()],
             rules,
             smoothed: None,
             residual: None,
@@ -76,6 +81,7 @@ impl Fusion {
     /// Forgets the frames; what is seen within the grace time after `now` counts for nothing (print start, resume).
     pub fn reset(&mut self, now: Seconds) {
         self.votes.iter_mut().for_each(VecDeque::clear);
+        self.told.fill(None);
         self.smoothed = None;
         self.residual = None;
         self.grace_until = Some(Seconds(now.0 + self.params.grace_s));
@@ -110,7 +116,7 @@ impl Fusion {
         if !graced {
             let (judged, told) = self.params.evidence.weigh(&self.classes, scores, measured);
             self.smooth(exposed, &judged);
-            self.vote(&judged, &told);
+            self.vote(exposed, &judged, &told);
         }
         self.fuse(exposed)
     }
@@ -127,10 +133,7 @@ impl Fusion {
                 *last = exposed;
             }
             // After a gap the past says nothing of now.
-            (_, gap_s) => {
-                if gap_s.is_some() {
-                    self.votes.iter_mut().for_each(VecDeque::clear);
-                }
+            _ => {
                 // The first frame counts as one frame of an unknown past that was fine.
                 let mut calm = vec![0.0; self.classes.len()];
                 calm[0] = 1.0;
@@ -139,11 +142,18 @@ impl Fusion {
         }
     }
 
-    /// A frame that could not tell a class has no vote on it.
-    fn vote(&mut self, scores: &Scores, told: &[bool]) {
+    /// A frame that could not tell a class has no vote on it; where none could for too long, nothing is known of it.
+    fn vote(&mut self, exposed: Seconds, scores: &Scores, told: &[bool]) {
         let best = scores.best();
         for (class, (votes, rule)) in self.votes.iter_mut().zip(&self.rules).enumerate() {
-            let Some(rule) = rule.filter(|_| told[class]) else { continue };
+            if self.told[class].is_some_and(|last| exposed.0 - last.0 > self.params.gap_max_s) {
+                votes.clear();
+            }
+            if !told[class] {
+                continue;
+            }
+            self.told[class] = Some(exposed);
+            let Some(rule) = rule else { continue };
             votes.push_back(class == best && scores.probabilities[class] >= rule.probability_min);
             while votes.len() > rule.frames as usize {
                 votes.pop_front();
@@ -167,9 +177,16 @@ impl Fusion {
             confidence,
             cause: self.classes[cause].clone(),
             confirmed: rule.is_some_and(|rule| in_favour >= rule.in_favour),
+            told: self.tells(&self.classes[cause], now),
             in_favour,
             window: rule.map_or(0, |rule| rule.frames),
         })
+    }
+
+    /// Whether the frame exposed then could tell of a class.
+    pub(crate) fn tells(&self, class: &str, exposed: Seconds) -> bool {
+        let place = self.classes.iter().position(|name| name == class);
+        place.and_then(|place| self.told[place]) == Some(exposed)
     }
 
     /// The confirmed class with the most votes, else the most probable one after smoothing.

@@ -64,6 +64,7 @@ pub fn vision(message: &DefectReport) -> Result<(Seconds, Event), WireError> {
         confidence: read.confidence,
         defect: Defect::from_name(&read.cause),
         confirmed: read.confirmed,
+        told: read.told,
         offset_m: read.offset_m,
     };
     Ok((read.exposed, Event::Vision(report)))

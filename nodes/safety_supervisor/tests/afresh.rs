@@ -69,8 +69,14 @@ fn a_latch_of_the_bed_ends_with_a_bed_that_reads_well() {
 
 const RESUMED: What = What::Granted(Operator::Resume);
 
-const SOUND: VisionReport =
-    VisionReport { usable: true, confidence: 0.1, defect: None, confirmed: false, offset_m: None };
+const SOUND: VisionReport = VisionReport {
+    usable: true,
+    confidence: 0.1,
+    defect: None,
+    confirmed: false,
+    told: true,
+    offset_m: None,
+};
 
 const LOOSE: VisionReport = VisionReport { defect: Some(Defect::Spaghetti), confirmed: true, ..SOUND };
 

@@ -249,6 +249,9 @@ fn names_of_the_judges_classes() {
         ("under", Some(Defect::Under)),
         ("over", Some(Defect::Over)),
         ("spaghetti", Some(Defect::Spaghetti)),
+        ("shift", Some(Defect::Shift)),
+        ("stringing", Some(Defect::Stringing)),
+        ("blobs", Some(Defect::Blobs)),
         ("warping", Some(Defect::Other)),
     ] {
         assert_eq!(Defect::from_name(name), defect);

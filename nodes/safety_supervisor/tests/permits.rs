@@ -29,6 +29,7 @@ fn happen(print: &mut Print, kind: u8, value: f64) -> bool {
             confidence: value,
             defect: None,
             confirmed: false,
+            told: true,
             offset_m: Some([value, 0.0]),
         })),
         9 => drop(print.ask(Operator::Resume)),

@@ -14,6 +14,7 @@ const SOUND: VisionReport = VisionReport {
     confidence: 0.1,
     defect: None,
     confirmed: false,
+    told: true,
     offset_m: Some([1e-5, -2e-5]),
 };
 

@@ -79,6 +79,7 @@ impl Print {
             confirmed: seen,
             in_favour: 6,
             window: 10,
+            cause_told: true,
             offset_known: true,
             ..DefectReport::default()
         };

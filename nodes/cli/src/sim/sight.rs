@@ -147,6 +147,7 @@ impl Sight {
                     confidence: 0.0,
                     defect: None,
                     confirmed: false,
+                    told: false,
                     offset_m: None,
                 };
                 Some(Seen::Report(match &defects.judged {
@@ -167,6 +168,7 @@ impl Sight {
                             confidence: judged.fused.confidence,
                             defect: Defect::from_name(&judged.fused.cause),
                             confirmed: judged.fused.confirmed,
+                            told: judged.fused.told,
                             offset_m,
                         }
                     }

@@ -3,6 +3,7 @@
 use super::Classifier;
 use crate::event::{Judged, Note, Weight};
 use crate::frame::Unusable;
+use crate::network::OK;
 use models::status::{JobPhase, PrinterStatus};
 use models::units::Seconds;
 
@@ -61,6 +62,9 @@ impl Classifier {
             return None;
         }
         let before = std::mem::replace(&mut self.confirmed, cause.clone());
+        // What no frame could tell of for long is forgotten, and may be there all the same.
+        let over =
+            if before.as_ref().is_none_or(|class| self.fusion.tells(class, stamp)) { OK } else { "unknown" };
         Some(Note {
             stamp,
             weight: if cause.is_some() { Weight::Warn } else { Weight::Info },
@@ -69,8 +73,8 @@ impl Classifier {
                 "{} of {} frames, confidence {:.2}",
                 fused.in_favour, fused.window, fused.confidence
             ),
-            before: before.unwrap_or_else(|| crate::network::OK.into()),
-            after: cause.unwrap_or_else(|| crate::network::OK.into()),
+            before: before.unwrap_or_else(|| OK.into()),
+            after: cause.unwrap_or_else(|| over.into()),
         })
     }
 }

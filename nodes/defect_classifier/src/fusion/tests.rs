@@ -192,6 +192,30 @@ fn frames_without_a_width_have_no_vote_on_it() {
     assert!(!fused[5].confirmed && fused[6].confirmed && fused[7].confirmed);
 }
 
+/// A frame without a width says that it tells nothing of it; after 10 s of them nothing is known of the width.
+#[test]
+fn frames_that_cannot_tell_do_not_keep_a_cause_confirmed_for_ever() {
+    let mut raw = raw();
+    raw.gap_max_s = 10.0;
+    raw.evidence.measured_only = vec!["under".into()];
+    raw.confirm.insert("under".into(), ConfirmRule { frames: 1, in_favour: 1, probability_min: 0.5 });
+    let mut fusion = Fusion::new(raw.try_into().unwrap(), &classes()).unwrap();
+    let thin = Measured { width_drift_rel: Some(-0.2), ..NOTHING };
+    let mut on_frame = |half_seconds: u32, measured: &Measured| {
+        fusion.on_frame(Seconds(0.5 * f64::from(half_seconds)), &sure_of(0), measured).unwrap()
+    };
+    let first = on_frame(0, &thin);
+    assert!(first.confirmed && first.told && first.cause == "under");
+    for half_seconds in 1..=20 {
+        let fused = on_frame(half_seconds, &NOTHING);
+        assert_eq!((fused.confirmed, fused.told, fused.cause.as_str()), (true, false, "under"));
+    }
+    let fused = on_frame(21, &NOTHING);
+    assert!(!fused.confirmed && fused.cause == "ok" && fused.told);
+    let fused = on_frame(22, &thin);
+    assert!(fused.confirmed && fused.told);
+}
+
 /// `c = 0.5 min(1, 75.132 / 37.58) + 0.5 p_det`: residuals alone give 0.5 while they are fresh.
 #[test]
 fn residuals_alone_give_their_share_and_stale_ones_nothing() {

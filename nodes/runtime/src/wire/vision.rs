@@ -31,6 +31,8 @@ pub struct DefectReading {
     pub cause: String,
     /// Enough frames agree on the cause.
     pub confirmed: bool,
+    /// The frame itself could tell of the cause.
+    pub told: bool,
     /// Offset of the layers below in x and y `[m]`, where they were found.
     pub offset_m: Option<[f64; 2]>,
 }
@@ -82,6 +84,7 @@ pub fn defects_from_wire(wire: &DefectReport) -> Result<DefectReading, WireError
         confidence: within("confidence", wire.confidence, SHARE)?,
         cause: wire.cause.clone(),
         confirmed: wire.confirmed,
+        told: wire.cause_told,
         offset_m: x_m.zip(y_m).map(|(x_m, y_m)| [x_m, y_m]),
     })
 }

@@ -9,7 +9,13 @@ pub enum Defect {
     Over,
     /// Loose strands.
     Spaghetti,
-    /// Anything else: shown, not acted upon. An offset is judged by its own measure.
+    /// Layers beside those below: shown, the offset is judged by its own measure.
+    Shift,
+    /// Strings between parts: shown, not acted upon.
+    Stringing,
+    /// Lumps: shown, not acted upon.
+    Blobs,
+    /// Anything else: shown, not acted upon.
     Other,
 }
 
@@ -22,7 +28,25 @@ impl Defect {
             "under" => Some(Self::Under),
             "over" => Some(Self::Over),
             "spaghetti" => Some(Self::Spaghetti),
+            "shift" => Some(Self::Shift),
+            "stringing" => Some(Self::Stringing),
+            "blobs" => Some(Self::Blobs),
             _ => Some(Self::Other),
+        }
+    }
+
+    /// What a fused confidence is of, behind the number.
+    #[must_use]
+    pub fn confidence_of(defect: Option<Self>) -> &'static str {
+        match defect {
+            None => "confidence",
+            Some(Self::Under) => "confidence of too little material",
+            Some(Self::Over) => "confidence of too much material",
+            Some(Self::Spaghetti) => "confidence of loose strands",
+            Some(Self::Shift) => "confidence of a layer shift",
+            Some(Self::Stringing) => "confidence of strings",
+            Some(Self::Blobs) => "confidence of blobs",
+            Some(Self::Other) => "confidence of another defect",
         }
     }
 }
@@ -38,6 +62,8 @@ pub struct VisionReport {
     pub defect: Option<Defect>,
     /// Enough frames agree on it.
     pub confirmed: bool,
+    /// This frame could tell of it; where not, what earlier ones said stands.
+    pub told: bool,
     /// Offset of what was laid before, x and y `[m]`, where the frame tells.
     pub offset_m: Option<[f64; 2]>,
 }

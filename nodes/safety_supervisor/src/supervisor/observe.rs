@@ -126,7 +126,7 @@ impl Supervisor {
         set(Cause::LayerShift, (printing && checks.shift.tripped()).then_some(Reaction::Pause));
         let hard = printing && checks.attention.level() == Level::Hard;
         let convicted = checks.convicted.filter(|_| hard);
-        let defect = checks.defect.tripped(now).filter(|_| printing);
+        let defect = checks.defect.tripped().filter(|_| printing);
         let mut named = false;
         for (cause, wanted) in [
             (Cause::Spaghetti, Defect::Spaghetti),

@@ -88,6 +88,7 @@ pub(crate) fn poisoned(print: &Print, place: usize, value: f64, whole: u64) -> E
         confidence: 0.1,
         defect: Some(Defect::Spaghetti),
         confirmed: whole.is_multiple_of(2),
+        told: whole % 3 > 0,
         offset_m: None,
     };
     let command =
@@ -138,6 +139,7 @@ pub(crate) fn sound(print: &Print) -> [Event; 3] {
         confidence: 0.0,
         defect: None,
         confirmed: false,
+        told: true,
         offset_m: Some([0.0; 2]),
     };
     [
