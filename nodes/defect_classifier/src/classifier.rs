@@ -133,7 +133,8 @@ impl Classifier {
     pub fn on_event(&mut self, event: Event) -> Vec<Output> {
         match event {
             Event::Frame { exposed, jpeg } => self.on_frame(exposed, &jpeg),
-            Event::Motion { start, segment } => {
+            Event::Motion { start, path_s, segment } => {
+                self.nozzle.on_move(path_s, &segment);
                 self.on_motion(start, &segment);
                 Vec::new()
             }
@@ -231,7 +232,9 @@ impl Classifier {
     fn measure(&mut self, grey: &Mat, exposed: Seconds, tool_m: [f64; 2]) -> Result<Found, Unusable> {
         let view = (&self.params.camera, tool_m);
         let (width, seen) = self.gauge.on_frame(grey, (&self.path, exposed), view)?;
-        let seams = self.seams.on_frame(grey, (&self.path, exposed), view)?;
+        let seams = self.seams.on_frame(grey, (&self.path, exposed), view, |laid| {
+            self.nozzle.share(laid, self.path.path_s(laid))
+        })?;
         let offset = self.finder.on_frame(grey, (&self.path, exposed), view)?;
         if let Some(width) = width {
             self.counts.widths += 1;

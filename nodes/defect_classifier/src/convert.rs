@@ -5,7 +5,7 @@ use fdm_loop_msgs::{
     StateEstimate,
 };
 use models::units::Seconds;
-use runtime::wire::{self, JpegFrame, WireError};
+use runtime::wire::{self, JpegFrame, PlannedMove, WireError};
 
 use crate::event::{Defects, EstimateReading, Event, Note, Weight};
 use crate::layer::LayerFigure;
@@ -24,7 +24,8 @@ pub fn frame(wire: &CompressedImage) -> Result<(Seconds, Event), WireError> {
 
 pub fn motion(wire: &MotionSegment) -> Result<(Seconds, Event), WireError> {
     let planned = wire::motion_from_wire(wire)?;
-    Ok((planned.start, Event::Motion { start: planned.start, segment: Box::new(planned.segment) }))
+    let PlannedMove { start, path_time_s: path_s, segment, .. } = planned;
+    Ok((start, Event::Motion { start, path_s, segment: Box::new(segment) }))
 }
 
 pub fn printer(wire: &PrinterState) -> Result<(Seconds, Event), WireError> {

@@ -24,6 +24,8 @@ pub enum Event {
     Motion {
         /// When.
         start: Seconds,
+        /// When along the slicer's own plan `[s]`.
+        path_s: f64,
         /// The move.
         segment: Box<Segment>,
     },

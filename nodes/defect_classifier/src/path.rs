@@ -231,6 +231,12 @@ impl PathHistory {
         Some((self.clock.path_s(at_s)? - plan_start_s).max(0.0))
     }
 
+    /// Time along the plan at `at` `[s]`; `None` where the statuses do not reach.
+    #[must_use]
+    pub fn path_s(&self, at: Seconds) -> Option<f64> {
+        self.clock.path_s(at.0)
+    }
+
     /// Roads begun before `at`, oldest first.
     pub fn roads(&self, at: Seconds) -> impl DoubleEndedIterator<Item = &Road> {
         let count = self.roads.partition_point(|road| road.start.0 < at.0);

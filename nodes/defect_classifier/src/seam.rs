@@ -5,7 +5,7 @@
 //! fills it. How dark a valley looks depends on the light and on the way the seam runs far more than on the flow, so each
 //! place of the part is compared with itself: level in the seam over the level on the crests beside it, less what that
 //! ratio was there on earlier layers. Only places where this layer's roads lie as those of the earlier layers count: walls
-//! of prismatic parts, skins whose lines repeat. Nothing is told of the first layers over a new outline,
+//! of prismatic parts, skins whose lines repeat, where a sound nozzle lays as much as there. Nothing is told of the first layers over a new outline,
 //! and a lamp that is moved looks like a change of the flow for as long as the layers below remember the old light.
 //!
 //! One reading of a fifth less melt may lie within what a sound print shows, ten of them in a row do not: what readings
@@ -96,6 +96,7 @@ impl SeamGauge {
     }
 
     /// What the seams that were looked at for the first time tell; `None` where they are too few or their places new.
+    /// `share` is what a sound nozzle laid then of the wanted flow.
     ///
     /// # Errors
     /// A picture operation that failed.
@@ -104,6 +105,7 @@ impl SeamGauge {
         grey: &Mat,
         (path, exposed): (&PathHistory, Seconds),
         view: (&Camera, [f64; 2]),
+        share: impl Fn(Seconds) -> f64,
     ) -> Result<Option<SeamReading>, opencv::Error> {
         let pieces = stretch::pieces(path, exposed, &self.stretch);
         let Some(newest) = pieces.last() else { return Ok(None) };
@@ -120,12 +122,14 @@ impl SeamGauge {
         // In order: sums are the same to the bit whenever the same frames are judged.
         let mut touched = BTreeSet::new();
         for piece in pieces.iter().filter(|piece| (piece.top_m - top_m).abs() <= SAME_TOP_M) {
+            let sound = share(piece.laid);
             for station in &piece.stations {
                 let id = station.point_m.map(f64::to_bits);
                 if self.done.contains(&id) {
                     continue;
                 }
-                let Some(looks) = self.look(piece, station, &roads, (&pixels, view)) else { continue };
+                let Some(mut looks) = self.look(piece, station, &roads, (&pixels, view)) else { continue };
+                looks.iter_mut().flatten().for_each(|look| look.share = sound);
                 self.done.insert(id);
                 touched.extend(looks.iter().flatten().filter_map(|look| self.places.add(look, &self.params)));
             }
@@ -204,6 +208,7 @@ impl SeamGauge {
                 along: [station.left[1], -station.left[0]],
                 top_m: piece.top_m,
                 levels: [valley, 0.5 * (crests[0] + crests[1])],
+                share: 1.0,
             });
         }
         Some(looks)

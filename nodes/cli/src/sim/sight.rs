@@ -91,9 +91,9 @@ impl Sight {
         })
     }
 
-    /// A move begins.
-    pub fn on_motion(&mut self, start: Seconds, segment: &Segment) -> Vec<Output> {
-        self.classifier.on_event(Event::Motion { start, segment: Box::new(*segment) })
+    /// A move begins, `path_s` along the slicer's plan.
+    pub fn on_motion(&mut self, (start, path_s): (Seconds, f64), segment: &Segment) -> Vec<Output> {
+        self.classifier.on_event(Event::Motion { start, path_s, segment: Box::new(*segment) })
     }
 
     /// State of printer and job.

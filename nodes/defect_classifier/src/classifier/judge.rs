@@ -19,7 +19,7 @@ impl Classifier {
         // a sound nozzle under the advance in force.
         let flow = self.status.map_or(1.0, |status| status.trims.flow);
         let width = found.width.map(|width| {
-            let sound_m = width.wanted_m * flow * self.nozzle.share(width.laid);
+            let sound_m = width.wanted_m * flow * self.nozzle.share(width.laid, self.path.path_s(width.laid));
             self.usual.on_width(width.laid, width.width_m / sound_m, width.facing)
         });
         let measured = Measured {

@@ -95,7 +95,7 @@ fn printing() -> Classifier {
     let mut brain = classifier();
     brain.on_event(status(9.0, JobPhase::Printing, 0));
     let segment = Box::new(road(0, [0.1, 0.1], [0.11, 0.1]));
-    brain.on_event(Event::Motion { start: Seconds(9.1), segment });
+    brain.on_event(Event::Motion { start: Seconds(9.1), path_s: 9.1, segment });
     for step in 1..=50_u32 {
         brain.on_event(status(9.0 + 0.02 * f64::from(step), JobPhase::Printing, 0));
     }

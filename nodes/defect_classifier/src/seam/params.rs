@@ -30,6 +30,8 @@ pub struct RawSeam {
     pub stations_min: u32,
     /// How far a seam may lie beside that of an earlier layer to be the same place `[m]`.
     pub beside_m: f64,
+    /// How far a sound nozzle's share of the wanted flow may lie beside that of the earlier layers `[-]`.
+    pub beside_share: f64,
     /// Layers in a cell's memory before it tells something `[layers]`.
     pub layers_min: u32,
     /// Share of a new layer in what is usual in a cell `[-]`.
@@ -77,6 +79,7 @@ impl TryFrom<RawSeam> for SeamParams {
         in_range("seam.cells_max", f64::from(raw.cells_max), "cells", (16.0, 1e6))?;
         in_range("seam.stations_min", f64::from(raw.stations_min), "stations", (1.0, 1e3))?;
         in_range("seam.beside_m", raw.beside_m, "m", (1e-6, 1e-3))?;
+        in_range("seam.beside_share", raw.beside_share, "-", (0.0, 1.0))?;
         in_range("seam.layers_min", f64::from(raw.layers_min), "layers", (1.0, 1e3))?;
         in_range("seam.rate", raw.rate, "-", (0.0, 1.0))?;
         in_range("seam.depth_m", raw.depth_m, "m", (1e-4, 0.1))?;

@@ -28,6 +28,8 @@ pub(super) struct Look {
     pub(super) top_m: f64,
     /// Level in the seam and on the crests beside it `[grey]`.
     pub(super) levels: [f64; 2],
+    /// What a sound nozzle laid there of the wanted flow `[-]`.
+    pub(super) share: f64,
 }
 
 /// A cell on the layer that is being laid.
@@ -37,6 +39,7 @@ struct Gathered {
     stations: u32,
     levels: [f64; 2],
     across_m: f64,
+    share: f64,
     compared: bool,
     suspect: bool,
 }
@@ -47,6 +50,7 @@ struct Known {
     top_m: f64,
     stations: u32,
     across_m: f64,
+    share: f64,
     layers: u32,
     mean: f64,
     variance: f64,
@@ -80,12 +84,17 @@ impl Gathered {
         self.across_m / f64::from(self.stations)
     }
 
-    /// The roads lie as on the layers before.
+    fn share(&self) -> f64 {
+        self.share / f64::from(self.stations)
+    }
+
+    /// The roads lie as on the layers before, and a sound nozzle lays as much.
     fn is_like(&self, before: &Known, params: &SeamParams) -> bool {
         let most = f64::from(self.stations.max(before.stations));
         let least = f64::from(self.stations.min(before.stations));
         least >= WHOLE * most
             && (self.across_m() - before.across_m).abs() <= params.beside_m
+            && (self.share() - before.share).abs() <= params.beside_share
             && (0.0..=params.depth_m).contains(&(self.top_m - before.top_m))
     }
 }
@@ -114,12 +123,14 @@ impl Cell {
                 before.mean += share * away;
                 before.variance = (1.0 - share) * (before.variance + share * away * away);
                 (before.top_m, before.stations, before.across_m) = (now.top_m, now.stations, now.across_m());
+                before.share += share * (now.share() - before.share);
             }
             before => {
                 *before = Some(Known {
                     top_m: now.top_m,
                     stations: now.stations,
                     across_m: now.across_m(),
+                    share: now.share(),
                     layers: 1,
                     mean: ratio,
                     variance: 0.0,
@@ -149,11 +160,13 @@ impl Places {
             stations: 0,
             levels: [0.0; 2],
             across_m: 0.0,
+            share: 0.0,
             compared: false,
             suspect: false,
         });
         now.stations += 1;
         now.across_m += across_m;
+        now.share += look.share;
         now.levels = [0, 1].map(|level| now.levels[level] + look.levels[level]);
         Some(place)
     }

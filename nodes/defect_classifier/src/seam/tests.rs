@@ -21,6 +21,7 @@ fn params() -> SeamParams {
         cells_max: 1000,
         stations_min: 5,
         beside_m: 2e-5,
+        beside_share: 0.05,
         layers_min: 3,
         rate: 0.2,
         depth_m: 2e-3,
@@ -44,13 +45,15 @@ struct Layer {
     /// Level in the seam over that of the crests.
     ratio: f64,
     light: f64,
+    /// What a sound nozzle lays of the wanted flow.
+    share: f64,
     /// The second road's move is told.
     told: bool,
 }
 
 impl Layer {
     fn sound(number: u32) -> Self {
-        Self { number, roads_m: [0.104, PITCH_M], ratio: 0.8, light: 1.0, told: true }
+        Self { number, roads_m: [0.104, PITCH_M], ratio: 0.8, light: 1.0, share: 1.0, told: true }
     }
 }
 
@@ -89,7 +92,7 @@ impl Wall {
             level
         });
         let view = (&camera(), TOOL_M);
-        self.gauge.on_frame(&grey, (&self.path, Seconds(begin_s + 2.5)), view).unwrap()
+        self.gauge.on_frame(&grey, (&self.path, Seconds(begin_s + 2.5)), view, |_| layer.share).unwrap()
     }
 
     /// A wall with five sound layers.
@@ -193,4 +196,13 @@ fn a_value_out_of_range_is_refused_by_name() {
     assert!(refused(RawSeam { shared_sigma: [0.1, 0.03, 0.08], ..*params() }).contains("shared_sigma"));
     assert!(refused(RawSeam { drift_slack_sigmas: 3.5, ..*params() }).contains("drift_slack_sigmas"));
     assert!(refused(RawSeam { drift_max_sigmas: 2.0, ..*params() }).contains("drift_max_sigmas"));
+}
+
+/// Where no advance is in force roads are thin after a start: a layer that starts elsewhere is not compared.
+#[test]
+fn where_a_sound_nozzle_lays_less_nothing_is_told() {
+    let mut wall = Wall::known();
+    assert!(wall.lay(Layer { ratio: 0.5, share: 0.85, ..Layer::sound(5) }).is_none());
+    let mut wall = Wall::known();
+    assert!(wall.lay(Layer { ratio: 0.5, share: 0.97, ..Layer::sound(5) }).is_some());
 }

@@ -6,6 +6,9 @@
 //! the change began, over the capacity, is how far block and reading have come apart:
 //! `residual = 1/C integral (d - d_usual) dt`.
 //!
+//! A drift that begins before the usual power is known is learnt with it. Errors of the constants bound what can be usual,
+//! and a block that has drifted off loses more or less heat than its reading says: it is found by what it grows to.
+//!
 //! A draught takes as much power as a drift gives. The bed beside it feels the same air: what the bed's balance lacks
 //! at the same time explains its share of what the hot end's lacks. Without a bed that is warm enough to tell, a
 //! residual is a reason to be careful, not to switch off.
@@ -105,10 +108,13 @@ impl DriftCheck {
         }
         if self.over.beyond_j.max(self.under.beyond_j) <= self.params.doubt_j {
             self.learnt_s += dt_s;
-            // At first the newer half counts as much as all: what is left of a heat-up is soon outweighed.
-            let share = dt_s / (self.learnt_s / RECENT).min(self.params.usual_time_s);
+            // While it learns the newer half counts as much as all: what is left of a heat-up is soon outweighed.
+            let learning = self.learnt_s <= self.params.learn_s;
+            let time_s = if learning { self.learnt_s / RECENT } else { self.params.usual_time_s };
+            let share = dt_s / time_s;
             let share = share.min(1.0);
-            self.usual_w += apart_w * share;
+            let usual_w = self.usual_w + apart_w * share;
+            self.usual_w = usual_w.clamp(-self.params.usual_max_w, self.params.usual_max_w);
             self.usual_bed_w += apart_bed_w * share;
         }
     }
@@ -160,6 +166,7 @@ mod tests {
             lag_s: 6.0,
             learn_s: 20.0,
             usual_time_s: 180.0,
+            usual_max_w: 4.0,
             steady_w: 2.5,
             allowance_w: 1.6,
             doubt_j: 15.0,
@@ -236,6 +243,33 @@ mod tests {
         feed(&mut check, 100.0, 600.0, (3.5, Some(4.0)));
         assert!(check.residual_k().abs() < 1e-9);
         assert!((check.usual_w - 3.5).abs() < 0.1);
+    }
+
+    /// From its first balance on, -0.2 K/s: 3.34 W, and 0.1 W/K of what it has come to. Nothing else would be found.
+    #[test]
+    fn a_drift_that_was_learnt_is_found_by_what_it_grows_to() {
+        let found_s = |usual_max_w: f64| {
+            let mut check = DriftCheck::new(DriftParams { usual_max_w, ..check().params });
+            let tick = (0..3000).find(|tick| {
+                let now_s = 0.1 * f64::from(*tick);
+                let balance = Balance { disturbance_w: -4.34 - 0.02 * now_s, warming_w: 0.0 };
+                check.on_balance(Seconds(now_s), balance, Some(4.0));
+                check.tripped()
+            });
+            tick.map(|tick| 0.1 * f64::from(tick))
+        };
+        // Beyond 3.2 W and the allowance of 1.6 W from 23 s on; 250 J of what is beyond 3.2 W: 1.6 W and more.
+        assert!(found_s(3.2).is_some_and(|at_s| (80.0..140.0).contains(&at_s)), "{:?}", found_s(3.2));
+        assert!(found_s(100.0).is_none_or(|at_s| at_s > 200.0), "{:?}", found_s(100.0));
+    }
+
+    /// An onset just after the usual power is known: what is learnt of it takes the usual time.
+    #[test]
+    fn a_young_check_learns_no_faster_than_an_old_one() {
+        let mut check = check();
+        feed(&mut check, 0.0, 22.0, (-1.0, Some(4.0)));
+        let time_s = feed(&mut check, 22.0, 120.0, (-1.0 + 3.34, Some(4.0)));
+        assert!(check.tripped() && time_s < 90.0, "{time_s} s, {} K", check.residual_k());
     }
 
     #[test]

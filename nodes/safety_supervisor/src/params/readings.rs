@@ -75,6 +75,8 @@ pub struct DriftParams {
     pub learn_s: f64,
     /// Time over which a small lasting change becomes usual `[s]`.
     pub usual_time_s: f64,
+    /// Largest usual power: what errors of the balance's constants and the air come to `[W]`.
+    pub usual_max_w: f64,
     /// Largest warming power that counts as steady `[W]`.
     pub steady_w: f64,
     /// Change that is no drift, whatever its cause `[W]`.
@@ -99,6 +101,7 @@ impl DriftParams {
         in_range("drift.lag_s", self.lag_s, "s", (0.0, 60.0))?;
         in_range("drift.learn_s", self.learn_s, "s", (1.0, 600.0))?;
         in_range("drift.usual_time_s", self.usual_time_s, "s", (10.0, 3600.0))?;
+        in_range("drift.usual_max_w", self.usual_max_w, "W", (0.0, 100.0))?;
         in_range("drift.steady_w", self.steady_w, "W", (0.1, 100.0))?;
         in_range("drift.allowance_w", self.allowance_w, "W", (0.1, 100.0))?;
         in_range("drift.doubt_j", self.doubt_j, "J", (0.0, 1000.0))?;

@@ -172,15 +172,15 @@ impl Printing {
 
     /// A move begins.
     fn move_on(&mut self, now: Seconds, start: Seconds, segment: Segment) {
+        let path_time_s = self.simulator.truth().path_time_s;
         let (start, segment) = match &mut self.bagging {
             None => (start, segment),
             Some(bagging) => {
-                let path_time_s = self.simulator.truth().path_time_s;
                 let Some(read) = bagging.motion(now, (start, path_time_s), &segment) else { return };
                 read
             }
         };
-        let seen = self.sight.as_mut().map(|sight| sight.on_motion(start, &segment));
+        let seen = self.sight.as_mut().map(|sight| sight.on_motion((start, path_time_s), &segment));
         self.keep(now, seen.as_deref());
         let told = self.foresight.on_motion(&segment);
         self.tell((now, start), told);
