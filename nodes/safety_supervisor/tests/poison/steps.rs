@@ -88,7 +88,7 @@ pub(crate) fn poisoned(print: &Print, place: usize, value: f64, whole: u64) -> E
         confidence: 0.1,
         defect: Some(Defect::Spaghetti),
         confirmed: whole.is_multiple_of(2),
-        told: whole % 3 > 0,
+        told: !whole.is_multiple_of(3),
         offset_m: None,
     };
     let command =
