@@ -6,6 +6,7 @@ What `fdm up` does beyond: it checks every parameter file before anything runs, 
 prints its figures. Here the graph runs until Ctrl-C or until the printer ends.
 """
 
+import glob
 import os
 import sys
 
@@ -110,7 +111,15 @@ def nodes(context):
     stem = os.path.splitext(os.path.basename(chosen["gcode"]))[0]
     bag = fdm_launch.new_bag(chosen, stem, chosen["control"])
     started = [fdm_launch.node(name, chosen, material, values_of(name, chosen, bag)) for name in wanted_of(chosen)]
-    return fdm_launch.beside(bag, started)
+    started = fdm_launch.beside(bag, started)
+    forget_records(bag)
+    return started
+
+
+def forget_records(bag):
+    """What the supervisor of a former print with this bag remembered: that print is gone with its simulated printer."""
+    for record in glob.glob(os.path.join(glob.escape(bag + "_logs"), "latch.*")):
+        os.remove(record)
 
 
 def generate_launch_description():

@@ -117,7 +117,40 @@ fn what_needs_no_camera_keeps_its_limit_in_virtual_time() {
         }
         assert!(fault["runs"].as_u64() > Some(0), "{fault:#}");
         assert_eq!(fault["within_limit"], true, "{fault:#}");
+        for figures in std::iter::once(fault).chain(fault["trials"].as_array().unwrap()) {
+            let limited = ["limit", "limit_s", "limit_layers"].iter().any(|limit| !figures[*limit].is_null());
+            assert_eq!(limited, figures["limit_source"].is_string(), "{figures:#}");
+        }
     }
+}
+
+/// A limit of filament is one of millimetres and seconds, for people and programs; a reader sees whose it is.
+#[test]
+fn a_limit_is_told_with_its_units_and_its_source() {
+    let path = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    let figures_of = |to: &str| {
+        let arguments = ["faults", "--only", "P6,P12", "--seeds", "71..71", "--json", to];
+        Command::new(&path).current_dir(root()).args(arguments).output().unwrap()
+    };
+    let figures: Value = serde_json::from_slice(&figures_of("-").stdout).unwrap();
+    let slip = &figures["faults"][0];
+    for figures in [slip, &slip["trials"][0]] {
+        let limit = ["limit_mm", "limit_s", "limit_source"].map(|field| figures[field].clone());
+        assert_eq!(limit, [Value::from(7.0), Value::from(1.0), Value::from("catalogue")], "{figures:#}");
+    }
+    let sources: Vec<&Value> = figures["faults"][1]["trials"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|trial| &trial["limit_source"])
+        .collect();
+    assert!(
+        sources.contains(&&Value::from("stricter")) && sources.contains(&&Value::from("catalogue")),
+        "{sources:?}"
+    );
+    let table = String::from_utf8(figures_of("/dev/null").stdout).unwrap();
+    assert!(table.contains(" 7 mm + 1 s  yes"), "{table}");
+    assert!(table.contains("  30 s  yes") && table.contains("  0.5 s  yes"), "{table}");
 }
 
 /// A limit that cannot be kept is told as missed, with exit code 1.

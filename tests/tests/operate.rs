@@ -34,6 +34,11 @@ impl Graph {
     fn start() -> Self {
         let folder = std::env::temp_dir().join(format!("fdm_operate_{}", std::process::id()));
         let file = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode";
+        // A former print with this bag was paused when it ended, or latched: this one begins all the same.
+        let logs = folder.join("bag_logs");
+        std::fs::create_dir_all(&logs).unwrap();
+        let former = r#"{"version":1,"mode":"observe","paused":"stale_printer"}"#;
+        std::fs::write(logs.join("latch.standing.json"), former).unwrap();
         let mut child =
             command(&["up", "--gcode", file, "--warm", "--speed", "2", "--allow-fault-injection", "--bag"])
                 .arg(folder.join("bag"))
@@ -43,7 +48,6 @@ impl Graph {
                 .stderr(Stdio::piped())
                 .spawn();
         let stderr = child.as_mut().unwrap().stderr.take().unwrap();
-        std::fs::create_dir_all(&folder).unwrap();
         Self { child: child.unwrap(), lines: BufReader::new(stderr).lines(), folder }
     }
 

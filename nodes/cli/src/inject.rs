@@ -38,6 +38,9 @@ pub struct InjectArgs {
     /// How long it lasts from its onset [s]; for good where it is left out.
     #[arg(long, allow_negative_numbers = true)]
     duration_s: Option<f64>,
+    /// Seed of what is random in noise and spikes, to have the same again; the seed of the run where it is left out.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    seed: Option<u64>,
     /// Namespace of the printer.
     #[arg(long, default_value = "/printer", value_parser = runtime::check_namespace)]
     namespace: String,
@@ -97,15 +100,17 @@ fn request(args: &InjectArgs) -> Result<InjectFaultRequest, FaultError> {
         let (name, unit, high) = ("duration_s", "s", LONGEST_S);
         return Err(FaultError::OutOfRange { name, value: duration_s, unit, low: SHORTEST_S, high });
     }
-    _ = Entry::after(Seconds(0.0), (component, kind), course, args.start_s)?;
+    let entry = Entry::after(Seconds(0.0), (component, kind), course, args.start_s)?;
+    // On the wire 0 is none.
+    args.seed.map_or(Ok(entry), |seed| entry.seeded(seed))?;
     Ok(InjectFaultRequest {
         component: args.component.clone(),
         kind: args.kind.clone(),
         size: args.size.unwrap_or(0.0),
         start_s: args.start_s,
         duration_s: args.duration_s.unwrap_or(0.0),
+        seed: args.seed.unwrap_or(0),
         ramp_s: args.ramp_s,
-        ..InjectFaultRequest::default()
     })
 }
 
@@ -144,6 +149,8 @@ mod tests {
         let numbers = [request.size, request.ramp_s, request.start_s, request.duration_s];
         assert_eq!((request.component.as_str(), request.kind.as_str()), ("hotend_thermistor", "bias"));
         let expected = [-60.0, 300.0, 5.0, 400.0];
+        let noise = asked("bed_thermistor noise --size 10 --seed 7").unwrap();
+        assert_eq!((request.seed, noise.seed), (0, 7));
         assert!(numbers.iter().zip(expected).all(|(told, asked)| (told - asked).abs() < 1e-9), "{numbers:?}");
     }
 
@@ -159,6 +166,10 @@ mod tests {
             ("extruder slip", "size: slip needs one"),
             ("extruder slip --size 2", "size = 2 (no unit): must be in [0, 0.95]"),
             ("extruder slip --size 0.1 --start-s -5", "start_s = -5 s: must be in [0, 604800]"),
+            (
+                "extruder slip --size 0.1 --seed 7",
+                "seed = 7: nothing of slip is random, leave it out (0); noise",
+            ),
             ("part detached --ramp-s 3", "ramp_s: detached has none, leave it out"),
         ] {
             let refusal = asked(line).unwrap_err();

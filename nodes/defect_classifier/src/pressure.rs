@@ -46,6 +46,8 @@ pub struct RawPressure {
     pub slow_rel: f64,
     /// Smallest and largest share that is believed `[-]`.
     pub share: [f64; 2],
+    /// What the law may err by, of what it takes off or adds `[-]`.
+    pub unsure: f64,
 }
 
 impl TryFrom<RawPressure> for PressureParams {
@@ -58,6 +60,7 @@ impl TryFrom<RawPressure> for PressureParams {
         in_range("pressure.slow_rel", raw.slow_rel, "-", (0.01, 0.9))?;
         in_range("pressure.share[0]", raw.share[0], "-", (0.1, 1.0))?;
         in_range("pressure.share[1]", raw.share[1], "-", (1.0, 3.0))?;
+        in_range("pressure.unsure", raw.unsure, "-", (0.0, 1.0))?;
         ordered(("pressure.share[0]", raw.share[0]), ("pressure.share[1]", raw.share[1]))?;
         Ok(Self(raw))
     }
@@ -122,6 +125,13 @@ impl NominalFlow {
         let planned = || path_s.and_then(|path_s| self.planned.shares.at(path_s, gap_s));
         let share = self.told.shares.at(laid.0, gap_s).or_else(planned);
         share.map_or(1.0, |share| share.clamp(self.params.share[0], self.params.share[1]))
+    }
+
+    /// Width over that of a sound nozzle which lays this share `[-]`; `ratio` is the width over the wanted one. What the
+    /// law may err by explains a difference: then it is 1.
+    pub(crate) fn beside_sound(&self, ratio: f64, share: f64) -> f64 {
+        let unsure = self.params.unsure * (1.0 - share).abs();
+        ratio / ratio.clamp(share - unsure, share + unsure)
     }
 
     /// Follows the filament wanted since the last status.

@@ -5,8 +5,10 @@
 //! fills it. How dark a valley looks depends on the light and on the way the seam runs far more than on the flow, so each
 //! place of the part is compared with itself: level in the seam over the level on the crests beside it, less what that
 //! ratio was there on earlier layers. Only places where this layer's roads lie as those of the earlier layers count: walls
-//! of prismatic parts, skins whose lines repeat, where a sound nozzle lays as much as there. Nothing is told of the first layers over a new outline,
-//! and a lamp that is moved looks like a change of the flow for as long as the layers below remember the old light.
+//! of prismatic parts, skins whose lines repeat, where a sound nozzle lays as much as there. The first layer of an outline
+//! is not learned: what lies below it, bed or other roads, shades its seams otherwise, and on the bed its roads are
+//! higher and wider too. Nothing is told of the next layers either, and a lamp that is moved looks like a change of the
+//! flow for as long as the layers below remember the old light.
 //!
 //! One reading of a fifth less melt may lie within what a sound print shows, ten of them in a row do not: what readings
 //! lie below their usual shade beyond a slack is added up (E. S. Page, Biometrika 41, 1954), `S = max(0, S - n - k)` with

@@ -129,7 +129,9 @@ pub fn fault(now: Seconds, asked: &InjectFaultRequest) -> Result<Entry, FaultErr
     // A stop time of zero means for good; NaN is no time and is refused by the range check.
     let duration_s = (asked.duration_s != 0.0).then_some(asked.duration_s);
     let course = Course { size: Some(asked.size), ramp_s: asked.ramp_s, duration_s };
-    Entry::after(now, (component, kind), course, asked.start_s)
+    let entry = Entry::after(now, (component, kind), course, asked.start_s)?;
+    // On the wire a seed of zero is none.
+    if asked.seed == 0 { Ok(entry) } else { entry.seeded(asked.seed) }
 }
 
 #[cfg(test)]
@@ -194,6 +196,22 @@ mod tests {
             fault(Seconds(100.0), &later).unwrap().to_string(),
             "extruder slip, size 0.1 (no unit), from 105.00 s of the simulation on, grows for 2 s, lasts 9 s"
         );
+    }
+
+    /// It went by unseen: a seed that changed nothing was accepted.
+    #[test]
+    fn a_seed_counts_where_something_is_random_and_is_refused_elsewhere() {
+        let seeded = |component, kind, size, seed| {
+            let asked = InjectFaultRequest { seed, ..asked(component, kind, size) };
+            fault(Seconds(1.0), &asked).map(|entry| entry.to_string()).map_err(|error| error.to_string())
+        };
+        let spikes = |seed| seeded("hotend_thermistor", "spikes", 0.3, seed).unwrap();
+        assert!(spikes(7).ends_with(", seed 7") && !spikes(0).contains("seed"));
+        assert_eq!(
+            seeded("extruder", "slip", 0.1, 7).unwrap_err(),
+            "seed = 7: nothing of slip is random, leave it out (0); noise and spikes take one"
+        );
+        assert!(seeded("extruder", "slip", 0.1, 0).is_ok());
     }
 
     #[test]

@@ -86,6 +86,12 @@ impl Kind {
         matches!(self, RunOut | StuckOn | Open | Short | Stuck | Pressed)
     }
 
+    /// It differs from seed to seed.
+    #[must_use]
+    pub fn is_random(self) -> bool {
+        matches!(self, Self::Noise | Self::Spikes)
+    }
+
     /// It happens in one moment: no ramp, no duration.
     #[must_use]
     pub fn at_once(self) -> bool {
@@ -108,6 +114,8 @@ pub struct Fault {
     pub duration: Option<Seconds>,
     /// When it set in.
     pub onset: Seconds,
+    /// Seed of its random part; `None` for the run's own.
+    pub seed: Option<u64>,
 }
 
 impl Fault {

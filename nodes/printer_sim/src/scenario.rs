@@ -42,6 +42,7 @@ pub struct Entry {
     onset: Onset,
     ramp: Seconds,
     duration: Option<Seconds>,
+    seed: Option<u64>,
 }
 
 /// When a fault sets in.
@@ -125,6 +126,7 @@ impl TryFrom<RawEntry> for Entry {
             onset,
             ramp: Seconds(bounded("ramp_s", raw.ramp_s, ("s", 0.0, LONGEST_S))?),
             duration: duration.map(Seconds),
+            seed: None,
         })
     }
 }
@@ -176,6 +178,17 @@ impl Entry {
         Ok(Self { onset: Onset::TimeS(now.0 + start_s), ..entry })
     }
 
+    /// The same with a seed for its random part alone, so that it can be had again in another run.
+    ///
+    /// # Errors
+    /// [`FaultError::NoSeed`] for a kind in which nothing is random.
+    pub fn seeded(self, seed: u64) -> Result<Self, FaultError> {
+        if !self.kind.is_random() {
+            return Err(FaultError::NoSeed { seed, kind: name_of(&self.kind) });
+        }
+        Ok(Self { seed: Some(seed), ..self })
+    }
+
     /// The fault, if its onset has come.
     #[must_use]
     pub fn due(&self, now: Seconds, filament_share: f64) -> Option<Fault> {
@@ -190,6 +203,7 @@ impl Entry {
             ramp: self.ramp,
             duration: self.duration,
             onset: now,
+            seed: self.seed,
         })
     }
 }

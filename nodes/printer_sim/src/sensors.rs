@@ -2,7 +2,7 @@
 //!
 //! Every sensor draws from a random stream of its own, so that a fault in one leaves the others' noise as it was.
 
-use crate::faults::{SensorFaults, Thermistor};
+use crate::faults::{Kind, SensorFaults, Thermistor};
 use models::units::{Celsius, Kelvin, Seconds};
 use rand::{Rng, SeedableRng, rngs::StdRng};
 use rand_distr::{Distribution, StandardNormal};
@@ -12,6 +12,8 @@ use std::collections::VecDeque;
 pub const OPEN_READING: Celsius = Celsius(-14.0);
 /// Reading of the firmware's table with a short circuit.
 pub const SHORT_READING: Celsius = Celsius(450.0);
+/// Random streams of faults with a seed of their own, by kind; those of the printer itself are below ten.
+const FAULT_STREAM: u64 = 20;
 /// How far a spike is off: a loose plug or a disturbed converter, inside the possible range of a hot end `[K]`.
 const SPIKE_K: f64 = 30.0;
 
@@ -85,6 +87,9 @@ impl Pace {
 pub struct Thermometer {
     sigma_k: f64,
     noise: Noise,
+    /// What is random in faults with a seed of their own.
+    of_noise: Option<Noise>,
+    of_spikes: Option<Noise>,
     last: Celsius,
 }
 
@@ -92,12 +97,15 @@ impl Thermometer {
     /// A sound sensor at `start`.
     #[must_use]
     pub fn new(sigma_k: f64, noise: Noise, start: Kelvin) -> Self {
-        Self { sigma_k, noise, last: start.into() }
+        Self { sigma_k, noise, of_noise: None, of_spikes: None, last: start.into() }
     }
 
     /// Reads the bead's temperature under the faults in force.
     pub fn read(&mut self, bead: Kelvin, faults: &SensorFaults) -> Celsius {
-        let noise_k = faults.noise * self.sigma_k * self.noise.draw();
+        // Drawn whatever is in force: after a fault with a seed of its own the noise is that of a run without it.
+        let own = self.noise.draw();
+        let of_fault = self.of_noise.as_mut().filter(|_| faults.noise > 1.0);
+        let noise_k = faults.noise * self.sigma_k * of_fault.map_or(own, Noise::draw);
         // A sound sensor draws nothing more: its noise is the same whatever other runs inject.
         let spike_k = if faults.spikes > 0.0 { self.spike_k(faults.spikes) } else { 0.0 };
         let noisy = Celsius(Celsius::from(bead).0 + noise_k + spike_k + faults.bias_k);
@@ -112,8 +120,18 @@ impl Thermometer {
     }
 
     fn spike_k(&mut self, share: f64) -> f64 {
-        let (is_one, sign) = (self.noise.between((0.0, 1.0)) < share, self.noise.between((-1.0, 1.0)));
+        let noise = self.of_spikes.as_mut().unwrap_or(&mut self.noise);
+        let (is_one, sign) = (noise.between((0.0, 1.0)) < share, noise.between((-1.0, 1.0)));
         if is_one { SPIKE_K.copysign(sign) } else { 0.0 }
+    }
+
+    /// Noise or spikes set in that are drawn from a seed of their own, or from the run's; the newest fault of a kind counts.
+    pub fn draw_from(&mut self, kind: Kind, seed: Option<u64>) {
+        match kind {
+            Kind::Noise => self.of_noise = seed.map(|seed| Noise::new(seed, FAULT_STREAM)),
+            Kind::Spikes => self.of_spikes = seed.map(|seed| Noise::new(seed, FAULT_STREAM + 1)),
+            _ => {}
+        }
     }
 
     /// The bead is at another temperature at once.
@@ -243,5 +261,26 @@ mod tests {
         let spiky = off_k(SensorFaults { spikes: 0.3, ..SensorFaults::NONE });
         let spikes = spiky.iter().filter(|k| k.abs() > 20.0).count();
         assert!((1100..1300).contains(&spikes), "{spikes}");
+    }
+
+    /// What a fault draws from a seed of its own is the same in each, and leaves the sensor's own noise as it was.
+    #[test]
+    fn a_fault_with_a_seed_of_its_own_repeats_and_leaves_no_trace() {
+        let read = |run: u64, kind, faults: SensorFaults, seed: Option<u64>| {
+            let mut thermometer = Thermometer::new(0.15, Noise::new(run, 1), Kelvin(488.15));
+            thermometer.draw_from(kind, seed);
+            let mut three = |faults| [(); 3].map(|()| thermometer.read(Kelvin(488.15), faults).0.to_bits());
+            (three(&faults), three(&SensorFaults::NONE))
+        };
+        let noise = SensorFaults { noise: 10.0, ..SensorFaults::NONE };
+        let spikes = SensorFaults { spikes: 0.5, ..SensorFaults::NONE };
+        let sound = read(1, Kind::Noise, SensorFaults::NONE, None);
+        for (kind, faults) in [(Kind::Noise, noise), (Kind::Spikes, spikes)] {
+            let (during, after) = read(1, kind, faults, Some(7));
+            assert_eq!((during, after), read(1, kind, faults, Some(7)));
+            assert_ne!(during, read(1, kind, faults, Some(8)).0, "{kind:?}");
+            assert_eq!(after, sound.1, "{kind:?}");
+        }
+        assert_eq!(read(1, Kind::Noise, noise, Some(7)).0, read(2, Kind::Noise, noise, Some(7)).0);
     }
 }

@@ -98,23 +98,31 @@ pub fn event(now: Seconds, who: &str, decision: &Decision) -> PrintEvent {
         severity: severity(decision),
         who: who.to_owned(),
         what: what(decision.what),
-        why: decision.cause.map_or_else(
-            || decision.why.to_owned(),
-            |(cause, number)| format!("{}. What to do: {}", caused(cause, number), cause.what_to_do()),
-        ),
+        why: told(decision),
         before: mode_name(decision.before).to_owned(),
         after: mode_name(decision.after).to_owned(),
     }
 }
 
-/// A record of the former run that cannot be read: why, and what is in force instead.
-pub fn record_refused(now: Seconds, who: &str, mode: Mode, why: String) -> PrintEvent {
+/// Why it was decided, with cause, number and what to do; of a mode that was set, which.
+pub fn told(decision: &Decision) -> String {
+    let set = match decision.what {
+        What::Granted(Operator::SetMode(mode)) => format!("{} is set: ", mode_name(mode)),
+        _ => String::new(),
+    };
+    let Some((cause, number)) = decision.cause else { return format!("{set}{}", decision.why) };
+    let why = if decision.why == cause.text() { String::new() } else { format!("{}; ", decision.why) };
+    format!("{set}{why}{}. What to do: {}", caused(cause, number), cause.what_to_do())
+}
+
+/// A record of the former run that cannot be read: why, what is in force instead, and what to do.
+pub fn record_refused(now: Seconds, who: &str, mode: Mode, cause: Cause, why: &str) -> PrintEvent {
     PrintEvent {
         header: Header::at(now.0),
         severity: PrintEvent::SEVERITY_ERROR,
         who: who.to_owned(),
         what: "record_refused".to_owned(),
-        why,
+        why: format!("{why}. What to do: {}", cause.what_to_do()),
         before: mode_name(mode).to_owned(),
         after: mode_name(mode).to_owned(),
     }
@@ -128,12 +136,13 @@ fn caused(cause: Cause, evidence: Option<Evidence>) -> String {
 
 fn severity(decision: &Decision) -> u8 {
     match decision.what {
-        What::ModeChanged | What::CauseChanged if decision.after >= Mode::SafeOff => {
+        What::ModeChanged | What::CauseChanged | What::Remembered if decision.after >= Mode::SafeOff => {
             PrintEvent::SEVERITY_ERROR
         }
         What::ModeChanged | What::CauseChanged | What::Remembered if decision.after >= Mode::Degraded => {
             PrintEvent::SEVERITY_WARN
         }
+        What::Granted(Operator::Stop | Operator::Estop) => PrintEvent::SEVERITY_ERROR,
         What::Granted(_) if decision.after > decision.before && decision.after >= Mode::Degraded => {
             PrintEvent::SEVERITY_WARN
         }
@@ -203,23 +212,38 @@ mod tests {
     fn an_event_says_cause_number_and_what_to_do() {
         let evidence = Some(Evidence { value: 450.04, unit: "degC", digits: 1, limit: Some(285.0) });
         let found = Decision {
+            why: Cause::HotendRange.text(),
             cause: Some((Cause::HotendRange, evidence)),
             ..decision(What::ModeChanged, Mode::SafeOff)
         };
         assert_eq!(
             event(Seconds(1.0), "safety_supervisor", &found).why,
             "S1: hot end temperature outside of the possible range (450.0 degC, limit 285.0 degC). What to do: \
-             check thermistor and its plug, then acknowledge"
+             check thermistor and its plug, then `fdm acknowledge`"
         );
-        let by_person = decision(What::Granted(Operator::Stop), Mode::SafeOff);
-        assert_eq!(event(Seconds(1.0), "safety_supervisor", &by_person).why, "on request");
+        let taken_over = Decision { what: What::Remembered, why: "taken over", ..found };
+        let told = event(Seconds(1.0), "safety_supervisor", &taken_over);
+        assert!(told.why.starts_with("taken over; S1: hot end temperature"), "{}", told.why);
+        assert!(told.why.ends_with(
+            "(450.0 degC, limit 285.0 degC). What to do: check thermistor and its plug, then `fdm acknowledge`"
+        ));
+        assert_eq!(told.severity, PrintEvent::SEVERITY_ERROR, "the heaters are off");
+        let set = Decision {
+            why: "it holds then",
+            cause: Some((Cause::StopInput, None)),
+            ..decision(What::Granted(Operator::SetMode(Mode::Advise)), Mode::Advise)
+        };
+        let told = event(Seconds(1.0), "safety_supervisor", &set).why;
+        let what = "advise is set: it holds then; P13: the stop contact is open: button or door. What to do: close it";
+        assert!(told.starts_with(what), "{told}");
         assert_eq!(caused(Cause::StopInput, None), "P13: the stop contact is open: button or door");
     }
 
     #[test]
     fn what_a_person_stops_stands_out_in_the_log() {
         for (request, after, severity) in [
-            (Operator::Estop, Mode::Estop, PrintEvent::SEVERITY_WARN),
+            (Operator::Estop, Mode::Estop, PrintEvent::SEVERITY_ERROR),
+            (Operator::Stop, Mode::SafeOff, PrintEvent::SEVERITY_ERROR),
             (Operator::Pause, Mode::Paused, PrintEvent::SEVERITY_WARN),
             (Operator::SetMode(Mode::Act), Mode::Act, PrintEvent::SEVERITY_INFO),
         ] {

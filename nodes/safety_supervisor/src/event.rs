@@ -230,12 +230,17 @@ pub struct Decision {
     pub what: What,
     /// Why, for people.
     pub why: &'static str,
-    /// The cause that `why` is the text of, and the number it rests on.
+    /// The cause that `why` is the text of or speaks of, and the number it rests on.
     pub cause: Option<(Cause, Option<Evidence>)>,
     /// Mode before.
     pub before: Mode,
     /// Mode after.
     pub after: Mode,
+}
+
+impl Decision {
+    /// Why, of a request that was carried out at once.
+    pub const ON_REQUEST: &'static str = "on request";
 }
 
 /// The supervisor's state, for people and for `safety/state`.

@@ -11,7 +11,9 @@ use serde::{Deserialize, Serialize};
 use crate::cause::{Cause, Reaction};
 use crate::params::{ModeParams, StartMode};
 
+mod ending;
 mod standing;
+pub use ending::{Readiness, Refused};
 pub use standing::Standing;
 
 /// What each cause calls for now.
@@ -43,17 +45,6 @@ struct Pause {
     resuming: bool,
 }
 
-/// Whether the printer may go on after a pause.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Readiness {
-    /// All axes know their place.
-    pub homed: bool,
-    /// Filament is there, or no switch is fitted.
-    pub filament: bool,
-    /// The hot end is near its set-point.
-    pub hot: bool,
-}
-
 /// The mode machine.
 #[derive(Debug, Clone)]
 pub struct Modes {
@@ -63,6 +54,8 @@ pub struct Modes {
     asked: Option<StartMode>,
     initialised: bool,
     latch: Option<Latch>,
+    /// A former run left a latch.
+    restored: bool,
     pause: Option<Pause>,
     /// The job waits for a resume after an acknowledge.
     hold: Option<Pause>,
@@ -82,6 +75,7 @@ impl Modes {
             asked: None,
             initialised: false,
             latch: restored,
+            restored: restored.is_some(),
             pause: None,
             hold: None,
             degraded: None,
@@ -175,7 +169,7 @@ impl Modes {
     ///
     /// # Errors
     /// What was wrong with it.
-    pub fn set(&mut self, mode: Mode) -> Result<(), &'static str> {
+    pub fn set(&mut self, mode: Mode) -> Result<(), Refused> {
         self.asked = Some(StartMode::of(mode).ok_or("only observe, advise and act can be set")?);
         self.set_mode = mode;
         Ok(())
@@ -202,57 +196,6 @@ impl Modes {
         self.note_mode(now);
     }
 
-    /// Ends a pause as soon as the printer is ready; the hot end is heated again for it.
-    ///
-    /// # Errors
-    /// What stands against it.
-    pub fn resume(&mut self, now: Seconds, ready: Readiness) -> Result<(), &'static str> {
-        if self.latch.is_some() {
-            return Err("latched: acknowledge first");
-        }
-        if self.raised.iter().flatten().any(|reaction| *reaction >= Reaction::Pause) {
-            return Err("the cause is still there");
-        }
-        if !ready.homed {
-            return Err("not homed");
-        }
-        if !ready.filament {
-            return Err("no filament");
-        }
-        let Some(pause) = self.pause.as_mut().or(self.hold.as_mut()) else { return Err("not paused") };
-        pause.resuming = true;
-        self.try_resume(now, ready);
-        Ok(())
-    }
-
-    /// Carries out a resume that waits for the hot end. Returns whether the pause has ended.
-    pub fn try_resume(&mut self, now: Seconds, ready: Readiness) -> bool {
-        let waits = self.pause.or(self.hold).is_some_and(|pause| pause.resuming);
-        let ended = waits && self.latch.is_none() && ready.hot && ready.homed && ready.filament;
-        if ended {
-            self.pause = None;
-            self.hold = None;
-            self.note_mode(now);
-        }
-        ended
-    }
-
-    /// Ends a latched mode. A job that still waits goes on only after a resume.
-    ///
-    /// # Errors
-    /// What stands against it.
-    pub fn acknowledge(&mut self, now: Seconds, job_waits: bool) -> Result<(), &'static str> {
-        let Some(latch) = self.latch else { return Err("nothing to acknowledge") };
-        if self.raised.iter().flatten().any(|reaction| *reaction >= Reaction::SafeOff) {
-            return Err("the cause is still there");
-        }
-        self.latch = None;
-        self.pause = None;
-        self.hold = job_waits.then_some(Pause { cause: latch.cause, since: now, resuming: false });
-        self.note_mode(now);
-        Ok(())
-    }
-
     fn act(&mut self, now: Seconds, cause: Cause, reaction: Option<Reaction>, job_runs: bool) {
         match reaction {
             Some(Reaction::Pause) => {
@@ -276,11 +219,7 @@ impl Modes {
     }
 
     fn hold_degraded(&mut self, now: Seconds) {
-        let worst = Cause::ALL
-            .iter()
-            .filter_map(|cause| self.raised[*cause as usize].map(|reaction| (reaction, *cause)))
-            .max_by_key(|(reaction, _)| *reaction);
-        if let Some((_, cause)) = worst {
+        if let Some((_, cause)) = self.worst() {
             self.degraded = Some((cause, now));
         } else if self.degraded.is_some_and(|(_, last)| now.0 - last.0 >= self.params.hold_s) {
             self.degraded = None;

@@ -14,11 +14,12 @@ use models::units::Seconds;
 use runtime::{Node, RuntimeError, topics};
 use tokio::time::{MissedTickBehavior, interval};
 
+use crate::cause::Cause;
 use crate::event::{Event, Output, What};
 use crate::params::Params;
 use crate::supervisor::Supervisor;
 use inlets::{Heard, Inlets};
-use latch_file::{LATCH_FILE, LatchFile};
+use latch_file::{LATCH_FILE, LatchFile, Latched};
 use operators::Operators;
 use outlets::{Outlets, Totals};
 use standing_file::{StandingFile, Written};
@@ -93,20 +94,32 @@ struct Shell {
     standing: StandingFile,
     /// Mode and pause are on disk as they are now.
     kept: bool,
-    /// Why the record of the former run was refused, until it is told.
-    refused: Option<String>,
+    /// Why records of the former run were refused, until it is told.
+    refused: Vec<(Cause, String)>,
 }
 
 impl Shell {
     /// Goes on where the records of `path` end.
     fn open(node: &mut Node, params: Params, path: Option<PathBuf>) -> Result<Self, RuntimeError> {
-        let (standing, refused) = StandingFile::open(path.as_deref());
-        let latch = LatchFile::open(path);
-        let supervisor = Supervisor::new(params, node.session(), latch.stored());
-        let supervisor = match standing.stored() {
-            Some(written) => supervisor.after(written.into()),
-            None => supervisor,
+        let (standing, standing_refused) = StandingFile::open(path.as_deref());
+        let (latch, latch_refused) = LatchFile::open(path);
+        let refused = latch_refused
+            .map(|why| (Cause::LatchUnreadable, why))
+            .into_iter()
+            .chain(standing_refused.map(|why| (Cause::StandingUnreadable, why)))
+            .collect();
+        let mut supervisor = Supervisor::new(params, node.session(), latch.stored().map(Latched::latch));
+        if let Some(written) = standing.stored() {
+            supervisor = supervisor.after(written.into());
+        }
+        // The latch comes before the pause below it.
+        let evidence = match (latch.stored(), standing.stored()) {
+            (Some(latched), _) => latched.evidence(),
+            (None, written) => written.and_then(Written::evidence),
         };
+        if let Some(evidence) = evidence {
+            supervisor = supervisor.resting_on(evidence);
+        }
         Ok(Self { supervisor, outlets: Outlets::open(node)?, latch, standing, kept: true, refused })
     }
 
@@ -126,24 +139,38 @@ impl Shell {
         }
     }
 
+    /// The latch as it is to be on disk.
+    fn latched(&self) -> Option<Latched> {
+        let latch = self.supervisor.latch()?;
+        Some(Latched::new(latch, self.supervisor.evidence_of(latch.cause)))
+    }
+
+    /// Mode and pause as they are to be on disk.
+    fn written(&self) -> Option<Written> {
+        let standing = self.supervisor.standing()?;
+        let evidence = standing.paused.and_then(|cause| self.supervisor.evidence_of(cause));
+        Some(Written::new(standing, evidence))
+    }
+
     async fn publish(&mut self, now: Seconds, output: &Output, totals: Totals) {
-        let kept = self.latch.keeps(self.supervisor.latch()).await;
-        self.kept = self.standing.keeps(self.supervisor.standing().map(Written::from)).await;
+        let (latched, written) = (self.latched(), self.written());
+        let kept = self.latch.keeps(latched).await;
+        self.kept = self.standing.keeps(written).await;
         self.outlets.tell_records(&self.latch, &self.standing);
         self.outlets.publish(now, output, kept, totals);
         // Told once the others have found this process.
-        if output.events.iter().any(|decision| decision.what == What::Remembered)
-            && let Some(why) = self.refused.take()
-        {
-            self.outlets.tell_refused(now, output.state.mode, why);
+        if output.events.iter().any(|decision| decision.what == What::Remembered) {
+            for (cause, why) in self.refused.drain(..) {
+                self.outlets.tell_refused(now, output.state.mode, cause, &why);
+            }
         }
     }
 
     async fn end(&mut self, now: Seconds, output: &Output) {
-        let latch = self.supervisor.latch();
-        let kept = self.latch.keeps(latch).await;
+        let (latched, written) = (self.latched(), self.written());
+        let kept = self.latch.keeps(latched).await;
         self.outlets.last(now, output, kept);
-        self.latch.end(latch).await;
-        self.standing.end(self.supervisor.standing().map(Written::from)).await;
+        self.latch.end(latched).await;
+        self.standing.end(written).await;
     }
 }

@@ -23,6 +23,7 @@ use crate::modes::{Latch, Modes, Standing};
 use crate::params::Params;
 use crate::schedule::Schedule;
 use brains::Brains;
+use grace::Grace;
 use parts::{Ages, Checks};
 
 /// Guards one printer. Knows no clock and no middleware.
@@ -45,8 +46,8 @@ pub struct Supervisor {
     hotend: Option<Celsius>,
     printer: Option<PrinterReport>,
     printer_failed: bool,
-    /// What the camera may say again of the thing that a person has looked at, and up to which layer.
-    grace: Option<(Cause, u32)>,
+    /// What the camera may say again, since a person has looked at it.
+    grace: Option<Grace>,
     paused_alone_since: Option<Seconds>,
     approved: Option<Trims>,
     allowed: Trims,
@@ -179,11 +180,6 @@ impl Supervisor {
         what == What::CommandClamped
     }
 
-    /// After a pause or a trip the filters start anew.
-    fn forget(&mut self) {
-        self.checks.forget();
-    }
-
     fn on_tick(&mut self, now: Seconds) -> Output {
         self.begin(now);
         let dt_s = self.last_tick.map_or(0.0, |last| now.0 - last.0);
@@ -276,7 +272,7 @@ impl Supervisor {
             mode,
             set_mode: self.modes.set_mode(),
             cause,
-            evidence: self.found.filter(|(found, _)| Some(*found) == cause).and_then(|(_, number)| number),
+            evidence: cause.and_then(|cause| self.evidence_of(cause)),
             since: self.modes.since(),
             what_to_do: cause.map_or("", Cause::what_to_do),
             attention: self.checks.attention.level(),

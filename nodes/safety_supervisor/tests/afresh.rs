@@ -4,7 +4,7 @@
 mod common;
 
 use common::params;
-use common::print::Print;
+use common::print::{Print, SOUND};
 use models::command::{Command, Mode, Request, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
@@ -69,27 +69,7 @@ fn a_latch_of_the_bed_ends_with_a_bed_that_reads_well() {
 
 const RESUMED: What = What::Granted(Operator::Resume);
 
-const SOUND: VisionReport = VisionReport {
-    usable: true,
-    confidence: 0.1,
-    defect: None,
-    confirmed: false,
-    told: true,
-    offset_m: None,
-};
-
 const LOOSE: VisionReport = VisionReport { defect: Some(Defect::Spaghetti), confirmed: true, ..SOUND };
-
-/// Frames at 2 Hz.
-fn watch(print: &mut Print, report: VisionReport, span_s: f64) {
-    let end_s = print.now() + span_s;
-    while print.now() < end_s {
-        if print.tick.is_multiple_of(25) {
-            print.event(Event::Vision(report));
-        }
-        print.step();
-    }
-}
 
 /// What the camera saw of a hand at the halted printer is no reason to pause it again.
 #[test]
@@ -99,11 +79,11 @@ fn a_resume_after_an_acknowledge_forgets_what_was_seen_before_it() {
     print.report.phase = JobPhase::Paused;
     print.run(0.1);
     assert_eq!(print.ask(Operator::Acknowledge), ACKNOWLEDGED);
-    watch(&mut print, VisionReport { confidence: 0.95, ..SOUND }, 3.0);
+    print.watch(VisionReport { confidence: 0.95, ..SOUND }, 3.0);
     assert_eq!(print.output.permit.request, Request::Pause);
     assert_eq!(print.ask(Operator::Resume), RESUMED);
     print.report.phase = JobPhase::Printing;
-    watch(&mut print, SOUND, 3.0);
+    print.watch(SOUND, 3.0);
     assert_eq!((print.mode(), print.output.permit.request), (Mode::Act, Request::Run));
 }
 
@@ -111,10 +91,10 @@ fn a_resume_after_an_acknowledge_forgets_what_was_seen_before_it() {
 fn looked_at(layer: Option<u32>) -> Print {
     let mut print = Print::acting();
     print.report.layer = layer;
-    watch(&mut print, LOOSE, 0.6);
+    print.watch(LOOSE, 0.6);
     assert_eq!(print.output.state.cause, Some(Cause::Spaghetti));
     print.report.phase = JobPhase::Paused;
-    watch(&mut print, LOOSE, 1.0);
+    print.watch(LOOSE, 1.0);
     assert_eq!(print.ask(Operator::Resume), RESUMED);
     print.report.phase = JobPhase::Printing;
     print
@@ -125,7 +105,7 @@ fn the_camera_pauses_once_for_what_a_person_has_looked_at_until_two_layers_on() 
     let mut print = looked_at(Some(5));
     for layer in [5, 6] {
         print.report.layer = Some(layer);
-        watch(&mut print, LOOSE, 10.0);
+        print.watch(LOOSE, 10.0);
         assert_eq!(
             (print.mode(), print.output.permit.request),
             (Mode::Degraded, Request::Run),
@@ -133,7 +113,7 @@ fn the_camera_pauses_once_for_what_a_person_has_looked_at_until_two_layers_on() 
         );
     }
     print.report.layer = Some(7);
-    watch(&mut print, LOOSE, 0.6);
+    print.watch(LOOSE, 0.6);
     assert_eq!((print.mode(), print.output.state.cause), (Mode::Paused, Some(Cause::Spaghetti)));
 }
 
@@ -141,20 +121,20 @@ fn the_camera_pauses_once_for_what_a_person_has_looked_at_until_two_layers_on() 
 fn what_a_person_has_not_looked_at_pauses_all_the_same() {
     let thin = VisionReport { defect: Some(Defect::Under), ..LOOSE };
     let mut print = looked_at(Some(5));
-    watch(&mut print, thin, 6.0);
+    print.watch(thin, 6.0);
     assert_eq!((print.mode(), print.output.state.cause), (Mode::Paused, Some(Cause::UnderExtrusion)));
     let mut print = looked_at(Some(5));
     print.slip = 1.0;
     assert!(print.until(Mode::Paused) <= 4.5);
     assert_eq!(print.output.state.cause, Some(Cause::FilamentSlip));
     let mut print = looked_at(None);
-    watch(&mut print, LOOSE, 0.6);
+    print.watch(LOOSE, 0.6);
     assert_eq!(print.mode(), Mode::Paused, "no layer is told");
     let mut print = looked_at(Some(5));
     print.report.phase = JobPhase::Done;
-    watch(&mut print, SOUND, 1.0);
+    print.watch(SOUND, 1.0);
     (print.report.phase, print.report.layer) = (JobPhase::Printing, Some(0));
-    watch(&mut print, LOOSE, 0.6);
+    print.watch(LOOSE, 0.6);
     assert_eq!(print.mode(), Mode::Paused, "another job");
 }
 
@@ -188,9 +168,9 @@ fn after_a_clock_was_set_back_what_began_before_it_is_answered_in_time() {
 
     let mut print = acting_for_an_hour();
     let thin = VisionReport { defect: Some(Defect::Under), ..LOOSE };
-    watch(&mut print, thin, 2.0);
+    print.watch(thin, 2.0);
     set_back(&mut print);
-    watch(&mut print, thin, 6.0);
+    print.watch(thin, 6.0);
     assert_eq!(print.mode(), Mode::Paused, "a thin road");
 
     let mut print = acting_for_an_hour();

@@ -242,6 +242,21 @@ fn p13_an_emergency_stop_is_answered_at_once_and_stays() {
 fn a_pause_that_the_printer_made_itself_is_taken_over() {
     let mut print = Print::acting();
     print.report.phase = JobPhase::Paused;
-    assert!(print.until(Mode::Paused) <= 1.1);
-    assert_eq!(print.output.permit.request, Request::Pause);
+    // A second, after which it is no pause of a moment.
+    let took_s = print.until(Mode::Paused);
+    assert!((0.98..=1.1).contains(&took_s), "{took_s}");
+    let state = &print.output.state;
+    assert_eq!((state.cause, print.output.permit.request), (Some(Cause::PrinterPaused), Request::Pause));
+}
+
+#[test]
+fn a_pause_of_a_moment_that_the_printer_made_itself_is_none() {
+    let mut print = Print::acting();
+    for _ in 0..5 {
+        for (phase, span_s) in [(JobPhase::Paused, 0.9), (JobPhase::Printing, 0.2)] {
+            print.report.phase = phase;
+            print.run(span_s);
+            assert_eq!((print.mode(), print.output.permit.request), (Mode::Act, Request::Run));
+        }
+    }
 }

@@ -61,7 +61,33 @@ fn what_a_person_asked_for_outlives_a_killed_supervisor() {
             why.starts_with(&format!("{}: ", record.display())) && why.contains("line 1 column"),
             "{why}"
         );
+        stopped(&mut supervisor, &mut peer).await;
     });
+}
+
+/// P13 is told as what it is from the first state on, by the next run too, and by the one that cannot read of it any more.
+async fn stopped(supervisor: &mut Supervisor, peer: &mut Peer) {
+    peer.estop().await;
+    let told = peer.event("estop_granted").await;
+    assert_eq!(told.severity, PrintEvent::SEVERITY_ERROR);
+    let what = "P13: emergency stop by a person. What to do: ";
+    assert!(told.why.starts_with(what), "{}", told.why);
+    let state = peer.after_a_kill(supervisor).await;
+    assert_eq!(state.mode, SafetyState::MODE_ESTOP);
+    let told = peer.event("remembered").await;
+    assert_eq!((told.before.as_str(), told.after.as_str()), ("act", "estop"));
+    assert_eq!(told.severity, PrintEvent::SEVERITY_ERROR);
+    assert!(told.why.contains(what), "{}", told.why);
+
+    let latch = supervisor.folder.join("latch.json");
+    std::fs::write(&latch, r#"{"estop":true,"cau"#).unwrap();
+    let state = peer.after_a_kill(supervisor).await;
+    assert_eq!((state.mode, state.latched), (SafetyState::MODE_SAFE_OFF, true));
+    let told = peer.event("remembered").await.why;
+    assert!(told.contains("T5: the record of a latched mode cannot be read. What to do: "), "{told}");
+    let why = peer.event("record_refused").await.why;
+    let refused = format!("{}: EOF while parsing a string at line 1 column 18", latch.display());
+    assert!(why.starts_with(&refused) && why.contains(". What to do: "), "{why}");
 }
 
 /// The node with its latch in a folder of its own; neither outlives the test.
@@ -113,6 +139,7 @@ struct Peer {
     states: Subscription<SafetyState>,
     events: Subscription<PrintEvent>,
     pause: Client<Trigger>,
+    estop: Client<Trigger>,
     resume: Client<Trigger>,
     mode: Client<SetMode>,
     _node: Node,
@@ -133,6 +160,7 @@ impl Peer {
             states: node.subscribe(&topics::SAFETY_STATE).unwrap(),
             events: node.subscribe(&topics::EVENTS).unwrap(),
             pause: node.client(&topics::SAFETY_PAUSE).unwrap(),
+            estop: node.client(&topics::SAFETY_ESTOP).unwrap(),
             resume: node.client(&topics::SAFETY_RESUME).unwrap(),
             mode: node.client(&topics::SAFETY_SET_MODE).unwrap(),
             _node: node,
@@ -183,6 +211,24 @@ impl Peer {
         let answer = self.printer.during("answer", answer(&self.pause, TriggerRequest::default())).await;
         assert!(answer.success, "{}", answer.message);
         self.printer.phase = PrinterState::PHASE_PAUSED;
+    }
+
+    /// No state on the way tells a pause by a person.
+    async fn estop(&mut self) {
+        let (client, states) = (&self.estop, &mut self.states);
+        let stopped = async {
+            loop {
+                let state = states.recv().await.message;
+                let paused = state.mode == SafetyState::MODE_PAUSED && state.cause.starts_with("P13");
+                assert!(!paused, "{state:?}");
+                if state.mode == SafetyState::MODE_ESTOP {
+                    return;
+                }
+            }
+        };
+        let both = async { tokio::join!(answer(client, TriggerRequest::default()), stopped).0 };
+        let answer = self.printer.during("emergency stop", both).await;
+        assert!(answer.success && answer.message.starts_with("mode estop: P13: "), "{}", answer.message);
     }
 
     /// Granted as soon as the new run has heard its printer.

@@ -9,7 +9,7 @@ use models::command::{Mode, Request, Trims};
 use models::status::JobPhase;
 use models::units::Seconds;
 use safety_supervisor::params::StartMode;
-use safety_supervisor::{Cause, Event, Latch, Operator, Standing, Supervisor, What};
+use safety_supervisor::{Cause, Decision, Event, Evidence, Latch, Operator, Standing, Supervisor, What};
 
 const RESUMED: What = What::Granted(Operator::Resume);
 
@@ -26,15 +26,20 @@ fn killed(print: &Print) -> Print {
     next
 }
 
-/// Runs until the start is over and returns what is told of the former run: mode before and after, and the cause.
-fn remembered(print: &mut Print) -> Option<(Mode, Mode, Option<Cause>)> {
+/// Runs until the start is over and returns what is told of the former run.
+fn taken_over(print: &mut Print) -> Option<Decision> {
     let mut told = Vec::new();
     for _ in 0..50 {
         print.step();
         told.extend(print.output.events.iter().filter(|decision| decision.what == What::Remembered).cloned());
     }
     assert!(told.len() <= 1, "{told:?}");
-    told.first().map(|told| (told.before, told.after, told.cause.map(|(cause, _)| cause)))
+    told.first().copied()
+}
+
+/// The same, as mode before and after, and the cause.
+fn remembered(print: &mut Print) -> Option<(Mode, Mode, Option<Cause>)> {
+    taken_over(print).map(|told| (told.before, told.after, told.cause.map(|(cause, _)| cause)))
 }
 
 #[test]
@@ -167,4 +172,55 @@ fn a_latch_is_over_the_pause() {
     assert_eq!(print.ask(Operator::Acknowledge), What::Granted(Operator::Acknowledge));
     print.run(3.0);
     assert_eq!((print.mode(), print.output.permit.request), (Mode::Observe, Request::Run));
+}
+
+/// Once, from what was latched on, with the number as it was when the cause was found, where the record has it.
+#[test]
+fn a_latch_that_is_taken_over_is_told_with_its_cause_and_number() {
+    let number = Evidence::of(Cause::HotendRange, 450.0, Some(285.0));
+    assert!(number.is_some());
+    for (estop, cause, evidence) in [
+        (false, Cause::HotendRange, number),
+        (false, Cause::HotendRange, None),
+        (true, Cause::OperatorEstop, None),
+        (false, Cause::LatchUnreadable, None),
+    ] {
+        let latch = Latch { estop, cause };
+        let mut supervisor = Supervisor::new(params(), 8, Some(latch));
+        if let Some(evidence) = evidence {
+            supervisor = supervisor.resting_on(evidence);
+        }
+        let mut print = Print::with(supervisor);
+        let told = taken_over(&mut print).unwrap();
+        assert_eq!((told.before, told.after), (Mode::Observe, latch.mode()));
+        assert_eq!(told.cause, Some((cause, evidence)), "{cause:?}");
+        assert_eq!(told.why, "taken over from before the supervisor was started again");
+        assert_eq!((print.output.state.cause, print.output.state.evidence), (Some(cause), evidence));
+        assert_eq!(print.supervisor.evidence_of(cause), evidence, "kept for the next run");
+    }
+}
+
+/// P6: the slip that paused the job is told by the next run too, and kept for the one after it.
+#[test]
+fn a_pause_that_is_taken_over_is_told_with_its_number() {
+    let mut print = Print::acting();
+    print.slip = 0.5;
+    print.until(Mode::Paused);
+    let evidence = print.supervisor.evidence_of(Cause::FilamentSlip);
+    assert!(evidence.is_some_and(|slip| slip.value > 42.0), "{evidence:?}");
+    let left = print.supervisor.standing().unwrap();
+    let supervisor = Supervisor::new(params(), 8, None).after(left).resting_on(evidence.unwrap());
+    let mut next = Print::with(supervisor);
+    next.report = print.report;
+    next.report.phase = JobPhase::Paused;
+    assert_eq!(taken_over(&mut next).unwrap().cause, Some((Cause::FilamentSlip, evidence)));
+    assert_eq!(next.supervisor.evidence_of(Cause::FilamentSlip), evidence);
+}
+
+/// A latch of this run is no former one's.
+#[test]
+fn what_is_latched_while_it_starts_is_not_taken_over() {
+    let mut print = Print::with(Supervisor::new(params(), 8, None));
+    print.ask(Operator::Stop);
+    assert_eq!(taken_over(&mut print), None);
 }

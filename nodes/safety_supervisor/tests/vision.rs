@@ -9,14 +9,8 @@ use models::status::JobPhase;
 use models::units::Seconds;
 use safety_supervisor::{Cause, Defect, Event, Operator, VisionReport, What};
 
-const SOUND: VisionReport = VisionReport {
-    usable: true,
-    confidence: 0.1,
-    defect: None,
-    confirmed: false,
-    told: true,
-    offset_m: Some([1e-5, -2e-5]),
-};
+/// A sound frame that tells where the last layer lies.
+const SOUND: VisionReport = VisionReport { offset_m: Some([1e-5, -2e-5]), ..common::print::SOUND };
 
 /// A print with frames at 2 Hz and accelerations at 20 Hz.
 struct Watched {
@@ -120,7 +114,9 @@ fn p9_p5_confirmed_defects_pause_with_their_cause() {
 fn a_high_fused_confidence_pauses_and_a_resume_begins_anew() {
     let mut watched = Watched::acting();
     watched.report = Some(VisionReport { confidence: 0.9, ..SOUND });
-    assert!(watched.until(Mode::Paused) <= 1.6);
+    // The third frame of 2 Hz.
+    let took_s = watched.until(Mode::Paused);
+    assert!((1.0..=1.6).contains(&took_s), "{took_s}");
     assert_eq!(watched.cause(), Some(Cause::Confidence));
     watched.print.report.phase = JobPhase::Paused;
     watched.report = Some(SOUND);
@@ -206,11 +202,14 @@ fn a_high_confidence_pauses_for_the_defect_that_carries_it() {
 #[test]
 fn s7_s8_a_silent_or_blind_camera_degrades_and_heals() {
     let blind = VisionReport { usable: false, ..SOUND };
-    for (report, limit_s) in [(None, 2.6), (Some(blind), 10.6)] {
+    for (report, cause, earliest_s, limit_s) in
+        [(None, Cause::StaleVision, 1.5, 2.6), (Some(blind), Cause::VisionBlind, 9.9, 10.6)]
+    {
         let mut watched = Watched::acting();
         watched.report = report;
         let took_s = watched.until(Mode::Degraded);
-        assert!(took_s <= limit_s, "{took_s}");
+        assert!((earliest_s..=limit_s).contains(&took_s), "{took_s}");
+        assert_eq!(watched.cause(), Some(cause));
         watched.run(2.0);
         assert_eq!(watched.print.output.permit.trims, Trims::NEUTRAL);
         assert_eq!(watched.print.output.permit.request, Request::Run);

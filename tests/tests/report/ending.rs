@@ -76,7 +76,7 @@ fn a_stop_by_a_person_does_not_hide_why_the_print_was_held_up() {
     let page = page(&folder, None).unwrap();
     let head = format!("at 53 %. P8: {SHIFT} (paused at 10.0 s), then P13: stopped by a person");
     assert!(page.contains(&head), "{}", section(&page, "summary"));
-    assert!(page.contains("P8: stop and print anew; then acknowledge"));
+    assert!(page.contains("P8: stop and print anew (`fdm stop`); then acknowledge (`fdm acknowledge`)"));
     let events = section(&page, "events");
     assert!(
         events.contains(&format!("P8: {SHIFT}")) && events.contains("P13: stopped by a person"),

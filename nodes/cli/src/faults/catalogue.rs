@@ -2,9 +2,11 @@
 //! is brought about.
 
 mod process_spec;
+mod source;
 mod trial_spec;
 
 pub use process_spec::{Act, Bench, Bound, DiskAnswer, ProcessSpec};
+pub use source::LimitSource;
 pub use trial_spec::{Mark, OnsetSpec, Person, TrialSpec};
 
 use anyhow::{Context, bail};
@@ -55,6 +57,9 @@ pub struct FaultSpec {
     /// The limit in words, where it is not one of seconds.
     #[serde(default)]
     pub limit: Option<String>,
+    /// Where the limits come from, in words and of every trial that names no other source.
+    #[serde(default)]
+    pub source: Option<LimitSource>,
     /// What other firmware needs.
     #[serde(default)]
     pub peers: Peers,
@@ -159,6 +164,7 @@ impl Catalogue {
             if !shown && fault.waiting.is_none() {
                 bail!("{id} has no trial, no test and no reason to wait");
             }
+            source::check(fault)?;
             for trial in &fault.process {
                 trial.check().with_context(|| format!("{id}, process trial '{}'", trial.name))?;
             }

@@ -1,6 +1,6 @@
 //! Figures of `fdm faults` with the names of the JSON contract.
 
-use super::catalogue::{FaultSpec, Peers, Reaction, TrialSpec};
+use super::catalogue::{FaultSpec, LimitSource, Peers, Reaction, TrialSpec};
 use super::measure::Measure;
 use super::trial::Outcome;
 use serde::Serialize;
@@ -35,6 +35,9 @@ pub struct TrialFigures {
     /// Most that were, where they are limited.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub layers_max: Option<u32>,
+    /// Where its limit comes from, where it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_source: Option<LimitSource>,
     /// Every run did what is asked for.
     pub within_limit: bool,
     /// How the supervisor called it, every name once.
@@ -81,6 +84,14 @@ pub struct FaultFigures {
     pub reaction_max_s: Option<f64>,
     /// Limit of the trial that comes nearest to its own `[s]`.
     pub limit_s: Option<f64>,
+    /// What the motor may push before that time begins `[mm]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_mm: Option<f64>,
+    /// Layers that may be begun before the reaction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_layers: Option<u32>,
+    /// Where the limit comes from; `null` where there is none.
+    pub limit_source: Option<LimitSource>,
     /// The limit where it is not one of seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<String>,
@@ -139,6 +150,7 @@ impl TrialFigures {
             pushed_max_mm: spec.limit_mm.and_then(|_| most(|outcome| Some(outcome.pushed_mm))),
             limit_layers: spec.limit_layers,
             layers_max: spec.limit_layers.and_then(|_| outcomes.iter().map(|outcome| outcome.layers).max()),
+            limit_source: None,
             within_limit: misses.is_empty(),
             found_as,
             misses,
@@ -151,13 +163,21 @@ impl TrialFigures {
         }
     }
 
-    /// The limit as it is printed: seconds, or layers, filament in words.
+    /// The same with the source of its limit, where it has one.
+    #[must_use]
+    pub fn limited_by(self, source: Option<LimitSource>) -> Self {
+        let limited = self.limit().is_some() || !self.measures.is_empty();
+        Self { limit_source: source.filter(|_| limited), ..self }
+    }
+
+    /// The limit as it is printed, each number with its unit: seconds, filament and then seconds, or layers.
     #[must_use]
     pub fn limit(&self) -> Option<String> {
         match (self.limit_s, self.limit_mm, self.limit_layers) {
-            (Some(limit_s), None, _) => Some(format!("{limit_s}")),
-            (Some(limit_s), Some(limit_mm), _) => Some(format!("{limit_mm}mm+{limit_s}")),
-            (None, _, Some(layers)) => Some(format!("layers {layers}")),
+            (Some(limit_s), None, _) => Some(format!("{limit_s} s")),
+            (Some(limit_s), Some(limit_mm), _) => Some(format!("{limit_mm} mm + {limit_s} s")),
+            (None, _, Some(1)) => Some("1 layer".to_owned()),
+            (None, _, Some(layers)) => Some(format!("{layers} layers")),
             (None, _, None) => None,
         }
     }
@@ -234,6 +254,9 @@ impl FaultFigures {
             reaction_p50_s: slowest.and_then(|trial| trial.reaction_p50_s),
             reaction_max_s: slowest.and_then(|trial| trial.reaction_max_s),
             limit_s: slowest.and_then(|trial| trial.limit_s),
+            limit_mm: slowest.and_then(|trial| trial.limit_mm),
+            limit_layers: slowest.and_then(|trial| trial.limit_layers),
+            limit_source: slowest.and_then(|trial| trial.limit_source).or(spec.source),
             limit: spec.limit.clone(),
             peers: spec.peers,
             within_limit: (!trials.is_empty()).then(|| trials.iter().all(|trial| trial.within_limit)),

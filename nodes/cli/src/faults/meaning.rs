@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 /// Name and meaning of each; the names of the catalogue's bounds among them.
 const MEANINGS: [(&str, &str); 16] = [
-    ("acknowledged_s", "until the latched mode was acknowledged and permits came again"),
+    ("acknowledged_s", "until `fdm acknowledge` had ended the latched mode and permits came again"),
     ("answer", "time until a service call was answered"),
     ("answered_hz", "service calls answered a second"),
     ("died", "1 where the process ended for lack of memory, 0 where it went on"),

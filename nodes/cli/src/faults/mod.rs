@@ -123,7 +123,8 @@ fn in_virtual_time(
     progress.finish_and_clear();
     let mut by_id: BTreeMap<&str, Vec<TrialFigures>> = BTreeMap::new();
     for (trial, outcomes) in prepared.iter().zip(&outcomes) {
-        let figures = TrialFigures::of(&trial.fault.id, trial.spec, reaction(trial), outcomes);
+        let figures = TrialFigures::of(&trial.fault.id, trial.spec, reaction(trial), outcomes)
+            .limited_by(trial.spec.source.or(trial.fault.source));
         by_id.entry(&trial.fault.id).or_default().push(figures);
     }
     let of = |id: &str, by_id: &mut BTreeMap<&str, Vec<TrialFigures>>| by_id.remove(id).unwrap_or_default();

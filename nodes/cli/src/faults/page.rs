@@ -1,5 +1,6 @@
 //! The figures of `fdm faults` as one page that stands by itself: reaction times beside limits and other firmware.
 
+use super::catalogue::LimitSource;
 use super::figures::{FaultFigures, Figures, TrialFigures};
 use super::meaning;
 use maud::{DOCTYPE, Markup, html};
@@ -54,15 +55,16 @@ pub fn page(figures: &Figures) -> String {
 
 fn row(fault: &FaultFigures, trial: &TrialFigures) -> Markup {
     let time = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2} s"));
-    let limit = trial
-        .limit()
-        .map_or_else(|| fault.limit.clone().unwrap_or_else(|| "-".to_owned()), |limit| format!("{limit} s"));
+    let limit = trial.limit().unwrap_or_else(|| fault.limit.clone().unwrap_or_else(|| "-".to_owned()));
+    let source = trial.limit_source.map(LimitSource::text);
     html! {
         tr {
             td { (fault.id) }
             td { (fault.fault) ": " (trial.name) }
             td { (trial.action) " " small { (trial.detected) "/" (trial.runs) } }
-            td class=[(!trial.within_limit).then_some("missed")] { (time(trial.reaction_max_s)) " / " (limit) }
+            td class=[(!trial.within_limit).then_some("missed")] title=[source] {
+                (time(trial.reaction_max_s)) " / " (limit)
+            }
             td { (bar(fault, trial)) }
         }
         @if !trial.figures.is_empty() {

@@ -11,8 +11,8 @@ pub fn table(figures: &Figures) -> String {
     // Writing to a string cannot fail.
     _ = writeln!(
         text,
-        "{:<4} {:<34} {:>9} {:>7} {:>9} {:>8} {:>8} {:>8}  {:<5} found as",
-        "ID", "fault", "action", "runs", "detected", "p50 s", "worst s", "limit s", "kept"
+        "{:<4} {:<34} {:>9} {:>7} {:>9} {:>8} {:>8} {:>10}  {:<5} found as",
+        "ID", "fault", "action", "runs", "detected", "p50 s", "worst s", "limit", "kept"
     );
     for fault in &figures.faults {
         for trial in &fault.trials {
@@ -61,7 +61,7 @@ fn row(text: &mut String, fault: &FaultFigures, trial: &TrialFigures) {
     let limit = trial.limit().unwrap_or_else(in_words);
     _ = writeln!(
         text,
-        "{:<4} {:<34} {:>9} {:>7} {:>9} {:>8} {:>8} {:>8}  {:<5} {}",
+        "{:<4} {:<34} {:>9} {:>7} {:>9} {:>8} {:>8} {:>10}  {:<5} {}",
         fault.id,
         trial.name,
         trial.action,

@@ -1,11 +1,14 @@
 //! One trial: a job on the simulated printer, a fault, and what followed.
 
+mod degraded;
+
 use super::catalogue::{Mark, Reaction, TrialSpec};
 use crate::config::Setup;
 use crate::job::GcodeFile;
 use crate::sim::message::Lane;
 use crate::sim::printing::Printing;
 use crate::sim::relay::{RIVAL_FLOW, RIVAL_SESSION, Relay};
+use degraded::{RAMP_S, TakenBack, kept_too_long};
 use models::command::{Mode, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Kelvin};
@@ -18,8 +21,6 @@ const OVERSHOOT_S: f64 = 20.0;
 const PATIENCE_S: f64 = 20.0;
 /// How long a run waits for a reaction whose limit is one of filament or layers `[s]`.
 const WORDS_S: f64 = 300.0;
-/// Longest time in which DEGRADED takes corrections back, and a look of the printer `[s]`.
-const RAMP_S: f64 = 2.02;
 /// Part of a run after the limit in which a late reaction is still measured `[s]`.
 const LATE_S: f64 = 10.0;
 
@@ -71,8 +72,7 @@ struct Run {
     /// Farthest position of the motor, and layer, at the onset.
     from: Option<(f64, u32)>,
     ended: bool,
-    /// Since when the printer has been told to take corrections back `[s]` after the onset.
-    degraded_s: Option<f64>,
+    taken_back: TakenBack,
     outcome: Outcome,
 }
 
@@ -102,7 +102,14 @@ impl Trial<'_> {
             recovered_s: None,
             overshoot_k: 0.0,
         };
-        let mut run = Run { printing, mark_s: None, from: None, ended: false, degraded_s: None, outcome };
+        let mut run = Run {
+            printing,
+            mark_s: None,
+            from: None,
+            ended: false,
+            taken_back: TakenBack::default(),
+            outcome,
+        };
         while run.printing.step() || run.outcome.onset_s.is_some() {
             if self.is_over(&mut run)? {
                 break;
@@ -213,10 +220,11 @@ impl Trial<'_> {
                 printing.safety.and_then(|state| state.cause).map(|cause| cause.id().to_owned());
         }
         let most = self.spec.at_most.unwrap_or(self.reaction);
-        let degraded = simulator.in_force().mode == Mode::Degraded;
-        run.degraded_s = run.degraded_s.or(Some(since_s)).filter(|_| degraded);
+        let printer = simulator.in_force().mode == Mode::Degraded;
+        let supervisor = printing.safety.is_some_and(|state| state.mode == Mode::Degraded);
+        let degraded_s = run.taken_back.look(since_s, printer, supervisor);
         let late_s: f64 = self.spec.relay.iter().map(|relay| relay.keeps_back_s(Lane::Permit)).sum();
-        let degraded_s = run.degraded_s.map(|begun_s| since_s - begun_s - late_s);
+        let degraded_s = degraded_s.map(|degraded_s| degraded_s - late_s);
         let kept = kept_too_long(degraded_s, &simulator.in_force().trims);
         let told = self.spec.recover_s.is_none()
             && run.outcome.reaction_s.is_some_and(|reaction_s| since_s > reaction_s + self.watched_s());
@@ -246,12 +254,6 @@ impl Trial<'_> {
             Reaction::Estop => !simulator.mains_on(),
         }
     }
-}
-
-/// Corrections that are in force so long after they were to be taken back; `None` where they need not be gone.
-fn kept_too_long(degraded_s: Option<f64>, in_force: &Trims) -> Option<String> {
-    let late = degraded_s.is_some_and(|degraded_s| degraded_s > RAMP_S);
-    (late && *in_force != Trims::NEUTRAL).then(|| format!("corrections in force {RAMP_S} s after DEGRADED"))
 }
 
 /// A second publisher's permit that the printer took, or its flow in force: slewed to, that needs a tenth of a second.

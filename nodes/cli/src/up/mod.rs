@@ -6,6 +6,7 @@ pub mod ended;
 pub mod fleet;
 pub mod hearing;
 pub mod recipes;
+mod records;
 pub mod summary;
 pub mod watch;
 pub mod words;

@@ -1,6 +1,6 @@
 //! Which node is started with which files and parameters.
 
-use super::{UpArgs, check_new_bag, fleet::Recipe};
+use super::{UpArgs, check_new_bag, fleet::Recipe, records};
 use crate::config::{ConfigDir, sensor_overrides};
 use anyhow::{Context, bail};
 use runtime::params::{NodePath, Parameters};
@@ -107,7 +107,7 @@ impl Plan {
         let mut all = vec![
             ("bag_recorder", "bag_dir".into(), quoted(&self.bag)),
             ("safety_supervisor", "start_mode".into(), args.mode.clone()),
-            ("safety_supervisor", "latch_file".into(), quoted(&self.logs().join("latch.json"))),
+            ("safety_supervisor", "latch_file".into(), quoted(&records::latch(&self.logs()))),
             ("mpc_controller", "control".into(), format!("\"{}\"", self.control)),
             ("mpc_controller", "advance.source".into(), format!("\"{}\"", self.advance)),
             ("printer_sim", "run.gcode".into(), quoted(&self.gcode)),
@@ -183,13 +183,15 @@ impl Plan {
         Ok(recipes.iter().map(process).collect())
     }
 
-    /// The nodes to start; writes the configuration of the whole graph for the record.
+    /// The nodes to start; writes the configuration of the whole graph for the record, and removes what the supervisor of a
+    /// former print with this bag remembered: that print and its printer are gone, and nothing waits for a person.
     ///
     /// # Errors
-    /// File, line, field, value and range of what is refused; executables that are missing.
+    /// File, line, field, value and range of what is refused; executables that are missing; a record that stays.
     pub fn recipes(&self) -> anyhow::Result<Vec<Recipe>> {
         let (recipes, text) = self.compose()?;
         std::fs::create_dir_all(self.logs()).with_context(|| self.logs().display().to_string())?;
+        records::forget(&self.logs())?;
         std::fs::write(self.config_text_file(), text)?;
         Ok(recipes)
     }

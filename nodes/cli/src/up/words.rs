@@ -16,17 +16,25 @@ pub fn phase_name(phase: u8) -> &'static str {
     NAMES.get(usize::from(phase)).copied().unwrap_or("unknown")
 }
 
-/// What the supervisor says to do, with the commands that its words stand for.
+/// What a supervisor or a bag says to do, with the commands that bare words of former builds stand for. Who is to stop
+/// one of two controllers is not to stop the print.
 #[must_use]
 pub fn todo(text: &str) -> String {
-    let said = |word: &&str| {
-        let words = text.split(|letter: char| !letter.is_alphanumeric());
-        words.clone().any(|said| said == *word) && !text.contains(&format!("fdm {word}"))
+    const WORDS: [(&str, [&str; 2]); 3] = [
+        ("acknowledge", ["acknowledge", "acknowledge"]),
+        ("resume", ["resume", "resume"]),
+        ("stop", ["or stop", "stop and print"]),
+    ];
+    let words: Vec<&str> = text.split(|letter: char| !letter.is_alphanumeric()).collect();
+    let said = |word: &str, phrases: [&str; 2]| {
+        words.contains(&word)
+            && phrases.iter().any(|phrase| text.contains(phrase))
+            && !text.contains(&format!("fdm {word}"))
     };
-    let commands: Vec<String> = ["acknowledge", "resume", "stop"]
-        .iter()
-        .filter(|word| said(word))
-        .map(|word| format!("`fdm {word}`"))
+    let commands: Vec<String> = WORDS
+        .into_iter()
+        .filter(|(word, phrases)| said(word, *phrases))
+        .map(|(word, _)| format!("`fdm {word}`"))
         .collect();
     if commands.is_empty() { text.to_owned() } else { format!("{text} ({})", commands.join(", ")) }
 }
@@ -46,6 +54,15 @@ pub fn text(happening: &Happening) -> String {
 #[cfg(test)]
 mod tests {
     use super::todo;
+    use safety_supervisor::Cause;
+
+    /// A supervisor of this build names them itself, for whoever reads its topics, its events or a bag.
+    #[test]
+    fn what_this_supervisor_says_needs_no_command_added() {
+        for cause in Cause::ALL {
+            assert_eq!(todo(cause.what_to_do()), cause.what_to_do(), "{cause:?}");
+        }
+    }
 
     /// Who reads "acknowledge" cannot know that it is a command, and whose.
     #[test]
@@ -58,7 +75,17 @@ mod tests {
             todo("check the plug, then acknowledge"),
             "check the plug, then acknowledge (`fdm acknowledge`)"
         );
-        for plain in ["check the plug, then `fdm acknowledge`", "the print has stopped", "see the log", ""] {
+        assert_eq!(
+            todo("stop and print anew: the lost steps are not made up for"),
+            "stop and print anew: the lost steps are not made up for (`fdm stop`)"
+        );
+        for plain in [
+            "check the plug, then `fdm acknowledge`",
+            "the print has stopped",
+            "stop one of the controllers",
+            "see the log",
+            "",
+        ] {
             assert_eq!(todo(plain), plain);
         }
     }

@@ -19,8 +19,9 @@ impl Classifier {
         // a sound nozzle under the advance in force.
         let flow = self.status.map_or(1.0, |status| status.trims.flow);
         let width = found.width.map(|width| {
-            let sound_m = width.wanted_m * flow * self.nozzle.share(width.laid, self.path.path_s(width.laid));
-            self.usual.on_width(width.laid, width.width_m / sound_m, width.facing)
+            let share = self.nozzle.share(width.laid, self.path.path_s(width.laid));
+            let ratio = self.nozzle.beside_sound(width.width_m / (width.wanted_m * flow), share);
+            self.usual.on_width(width.laid, ratio, width.facing)
         });
         let measured = Measured {
             width_error_rel: width.map(|width| width.error_rel),

@@ -51,6 +51,7 @@ struct Known {
     stations: u32,
     across_m: f64,
     share: f64,
+    /// Layers in the mean: without the first, which lies on another ground.
     layers: u32,
     mean: f64,
     variance: f64,
@@ -131,7 +132,7 @@ impl Cell {
                     stations: now.stations,
                     across_m: now.across_m(),
                     share: now.share(),
-                    layers: 1,
+                    layers: 0,
                     mean: ratio,
                     variance: 0.0,
                 });

@@ -100,7 +100,11 @@ impl Wall {
         let mut wall = Self::new();
         for number in 0..5 {
             let reading = wall.lay(Layer::sound(number));
-            assert_eq!(reading.is_some(), number >= 3, "three layers have to be known: {number}");
+            assert_eq!(
+                reading.is_some(),
+                number >= 4,
+                "three layers above the first have to be known: {number}"
+            );
         }
         wall
     }
@@ -122,6 +126,16 @@ fn a_seam_is_told_beside_its_own_past_layer_after_layer() {
     }
 }
 
+/// Over the bed roads are wider and higher, and what shines through is another ground.
+#[test]
+fn the_first_layer_of_an_outline_is_not_learned() {
+    let mut wall = Wall::new();
+    wall.lay(Layer { ratio: 1.0, ..Layer::sound(0) });
+    (1..4).for_each(|number| assert_eq!(wall.lay(Layer::sound(number)), None));
+    let reading = wall.lay(Layer::sound(4)).unwrap();
+    assert!(reading.shade.abs() < 0.01 && reading.drift_sigmas < 1e-9, "{reading:?}");
+}
+
 #[test]
 fn brighter_or_darker_light_is_no_change() {
     let mut wall = Wall::known();
@@ -138,8 +152,8 @@ fn where_roads_lie_otherwise_nothing_is_told() {
         let moved = |number| Layer { roads_m, ratio: 0.5, ..Layer::sound(number) };
         assert_eq!(wall.lay(moved(5)), None, "{roads_m:?}");
         // The new places have to become known themselves.
-        assert_eq!([6, 7].map(|number| wall.lay(moved(number))), [None; 2]);
-        assert!(wall.lay(moved(8)).unwrap().shade.abs() < 0.01);
+        assert_eq!([6, 7, 8].map(|number| wall.lay(moved(number))), [None; 3]);
+        assert!(wall.lay(moved(9)).unwrap().shade.abs() < 0.01);
     }
 }
 

@@ -9,6 +9,7 @@ fn slip(ramp_s: f64, duration_s: Option<f64>) -> Fault {
         size: 0.1,
         ramp: Seconds(ramp_s),
         duration: duration_s.map(Seconds),
+        seed: None,
         onset: Seconds(10.0),
     }
 }

@@ -38,6 +38,14 @@ pub enum FaultError {
         /// Kind asked for.
         kind: String,
     },
+    /// A seed for what is the same with every seed.
+    #[error("seed = {seed}: nothing of {kind} is random, leave it out (0); noise and spikes take one")]
+    NoSeed {
+        /// Seed asked for.
+        seed: u64,
+        /// Kind asked for.
+        kind: String,
+    },
     /// A number outside its range.
     #[error("{name} = {}: must be in [{low}, {high}]", with_unit(.value, .unit))]
     OutOfRange {

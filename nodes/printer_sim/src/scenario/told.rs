@@ -5,10 +5,10 @@ use super::{Entry, Onset};
 use models::params::with_unit;
 use std::fmt;
 
-/// Component and kind, size, onset, growth and duration, each with its unit.
+/// Component and kind, size, onset, growth and duration, each with its unit, and a seed of its own.
 impl fmt::Display for Entry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { component, kind, size, onset, ramp, duration } = self;
+        let Self { component, kind, size, onset, ramp, duration, seed } = self;
         write!(f, "{} {}", name_of(component), name_of(kind))?;
         if let Some(Size { unit, .. }) = size_of(*component, *kind) {
             write!(f, ", size {}", with_unit(size, unit))?;
@@ -24,7 +24,8 @@ impl fmt::Display for Entry {
             _ if kind.at_once() => Ok(()),
             Some(duration) => write!(f, ", lasts {} s", duration.0),
             None => write!(f, ", lasts for good"),
-        }
+        }?;
+        seed.map_or(Ok(()), |seed| write!(f, ", seed {seed}"))
     }
 }
 
@@ -44,6 +45,12 @@ mod tests {
         assert_eq!(
             told(bias, Some(-60.0), 300.0, Some(400.0)),
             "hotend_thermistor bias, size -60 K, from 12.50 s of the simulation on, grows for 300 s, lasts 400 s"
+        );
+        let noise = Course { size: Some(10.0), ramp_s: 0.0, duration_s: None };
+        let noise = Entry::at(Component::BedThermistor, Kind::Noise, noise, 3.0).unwrap();
+        assert_eq!(
+            noise.seeded(7).unwrap().to_string(),
+            "bed_thermistor noise, size 10 (no unit), from 3.00 s of the simulation on, lasts for good, seed 7"
         );
         assert_eq!(
             told((Component::Extruder, Kind::Slip), Some(0.09), 0.0, None),

@@ -1,7 +1,7 @@
 //! How faults come into the simulation.
 
 use super::Simulator;
-use crate::faults::{Fault, InForce, Kind};
+use crate::faults::{Component, Fault, InForce, Kind};
 use crate::scenario::Entry;
 use models::units::Seconds;
 
@@ -41,6 +41,11 @@ impl Simulator {
                     imu.knock(fault.onset, fault.size);
                 }
             }
+            Kind::Noise | Kind::Spikes => match fault.component {
+                Component::HotendThermistor => self.hotend_sensor.draw_from(fault.kind, fault.seed),
+                Component::BedThermistor => self.bed_sensor.draw_from(fault.kind, fault.seed),
+                _ => {}
+            },
             _ => {}
         }
     }

@@ -199,7 +199,7 @@ impl HeaterCheck {
         told.map_or((self.excess_w(), None), |observer| (observer.excess_w(), observer.limit_w()))
     }
 
-    /// Forgets everything: after an acknowledge, a resume or a stop of the clock.
+    /// Forgets everything: after an acknowledge.
     pub fn reset(&mut self) {
         *self = Self::new(self.params);
     }

@@ -34,21 +34,6 @@ impl Defect {
             _ => Some(Self::Other),
         }
     }
-
-    /// What a fused confidence is of, behind the number.
-    #[must_use]
-    pub fn confidence_of(defect: Option<Self>) -> &'static str {
-        match defect {
-            None => "confidence",
-            Some(Self::Under) => "confidence of too little material",
-            Some(Self::Over) => "confidence of too much material",
-            Some(Self::Spaghetti) => "confidence of loose strands",
-            Some(Self::Shift) => "confidence of a layer shift",
-            Some(Self::Stringing) => "confidence of strings",
-            Some(Self::Blobs) => "confidence of blobs",
-            Some(Self::Other) => "confidence of another defect",
-        }
-    }
 }
 
 /// What one frame says.

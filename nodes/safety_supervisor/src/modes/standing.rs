@@ -39,6 +39,12 @@ impl Modes {
         self.pause = left.paused.map(|cause| Pause { cause, since: NOT_BEGUN, resuming: false });
     }
 
+    /// Whether the latch in force, or one before it, was taken over from a former run.
+    #[must_use]
+    pub fn was_latched(&self) -> bool {
+        self.restored
+    }
+
     /// The first tick: a pause that was taken over begins here.
     pub fn begin(&mut self, now: Seconds) {
         for pause in self.pause.iter_mut().filter(|pause| pause.since == NOT_BEGUN) {

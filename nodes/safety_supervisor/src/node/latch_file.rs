@@ -1,17 +1,47 @@
 //! The latch on disk: a restart of the supervisor must not re-energise a heater.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use runtime::{ParamFileError, Parameters};
+use serde::{Deserialize, Serialize};
 
 use super::record::{self, Record};
 use super::standing_file;
 use crate::cause::Cause;
+use crate::event::Evidence;
 use crate::modes::Latch;
 
 /// Keeps the latch of the brain and the one on disk the same.
-pub(super) type LatchFile = Record<Latch>;
+pub(super) type LatchFile = Record<Latched>;
+
+/// The record as it is written, with what its cause rested on; a record without that is an older one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Latched {
+    estop: bool,
+    cause: Cause,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    value: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    limit: Option<f64>,
+}
+
+impl Latched {
+    pub(super) fn new(Latch { estop, cause }: Latch, evidence: Option<Evidence>) -> Self {
+        let (value, limit) = (evidence.map(|number| number.value), evidence.and_then(|number| number.limit));
+        Self { estop, cause, value, limit }
+    }
+
+    pub(super) fn latch(self) -> Latch {
+        Latch { estop: self.estop, cause: self.cause }
+    }
+
+    /// What its cause rested on; `None` where the record does not tell.
+    pub(super) fn evidence(self) -> Option<Evidence> {
+        Evidence::of(self.cause, self.value?, self.limit)
+    }
+}
 
 /// Name of the parameter with the file that keeps the latch; empty or not given: none is kept.
 pub(super) const LATCH_FILE: &str = "latch_file";
@@ -36,20 +66,27 @@ pub(super) fn path_of(parameters: &Parameters) -> Result<Option<PathBuf>, ParamF
 }
 
 impl LatchFile {
-    /// Reads what a former run left behind; without a path nothing is kept.
-    pub(super) fn open(path: Option<PathBuf>) -> Self {
-        let stored = path.as_deref().and_then(read);
-        Self::new(path, stored)
+    /// Reads what a former run left behind; without a path nothing is kept. What cannot be read tells of a latch all the
+    /// same, and the reason is told.
+    pub(super) fn open(path: Option<PathBuf>) -> (Self, Option<String>) {
+        let (stored, refused) = match path
+            .as_deref()
+            .and_then(|path| Some((path, record::read(path, parse)?)))
+        {
+            None => (None, None),
+            Some((_, Ok(latched))) => (Some(latched), None),
+            Some((path, Err(error))) => {
+                let told = format!("{}: {error}: taken for a latched SAFE_OFF", path.display());
+                tracing::error!("{told}");
+                (Some(Latched::new(Latch { estop: false, cause: Cause::LatchUnreadable }, None)), Some(told))
+            }
+        };
+        (Self::new(path, stored), refused)
     }
 }
 
-/// The latch of a former run. What cannot be read tells of one all the same.
-fn read(path: &Path) -> Option<Latch> {
-    let latch = record::read(path, |bytes| serde_json::from_slice(bytes).map_err(|error| error.to_string()))?;
-    Some(latch.unwrap_or_else(|error| {
-        tracing::error!("{}: {error}: taken for a latched SAFE_OFF", path.display());
-        Latch { estop: false, cause: Cause::LatchUnreadable }
-    }))
+fn parse(bytes: &[u8]) -> Result<Latched, String> {
+    serde_json::from_slice(bytes).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]

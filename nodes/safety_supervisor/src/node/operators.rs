@@ -4,7 +4,7 @@ use fdm_loop_msgs::{SetMode, SetModeResponse, Trigger, TriggerResponse};
 use runtime::{Asked, Node, RuntimeError, Server, topics};
 
 use crate::convert;
-use crate::event::{Operator, Output, What};
+use crate::event::{Decision, Operator, Output, What};
 use models::command::Mode;
 
 /// Every service of the supervisor.
@@ -22,7 +22,7 @@ pub(super) struct Operators {
 }
 
 /// Looks at the disk for which an answer waits at most: half a second of ticks, or as many further requests.
-const PATIENCE: u32 = 25;
+pub(super) const PATIENCE: u32 = 25;
 
 /// A request that waits for its answer.
 pub(super) enum Ask {
@@ -131,24 +131,32 @@ fn said_of_disk(kept: bool, failed: Option<&str>, looks: u32) -> Option<Option<&
     }
 }
 
-/// Whether the newest request was granted, and the mode in force or the reason.
+/// Whether the newest request was granted: the mode in force and what is still to come, or the reason.
 fn verdict(output: &Output) -> (bool, String) {
     let newest =
         output.events.iter().rev().find(|event| matches!(event.what, What::Granted(_) | What::Denied(_)));
     let mode = convert::mode_name(output.state.mode);
-    match newest.map(|event| (event.what, event.why)) {
-        Some((What::Denied(_), why)) => (false, why.to_owned()),
-        Some((What::Granted(Operator::Resume), _)) if output.state.mode == Mode::Paused => {
-            (true, format!("granted: mode {mode} until the printer is homed and hot again"))
+    let Some(event) = newest else { return (false, format!("no decision, mode {mode}")) };
+    let told = convert::told(event);
+    match event.what {
+        What::Denied(_) => (false, told),
+        _ if event.why == Decision::ON_REQUEST => (true, format!("mode {mode}")),
+        // It reads on as a sentence. Behind a latch a job waits in any mode.
+        What::Granted(Operator::Resume) if output.state.mode == Mode::Paused => {
+            (true, format!("granted: mode {mode} {told}"))
         }
-        Some(_) => (true, format!("mode {mode}")),
-        None => (false, format!("no decision, mode {mode}")),
+        What::Granted(Operator::Resume) => (true, format!("granted: mode {mode}, the job waits {told}")),
+        _ => (true, format!("mode {mode}: {told}")),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cause::Cause;
+    use crate::event::Event;
+    use crate::supervisor::Supervisor;
+    use models::units::Seconds;
 
     #[test]
     fn an_answer_waits_for_the_disk_but_not_for_ever() {
@@ -157,5 +165,33 @@ mod tests {
         assert_eq!(said_of_disk(false, None, PATIENCE), Some(Some("the disk takes long")));
         assert_eq!(said_of_disk(false, Some("/x: full"), 1), Some(Some("/x: full")));
         assert_eq!(said_of_disk(true, Some("/x: full"), 1), Some(None), "an older refusal");
+    }
+
+    /// What `fdm` shows of an answer: of a mode that is set beneath a pause, which, why it waits, and what to do.
+    #[test]
+    fn an_answer_says_what_came_of_the_request_and_what_to_do() {
+        let text = include_str!("../../../../config/safety_supervisor.param.yaml");
+        let mut file: serde_json::Value = serde_saphyr::from_str(text).unwrap();
+        let params = serde_json::from_value(file["/**"]["ros__parameters"].take()).unwrap();
+        let mut supervisor = Supervisor::new(params, 1, None);
+        let mut ask = |request| {
+            let output = supervisor.on_event(Seconds(1.0), Event::Operator(request)).unwrap();
+            verdict(&output)
+        };
+        let observe = Operator::SetMode(Mode::Observe);
+        let told = |text: &str| (true, text.to_owned());
+        assert_eq!(ask(observe), told("mode init: observe is set: it holds as soon as the start is over"));
+        let refused = |text: &str| (false, text.to_owned());
+        assert_eq!(ask(Operator::Acknowledge), refused("not latched: nothing to acknowledge"));
+        assert_eq!(ask(Operator::Approve), refused("not in advise: `fdm mode advise` first"));
+        let paused = format!("P13: paused by a person. What to do: {}", Cause::OperatorPause.what_to_do());
+        assert_eq!(ask(Operator::Pause), told(&format!("mode paused: {paused}")));
+        let set = "mode paused: advise is set: it holds as soon as what is in force is over";
+        assert_eq!(ask(Operator::SetMode(Mode::Advise)), told(&format!("{set}; {paused}")));
+        let stopped =
+            format!("P13: emergency stop by a person. What to do: {}", Cause::OperatorEstop.what_to_do());
+        assert_eq!(ask(Operator::Estop), told(&format!("mode estop: {stopped}")));
+        let latched = format!("latched: `fdm acknowledge` first; {stopped}");
+        assert_eq!(ask(Operator::Resume), refused(&latched));
     }
 }

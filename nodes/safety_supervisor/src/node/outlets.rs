@@ -7,6 +7,7 @@ use runtime::wire::{permit_to_wire, schedule_to_wire};
 use runtime::{Diagnostics, Level, Node, Publisher, RuntimeError, topics};
 
 use super::latch_file::LatchFile;
+use super::operators::PATIENCE;
 use super::standing_file::StandingFile;
 use crate::cause::Cause;
 use crate::checks::part_fan;
@@ -36,6 +37,8 @@ pub(super) struct Outlets {
     disk: Option<String>,
     /// Why it does not keep mode and pause.
     forgetful: Option<String>,
+    /// Publications in a row for which the latch, or its end, has been on its way to the disk.
+    unkept: u32,
     /// What a new message on `safety/state` would tell.
     told: Option<(Mode, Mode, Option<Cause>, u8, bool)>,
     told_at: Seconds,
@@ -54,6 +57,7 @@ impl Outlets {
             sequence: 0,
             disk: None,
             forgetful: None,
+            unkept: 0,
             told: None,
             told_at: Seconds(f64::NEG_INFINITY),
         })
@@ -65,6 +69,10 @@ impl Outlets {
         self.permits.send(permit_to_wire(now, &permit));
         for decision in &output.events {
             self.events.send(convert::event(now, &self.name, decision));
+        }
+        self.unkept = if kept { 0 } else { self.unkept.saturating_add(1) };
+        if !is_announced(self.unkept, self.disk.is_some()) {
+            return;
         }
         let state = SafetyState { mode: permit.mode, ..output.state };
         let tells = (state.mode, state.set_mode, state.cause, state.attention as u8, self.disk.is_some());
@@ -95,9 +103,9 @@ impl Outlets {
         self.forgetful.clone_from(&standing.failed);
     }
 
-    /// A record of the former run that was refused, and why.
-    pub(super) fn tell_refused(&self, now: Seconds, mode: Mode, why: String) {
-        self.events.send(convert::record_refused(now, &self.name, mode, why));
+    /// A record of the former run that was refused for this cause, and why.
+    pub(super) fn tell_refused(&self, now: Seconds, mode: Mode, cause: Cause, why: &str) {
+        self.events.send(convert::record_refused(now, &self.name, mode, cause, why));
     }
 
     fn tell(&mut self, now: Seconds, state: &SafetyState, totals: Totals) {
@@ -152,6 +160,12 @@ fn with_disk(state: StateMessage, refusal: Option<&str>) -> StateMessage {
     StateMessage { what_to_do: format!("{before}{what_to_do}"), ..state }
 }
 
+/// Whether a state is told: not while the disk is at work, for a latch under another mode's name would be a pause that
+/// there is not. Where it refuses or takes long a person has to know.
+fn is_announced(unkept: u32, refused: bool) -> bool {
+    unkept == 0 || refused || unkept > PATIENCE
+}
+
 /// While the disk is not done the printer is as safe as latched, without being told so: the heaters are off, or the
 /// emergency stop is in force, and stay so where the latch has just been ended.
 fn unannounced(permit: Permit) -> Permit {
@@ -185,6 +199,19 @@ mod tests {
             let sent = unannounced(permit(mode, request));
             assert!(sent.mode < Mode::SafeOff);
             assert_eq!((sent.request, sent.trims), (wanted, Trims::NEUTRAL));
+        }
+    }
+
+    #[test]
+    fn a_state_waits_for_the_disk_but_not_for_ever() {
+        for (unkept, refused, announced) in [
+            (0, false, true),
+            (1, false, false),
+            (PATIENCE, false, false),
+            (PATIENCE + 1, false, true),
+            (1, true, true),
+        ] {
+            assert_eq!(is_announced(unkept, refused), announced, "{unkept} {refused}");
         }
     }
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::record::{self, Record};
 use crate::cause::Cause;
+use crate::event::Evidence;
 use crate::modes::Standing;
 use crate::params::StartMode;
 
@@ -15,8 +16,8 @@ const VERSION: u64 = 1;
 /// Keeps mode and pause of the brain and those on disk the same.
 pub(super) type StandingFile = Record<Written>;
 
-/// The record as it is written; no field may be missing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+/// The record as it is written, with what the pause rested on: no field but that may be missing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Written {
     version: u64,
@@ -24,11 +25,27 @@ pub(super) struct Written {
     mode: Option<StartMode>,
     #[serde(deserialize_with = "Option::deserialize")]
     paused: Option<Cause>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    value: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    limit: Option<f64>,
+}
+
+impl Written {
+    pub(super) fn new(Standing { mode, paused }: Standing, evidence: Option<Evidence>) -> Self {
+        let (value, limit) = (evidence.map(|number| number.value), evidence.and_then(|number| number.limit));
+        Self { version: VERSION, mode, paused, value, limit }
+    }
+
+    /// What the pause rested on; `None` where the record does not tell.
+    pub(super) fn evidence(self) -> Option<Evidence> {
+        Evidence::of(self.paused?, self.value?, self.limit)
+    }
 }
 
 impl From<Standing> for Written {
-    fn from(Standing { mode, paused }: Standing) -> Self {
-        Self { version: VERSION, mode, paused }
+    fn from(standing: Standing) -> Self {
+        Self::new(standing, None)
     }
 }
 

@@ -165,7 +165,9 @@ mod tests {
     #[test]
     fn numbers_out_of_range_are_refused_by_name() {
         assert!(StopInputParams { reports: 2 }.check().is_ok());
-        assert!(StopInputParams { reports: 0 }.check().is_err());
+        let told = |checked: Result<(), ParamError>| checked.unwrap_err().to_string();
+        let none = StopInputParams { reports: 0 };
+        assert_eq!(told(none.check()), "stop_input.reports = 0 (no unit): must be in [1, 10]");
         let fan = PartFanParams {
             full_1_s: 83.0,
             duty_min: 0.3,
@@ -173,12 +175,12 @@ mod tests {
             share_standing: 0.2,
             persist_s: f64::NAN,
         };
-        assert!(fan.check().unwrap_err().to_string().starts_with("part_fan.persist_s = NaN"));
+        assert_eq!(told(fan.check()), "part_fan.persist_s = NaN s: must be in [0.1, 60]");
         let step = JumpParams { step_k: 12.0, rate_max_k_s: 4.0, samples: 8, gap_max_s: 0.0 };
-        assert!(step.check().is_err());
+        assert_eq!(told(step.check()), "hotend_step.gap_max_s = 0 s: must be in [0.2, 10]");
         let noise =
             NoiseParams { gate_k: 1.0, window: 1000, share_max: 0.2, suspect_window: 20, suspect_count: 2 };
-        assert!(noise.check().is_err());
+        assert_eq!(told(noise.check()), "noise.window = 1000 (no unit): must be in [1, 128]");
         let never = NoiseParams { window: 50, suspect_count: 21, ..noise };
         assert_eq!(
             never.check().unwrap_err().to_string(),

@@ -7,61 +7,54 @@ use crate::attention::Level;
 use crate::cause::Cause;
 use crate::event::Evidence;
 
-fn evidence(value: f64, unit: &'static str, digits: usize) -> Option<Evidence> {
-    value.is_finite().then_some(Evidence { value, unit, digits, limit: None })
+#[allow(clippy::cast_precision_loss, reason = "for people")]
+fn count(value: u64) -> f64 {
+    value as f64
 }
 
-fn count(value: u64, unit: &'static str) -> Option<Evidence> {
-    #[allow(clippy::cast_precision_loss, reason = "for people")]
-    evidence(value as f64, unit, 0)
-}
+/// A number, and the one that it went beyond.
+type Number = (f64, Option<f64>);
 
 impl Supervisor {
     /// The number that a cause rests on now; `None` where its text says all.
     pub(super) fn evidence(&self, now: Seconds, cause: Cause) -> Option<Evidence> {
-        let (number, limit) = self
+        let (value, limit) = self
             .of_heat(cause)
             .or_else(|| self.of_silence(now, cause))
             .or_else(|| self.of_the_rest(cause))?;
-        Some(limit.map_or(number, |limit| number.beyond(limit)))
+        Evidence::of(cause, value, limit)
+    }
+
+    /// What a cause rested on when it was found, where it is the one that was found last.
+    #[must_use]
+    pub fn evidence_of(&self, cause: Cause) -> Option<Evidence> {
+        self.found.filter(|(found, _)| *found == cause).and_then(|(_, number)| number)
     }
 
     /// A reading that stands still is judged by several spans: no single one is its limit.
-    fn of_heat(&self, cause: Cause) -> Option<(Evidence, Option<f64>)> {
+    fn of_heat(&self, cause: Cause) -> Option<Number> {
         let (checks, params) = (&self.checks, &self.params);
-        let heater = |(excess_w, limit_w): (f64, Option<f64>)| (evidence(excess_w, "W", 1), limit_w);
-        let (number, limit) = match cause {
-            Cause::HotendRange => {
-                (evidence(checks.hotend_range.newest()?.0, "degC", 1), checks.hotend_range.limit_c())
-            }
-            Cause::BedRange => {
-                (evidence(checks.bed_range.newest()?.0, "degC", 1), checks.bed_range.limit_c())
-            }
-            Cause::HotendFrozen => (evidence(checks.frozen.still().0, "s", 1), None),
-            Cause::BedFrozen => (evidence(checks.bed_frozen.still().0, "s", 1), None),
-            Cause::HeaterStuckOn | Cause::HeaterDeficit => heater(checks.heater.beyond_w()),
-            Cause::BedStuckOn | Cause::BedDeficit => heater(checks.bed_heater.beyond_w()),
-            Cause::ThermistorDetached => {
-                (evidence(-checks.detached.fall_k_s(), "K/s", 1), Some(-params.detached.fall_k_s))
-            }
+        Some(match cause {
+            Cause::HotendRange => (checks.hotend_range.newest()?.0, checks.hotend_range.limit_c()),
+            Cause::BedRange => (checks.bed_range.newest()?.0, checks.bed_range.limit_c()),
+            Cause::HotendFrozen => (checks.frozen.still().0, None),
+            Cause::BedFrozen => (checks.bed_frozen.still().0, None),
+            Cause::HeaterStuckOn | Cause::HeaterDeficit => checks.heater.beyond_w(),
+            Cause::BedStuckOn | Cause::BedDeficit => checks.bed_heater.beyond_w(),
+            Cause::ThermistorDetached => (-checks.detached.fall_k_s(), Some(-params.detached.fall_k_s)),
             Cause::BedThermistorDetached => {
-                (evidence(-checks.bed_detached.fall_k_s(), "K/s", 1), Some(-params.bed_detached.fall_k_s))
+                (-checks.bed_detached.fall_k_s(), Some(-params.bed_detached.fall_k_s))
             }
-            Cause::HotendNoisy => (
-                evidence(100.0 * checks.noise.share(), "% of the readings", 0),
-                Some(100.0 * params.noise.share_max),
-            ),
-            Cause::HotendDrift => (evidence(checks.drift.residual_k(), "K", 1), Some(checks.drift.limit_k())),
-            Cause::HotendStep => (
-                evidence(checks.step.step_k()?, "K", 1),
-                Some(params.hotend_step.step_k.copysign(checks.step.step_k()?)),
-            ),
+            Cause::HotendNoisy => (100.0 * checks.noise.share(), Some(100.0 * params.noise.share_max)),
+            Cause::HotendDrift => (checks.drift.residual_k(), Some(checks.drift.limit_k())),
+            Cause::HotendStep => {
+                (checks.step.step_k()?, Some(params.hotend_step.step_k.copysign(checks.step.step_k()?)))
+            }
             _ => return None,
-        };
-        Some((number?, limit))
+        })
     }
 
-    fn of_silence(&self, now: Seconds, cause: Cause) -> Option<(Evidence, Option<f64>)> {
+    fn of_silence(&self, now: Seconds, cause: Cause) -> Option<Number> {
         let age = match cause {
             Cause::StaleHotend => &self.ages.hotend,
             Cause::StaleBed => &self.ages.bed,
@@ -73,37 +66,29 @@ impl Supervisor {
             Cause::StaleVision => &self.ages.vision,
             _ => return None,
         };
-        Some((evidence(age.age(now)?.0, "s", 2)?, age.limit_s(now)))
+        Some((age.age(now)?.0, age.limit_s(now)))
     }
 
-    fn of_the_rest(&self, cause: Cause) -> Option<(Evidence, Option<f64>)> {
+    fn of_the_rest(&self, cause: Cause) -> Option<Number> {
         let (checks, params) = (&self.checks, &self.params);
-        let (number, limit) = match cause {
-            Cause::BadValues => (count(checks.bad_values.total(), "since the start"), None),
-            Cause::Envelope => (count(self.envelope.clamped(), "commands since the start"), None),
-            Cause::SecondPublisher => {
-                (count(self.envelope.refused(), "commands refused since the start"), None)
-            }
+        Some(match cause {
+            Cause::BadValues => (count(checks.bad_values.total()), None),
+            Cause::Envelope => (count(self.envelope.clamped()), None),
+            Cause::SecondPublisher => (count(self.envelope.refused()), None),
             Cause::PartFan => {
                 let printer = self.printer?;
                 let fan = &params.part_fan;
                 let limit_1_s = fan.share_standing * printer.fan * fan.full_1_s;
-                (evidence(printer.part_fan_speed_1_s?, "1/s", 1), Some(limit_1_s))
+                (printer.part_fan_speed_1_s?, Some(limit_1_s))
             }
-            Cause::FilamentSlip => (
-                evidence(100.0 * checks.filament.slip()?, "% slip", 0),
-                Some(100.0 * params.filament.slip_max),
-            ),
-            Cause::LayerShift => {
-                (evidence(1e3 * checks.shift.newest_m()?, "mm", 2), Some(1e3 * checks.shift.limit_m()))
-            }
+            Cause::FilamentSlip => (100.0 * checks.filament.slip()?, Some(100.0 * params.filament.slip_max)),
+            Cause::LayerShift => (1e3 * checks.shift.newest_m()?, Some(1e3 * checks.shift.limit_m())),
             // A defect that lasts is confirmed by the judge itself, whatever its confidence.
             Cause::Spaghetti | Cause::UnderExtrusion | Cause::OverExtrusion | Cause::Confidence => {
                 let hard = checks.attention.level() == Level::Hard;
-                (evidence(checks.attention.newest()?, "confidence", 2), hard.then_some(params.attention.hard))
+                (checks.attention.newest()?, hard.then_some(params.attention.hard))
             }
             _ => return None,
-        };
-        Some((number?, limit))
+        })
     }
 }

@@ -1,30 +1,70 @@
 //! One pause per cause: a person has looked, and resumed. What the camera says of the same thing again takes the corrections
-//! back for some layers and pauses nothing; a cause that is measured, or another one, does as ever.
+//! back for some layers and pauses nothing. Whatever else there is does as ever: a cause that is measured, another defect,
+//! a layer that has shifted once more, another print.
+
+use std::ops::Range;
 
 use models::status::JobPhase;
 
 use super::Supervisor;
+use super::parts::Checks;
+use crate::attention::Level;
 use crate::cause::{Cause, Reaction};
+use crate::event::{Defect, VisionReport};
 use crate::modes::Raised;
 
+/// What a person has looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Grace {
+    cause: Cause,
+    /// The defect that carried the confidence, of which [`Cause::Confidence`] says nothing.
+    defect: Option<Defect>,
+    /// Largest offset of a layer that counts as the one that was seen `[m]`.
+    offset_max_m: f64,
+    /// Layers in which it is believed.
+    layers: Range<u32>,
+}
+
+impl Grace {
+    /// Whether a confidence that this defect carries is of what was looked at.
+    fn covers(&self, defect: Option<Defect>) -> bool {
+        let cause = Cause::of_defect(defect);
+        cause == self.cause && (cause != Cause::Confidence || defect == self.defect)
+    }
+
+    /// Whether what the checks say of the cause just now is what was looked at.
+    fn holds(&self, checks: &Checks) -> bool {
+        match self.cause {
+            Cause::LayerShift => checks.shift.newest_m().is_none_or(|offset_m| offset_m <= self.offset_max_m),
+            Cause::Confidence => self.covers(checks.convicted),
+            _ => true,
+        }
+    }
+}
+
 impl Supervisor {
-    /// A pause for `cause` has ended: the filters begin anew.
+    /// A pause for `cause` has ended: what a hand at the halted printer explains begins anew. Heaters and thermistors are
+    /// watched on: no resume explains what they do, and often enough it would hide it.
     pub(super) fn resumed(&mut self, cause: Option<Cause>) {
-        self.forget();
+        let defect = self.checks.convicted;
+        // As it was found: what was seen later may be a hand.
+        let seen_m = self.evidence_of(Cause::LayerShift).map_or(0.0, |seen| 1e-3 * seen.value);
+        let offset_max_m = seen_m + self.checks.shift.limit_m();
+        self.checks.forget_halt();
         let layer = self.printer.and_then(|printer| printer.layer);
         let seen = cause.filter(|cause| cause.is_of_camera());
         self.grace = seen.zip(layer).map(|(cause, layer)| {
-            let end = layer.saturating_add(self.params.modes.grace_layers);
-            (cause, end)
+            let layers = layer..layer.saturating_add(self.params.modes.grace_layers);
+            Grace { cause, defect, offset_max_m, layers }
         });
     }
 
     /// Ends the grace with its layers or its job; from then on the camera's judge has to say it anew.
     pub(super) fn follow_grace(&mut self) {
-        let Some((_, end)) = self.grace else { return };
+        let Some(grace) = &self.grace else { return };
         let lasts = self.printer.is_some_and(|printer| {
             matches!(printer.phase, JobPhase::Preparing | JobPhase::Printing | JobPhase::Paused)
-                && printer.layer.is_some_and(|layer| layer < end)
+                && printer.layer.is_some_and(|layer| grace.layers.contains(&layer))
         });
         if !lasts {
             self.grace = None;
@@ -32,10 +72,26 @@ impl Supervisor {
         }
     }
 
+    /// Frames that are sure of another thing are counted by themselves: attention stands already.
+    pub(super) fn look_beside(&mut self, report: &VisionReport) {
+        if self.grace.as_ref().is_none_or(|grace| grace.covers(report.defect)) {
+            return;
+        }
+        let before = self.checks.beside.level();
+        if self.checks.beside.on_confidence(report.confidence) > before {
+            self.checks.convicted_beside = report.defect;
+        }
+    }
+
     /// What is raised, less what a person has looked at.
-    pub(super) fn graced(&self, mut raised: Raised) -> Raised {
-        if let Some((cause, _)) = self.grace {
-            raised[cause as usize] = raised[cause as usize].map(|reaction| reaction.min(Reaction::Degrade));
+    pub(super) fn graced(&self, mut raised: Raised, printing: bool) -> Raised {
+        let Some(grace) = &self.grace else { return raised };
+        if grace.holds(&self.checks) {
+            let known = &mut raised[grace.cause as usize];
+            *known = known.map(|reaction| reaction.min(Reaction::Degrade));
+        }
+        if printing && self.checks.beside.level() == Level::Hard {
+            raised[Cause::of_defect(self.checks.convicted_beside) as usize] = Some(Reaction::Pause);
         }
         raised
     }

@@ -7,7 +7,7 @@ use models::units::Seconds;
 use super::Supervisor;
 use crate::attention::Level;
 use crate::cause::{Cause, Reaction};
-use crate::event::{Defect, PrinterReport, VisionReport};
+use crate::event::{PrinterReport, VisionReport};
 use crate::modes::Raised;
 
 impl Supervisor {
@@ -47,6 +47,7 @@ impl Supervisor {
             if self.checks.attention.on_confidence(report.confidence) > before {
                 self.checks.convicted = report.defect;
             }
+            self.look_beside(report);
             let impulse = self.checks.impulse.recent(now, self.checks.shift.memory());
             self.checks.shift.on_offset(report.offset_m, impulse);
         }
@@ -125,16 +126,12 @@ impl Supervisor {
         set(Cause::RunOut, checks.run_out.tripped(now).then_some(Reaction::Pause));
         set(Cause::LayerShift, (printing && checks.shift.tripped()).then_some(Reaction::Pause));
         let hard = printing && checks.attention.level() == Level::Hard;
-        let convicted = checks.convicted.filter(|_| hard);
-        let defect = checks.defect.tripped().filter(|_| printing);
-        let mut named = false;
-        for (cause, wanted) in [
-            (Cause::Spaghetti, Defect::Spaghetti),
-            (Cause::UnderExtrusion, Defect::Under),
-            (Cause::OverExtrusion, Defect::Over),
-        ] {
-            named |= convicted == Some(wanted);
-            set(cause, (defect == Some(wanted) || convicted == Some(wanted)).then_some(Reaction::Pause));
+        let convicted = hard.then(|| Cause::of_defect(checks.convicted));
+        let defect =
+            checks.defect.tripped().filter(|_| printing).map(|defect| Cause::of_defect(Some(defect)));
+        for cause in [Cause::Spaghetti, Cause::UnderExtrusion, Cause::OverExtrusion, Cause::Confidence] {
+            let called = defect == Some(cause) || convicted == Some(cause);
+            set(cause, called.then_some(Reaction::Pause));
         }
         set(Cause::VisionBlind, (printing && checks.defect.is_blind(now)).then_some(Reaction::Degrade));
         set(Cause::BadValues, checks.bad_values.tripped(now).then_some(Reaction::Degrade));
@@ -146,11 +143,10 @@ impl Supervisor {
         set(Cause::SecondPublisher, self.envelope.has_rival(now).then_some(Reaction::Degrade));
         let foreign = self.envelope.has_foreign_permit(now);
         set(Cause::SecondSupervisor, foreign.then_some(Reaction::Degrade));
-        set(Cause::Confidence, (hard && !named).then_some(Reaction::Pause));
         set(Cause::PrinterFailed, self.printer_failed.then_some(Reaction::SafeOff));
         let alone = self.paused_alone_since.is_some_and(|since| now.0 - since.0 > self.params.modes.adopt_s);
         set(Cause::PrinterPaused, alone.then_some(Reaction::Pause));
-        self.graced(raised)
+        self.graced(raised, printing)
     }
 }
 

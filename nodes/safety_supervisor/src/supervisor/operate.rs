@@ -8,11 +8,12 @@ use super::Supervisor;
 use crate::attention::Level;
 use crate::cause::{Cause, Reaction};
 use crate::event::{Decision, Operator, Output, Stream, What};
-use crate::modes::Readiness;
+use crate::modes::{Readiness, Refused};
 
 impl Supervisor {
     pub(super) fn on_operator(&mut self, now: Seconds, request: Operator) {
         let (before, paused_for) = (self.modes.mode(), self.modes.paused_for());
+        let set_before = self.modes.set_mode();
         let result = match request {
             Operator::Pause => self.demand(now, Cause::OperatorPause, Reaction::Pause),
             Operator::Stop => self.demand(now, Cause::OperatorStop, Reaction::SafeOff),
@@ -25,27 +26,60 @@ impl Supervisor {
         if request == Operator::Resume && paused_for.is_some() && self.modes.paused_for().is_none() {
             self.resumed(paused_for);
         }
-        let (what, why) = match result {
-            Ok(()) => (What::Granted(request), "on request"),
-            Err(why) => (What::Denied(request), why),
+        let (what, (why, cause)) = match result {
+            Ok(()) => (What::Granted(request), self.granted(request)),
+            Err(Refused { why, cause }) => (What::Denied(request), (why, cause)),
         };
-        self.decisions.push(Decision { what, why, cause: None, before, after: self.modes.mode() });
+        let cause = cause.map(|cause| (cause, self.evidence_of(cause).or_else(|| self.evidence(now, cause))));
+        // What changes is the set mode, whatever is in force.
+        let (before, after) = match request {
+            Operator::SetMode(_) => (set_before, self.modes.set_mode()),
+            _ => (before, self.modes.mode()),
+        };
+        self.decisions.push(Decision { what, why, cause, before, after });
     }
 
-    fn demand(&mut self, now: Seconds, cause: Cause, reaction: Reaction) -> Result<(), &'static str> {
+    /// What a request that was carried out rests on, or what of it is still to come.
+    fn granted(&self, request: Operator) -> (&'static str, Option<Cause>) {
+        let (mode, cause) = (self.modes.mode(), self.modes.cause());
+        let asked = match request {
+            Operator::Pause => Some(Cause::OperatorPause),
+            Operator::Stop => Some(Cause::OperatorStop),
+            Operator::Estop => Some(Cause::OperatorEstop),
+            _ => None,
+        };
+        match request {
+            _ if asked.is_some_and(|asked| cause == Some(asked)) => {
+                (asked.map_or(Decision::ON_REQUEST, Cause::text), asked)
+            }
+            _ if asked.is_some() => ("on request; what was in force before it still is", cause),
+            Operator::SetMode(set) if mode == set => (Decision::ON_REQUEST, None),
+            Operator::SetMode(_) if mode == Mode::Init => ("it holds as soon as the start is over", None),
+            Operator::SetMode(_) => ("it holds as soon as what is in force is over", cause),
+            Operator::Resume if self.modes.paused_for().is_some() => {
+                ("until the printer is homed and hot again", None)
+            }
+            Operator::Acknowledge if self.modes.paused_for().is_some() => {
+                ("the job waits: `fdm resume`, or `fdm stop`", None)
+            }
+            _ => (Decision::ON_REQUEST, None),
+        }
+    }
+
+    fn demand(&mut self, now: Seconds, cause: Cause, reaction: Reaction) -> Result<(), Refused> {
         self.modes.demand(now, cause, reaction);
         Ok(())
     }
 
-    fn acknowledge(&mut self, now: Seconds) -> Result<(), &'static str> {
+    fn acknowledge(&mut self, now: Seconds) -> Result<(), Refused> {
         if let Some(missing) = self.unknown(now) {
-            return Err(missing);
+            return Err(missing.into());
         }
         let waits = self.printer.is_some_and(|printer| {
             matches!(printer.phase, JobPhase::Preparing | JobPhase::Printing | JobPhase::Paused)
         });
         self.modes.acknowledge(now, waits)?;
-        self.forget();
+        self.checks.forget();
         Ok(())
     }
 
@@ -57,24 +91,28 @@ impl Supervisor {
         if self.modes.latch().is_none() {
             None
         } else if !self.modes.is_initialised() {
-            Some("still starting: nothing has been judged yet")
+            Some("still starting, nothing has been judged yet: ask again in some seconds")
         } else if self.printer.is_none() || self.ages.printer.reaction(now).is_some() {
-            Some("the printer's state is missing")
+            Some("the printer's state is missing: check the link to the printer")
         } else if !(self.has_no_hotend() || checks.hotend_range.is_well()) {
-            Some("the hot end temperature is missing or outside of its range")
+            Some(
+                "the hot end temperature is missing or outside of its range: check the thermistor and its node",
+            )
         } else if bed && !checks.bed_range.is_well() {
-            Some("the bed temperature is missing or outside of its range")
+            Some(
+                "the bed temperature is missing or outside of its range: check the bed's thermistor and its node",
+            )
         } else {
             None
         }
     }
 
-    fn approve(&mut self, now: Seconds) -> Result<(), &'static str> {
+    fn approve(&mut self, now: Seconds) -> Result<(), Refused> {
         if self.modes.mode() != Mode::Advise {
-            return Err("not in advise");
+            return Err("not in advise: `fdm mode advise` first".into());
         }
         self.approved = self.envelope.wished(now);
-        self.approved.map(|_| ()).ok_or("no correction waits")
+        self.approved.map(|_| ()).ok_or("no correction waits: the controller wishes none".into())
     }
 
     /// None is required, none was ever heard of, and none was ever expected because the printer heated.

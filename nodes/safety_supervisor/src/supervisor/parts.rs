@@ -121,6 +121,9 @@ pub(super) struct Checks {
     pub(super) attention: Attention,
     /// What carried the confidence when attention rose last.
     pub(super) convicted: Option<Defect>,
+    /// Attention for what a person has not looked at, while there is something that one has; and what carried it.
+    pub(super) beside: Attention,
+    pub(super) convicted_beside: Option<Defect>,
 }
 
 impl Checks {
@@ -148,6 +151,8 @@ impl Checks {
             oscillation: OscillationCheck::new(params.oscillation),
             attention: Attention::new(params.attention),
             convicted: None,
+            beside: Attention::new(params.attention),
+            convicted_beside: None,
         }
     }
 
@@ -161,17 +166,23 @@ impl Checks {
         self.oscillation.reset();
     }
 
-    /// After a pause or a trip the filters start anew.
+    /// After a trip the filters start anew.
     pub(super) fn forget(&mut self) {
         self.heater.reset();
         self.frozen.reset();
         self.detached.reset();
         self.step.reset();
-        self.noise.reset();
-        self.drift.reset();
         self.bed_frozen.reset();
         self.bed_detached.reset();
         self.bed_heater.reset();
+        self.forget_halt();
+    }
+
+    /// After a pause: what hands do at a halted printer, new filament, and usual power and noise of a nozzle that may be
+    /// another one count no more.
+    pub(super) fn forget_halt(&mut self) {
+        self.noise.reset();
+        self.drift.reset();
         self.filament.reset();
         self.oscillation.reset();
         self.forget_pictures();
@@ -183,5 +194,7 @@ impl Checks {
         self.defect.reset();
         self.attention.reset();
         self.convicted = None;
+        self.beside.reset();
+        self.convicted_beside = None;
     }
 }

@@ -5,8 +5,13 @@ use models::status::JobPhase;
 use models::units::Seconds;
 
 use super::Supervisor;
-use crate::event::{Decision, What};
+use crate::event::{Decision, Evidence, What};
 use crate::modes::{Latch, Standing};
+
+/// Of a latch or a pause.
+const TAKEN_OVER: &str = "taken over from before the supervisor was started again";
+/// Of a mode.
+const SET_BEFORE: &str = "set before the supervisor was started again; `fdm mode` sets another";
 
 impl Supervisor {
     /// Goes on where a former run ended: never in a laxer mode than that, and paused if it was.
@@ -14,6 +19,13 @@ impl Supervisor {
     pub fn after(mut self, left: Standing) -> Self {
         self.modes.restore(left);
         self.left = left;
+        self
+    }
+
+    /// What the cause of what was taken over rested on, where the record tells; to be called behind [`Self::after`].
+    #[must_use]
+    pub fn resting_on(mut self, evidence: Evidence) -> Self {
+        self.found = self.modes.cause().map(|cause| (cause, Some(evidence)));
         self
     }
 
@@ -37,16 +49,22 @@ impl Supervisor {
         }
     }
 
-    /// The start is over: says what of the former run makes a difference.
+    /// The start is over: says what of the former run makes a difference, the strictest of it.
     pub(super) fn tell_left(&mut self) {
         let (before, set) = (Mode::from(self.params.start_mode), self.modes.set_mode());
+        let latch = self.modes.latch().filter(|_| self.modes.was_latched());
         let waits = self.left.paused.and(self.modes.paused_for());
-        if self.left.paused.is_some() || set < before {
-            let why = "asked for before the supervisor was started again";
-            let after = if waits.is_some() { Mode::Paused } else { set };
-            let cause = waits.map(|cause| (cause, None));
-            self.decisions.push(Decision { what: What::Remembered, why, cause, before, after });
+        if latch.is_none() && self.left.paused.is_none() && set >= before {
+            return;
         }
+        let cause = latch.map(|latch| latch.cause).or(waits);
+        let (after, why) = match (latch, waits) {
+            (Some(latch), _) => (latch.mode(), TAKEN_OVER),
+            (None, Some(_)) => (Mode::Paused, TAKEN_OVER),
+            (None, None) => (set, SET_BEFORE),
+        };
+        let cause = cause.map(|cause| (cause, self.evidence_of(cause)));
+        self.decisions.push(Decision { what: What::Remembered, why, cause, before, after });
     }
 
     /// The printer's first word: a pause of the former run ends where no job waits for its end.

@@ -3,9 +3,19 @@
 use models::command::{Command, Mode, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
-use safety_supervisor::{Event, Operator, Output, PrinterReport, Supervisor, What};
+use safety_supervisor::{Event, Operator, Output, PrinterReport, Supervisor, VisionReport, What};
 
 use super::{params_with, report};
+
+/// A frame on which nothing is wrong.
+pub(crate) const SOUND: VisionReport = VisionReport {
+    usable: true,
+    confidence: 0.1,
+    defect: None,
+    confirmed: false,
+    told: true,
+    offset_m: None,
+};
 
 /// A print at 210 degC, at 50 Hz, whose parts can be switched off.
 pub(crate) struct Print {
@@ -119,6 +129,17 @@ impl Print {
     pub(crate) fn run(&mut self, span_s: f64) {
         let end_s = self.now() + span_s;
         while self.now() < end_s {
+            self.step();
+        }
+    }
+
+    /// Runs under frames at 2 Hz.
+    pub(crate) fn watch(&mut self, report: VisionReport, span_s: f64) {
+        let end_s = self.now() + span_s;
+        while self.now() < end_s {
+            if self.tick.is_multiple_of(25) {
+                self.event(Event::Vision(report));
+            }
             self.step();
         }
     }

@@ -1,6 +1,6 @@
 //! How a fault of processes, services, storage, time or load is brought about on a running graph.
 
-use super::Reaction;
+use super::{LimitSource, Reaction};
 use anyhow::bail;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -26,6 +26,9 @@ pub struct ProcessSpec {
     /// Longest time until the reaction, or until it is told where none has to follow `[s]`.
     #[serde(default)]
     pub limit_s: Option<f64>,
+    /// Where its limit comes from, instead of the entry's.
+    #[serde(default)]
+    pub source: Option<LimitSource>,
     /// The reaction must not come before `[s]`.
     #[serde(default)]
     pub earliest_s: Option<f64>,

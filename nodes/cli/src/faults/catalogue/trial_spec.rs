@@ -1,6 +1,6 @@
 //! One way to bring a fault about, as the catalogue writes it.
 
-use super::Reaction;
+use super::{LimitSource, Reaction};
 use crate::sim::relay::Tampering;
 use anyhow::bail;
 use printer_sim::faults::{Component, Kind};
@@ -35,6 +35,9 @@ pub struct TrialSpec {
     /// Layers that may be begun between the onset and the reaction.
     #[serde(default)]
     pub limit_layers: Option<u32>,
+    /// Where its limit comes from, instead of the entry's.
+    #[serde(default)]
+    pub source: Option<LimitSource>,
     /// Instead of the entry's.
     #[serde(default)]
     pub reaction: Option<Reaction>,

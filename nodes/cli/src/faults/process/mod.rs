@@ -109,7 +109,10 @@ fn figures(chosen: &[&FaultSpec], dues: &[Due<'_>]) -> Figures {
     for fault in chosen {
         for spec in &fault.process {
             let ours = dues.iter().find(|due| std::ptr::eq(due.spec, spec));
-            let summed = ours.map(|due| outcome::sum_up(spec, reaction(due), &due.runs));
+            let summed = ours.map(|due| {
+                let figures = outcome::sum_up(spec, reaction(due), &due.runs);
+                figures.limited_by(spec.source.or(fault.source))
+            });
             by_id.entry(&fault.id).or_default().extend(summed);
         }
     }

@@ -12,6 +12,8 @@ const LINES_MAX: usize = 500;
 const TIMES_MAX: usize = 20;
 /// Longest text of a field.
 const TEXT_MAX: usize = 200;
+/// Longest reason: cause, number and what to do.
+const WHY_MAX: usize = 400;
 
 /// How much an event matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -90,7 +92,7 @@ impl Events {
         let text = Text {
             who: cut(&event.who),
             what: cut(&event.what),
-            why: cut(&coded(&event.why)),
+            why: short(&coded(&event.why), WHY_MAX),
             before: cut(&event.before),
             after: cut(&event.after),
         };
@@ -133,4 +135,27 @@ impl Events {
 
 fn first(line: &Line) -> f64 {
     line.times_s.first().copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use models::command::Mode;
+    use models::units::Seconds;
+    use safety_supervisor::{Decision, Evidence, What, convert};
+
+    /// What to do stands at the end: a reason that is cut says nothing of it.
+    #[test]
+    fn no_reason_of_the_supervisor_is_cut() {
+        let why = "taken over from before the supervisor was started again";
+        for cause in Cause::ALL.iter().copied() {
+            let told = Some((cause, Evidence::of(cause, -123_456.789, Some(-123_456.789))));
+            let (before, after) = (Mode::Act, Mode::SafeOff);
+            let decision = Decision { what: What::Remembered, why, cause: told, before, after };
+            let event = convert::event(Seconds(1.0), "/printer/safety_supervisor", &decision);
+            let mut events = Events::default();
+            events.take(0.0, &event);
+            assert_eq!(events.lines()[0].text.why, event.why);
+        }
+    }
 }

@@ -4,7 +4,7 @@ use super::View;
 use super::words::{breakable, bytes, clock, counted, date, percent};
 use crate::report::decode::short;
 use crate::report::record::events::Severity;
-use crate::up::words::mode_name;
+use crate::up::words::{self, mode_name};
 use fdm_loop_msgs::{PrinterState, SafetyState};
 use maud::{Markup, html};
 
@@ -116,13 +116,13 @@ fn because(view: &View) -> String {
 fn todo(view: &View) -> String {
     let print = &view.record.print;
     let last = print.safety.as_ref();
-    let now = last.map(|safety| short(&safety.what_to_do, 300)).unwrap_or_default();
+    let now = last.map(|safety| words::todo(&short(&safety.what_to_do, 300))).unwrap_or_default();
     let cause = last.map_or("", |safety| safety.cause.as_str());
     match &print.held_up {
         Some(first) if first.cause != cause && !first.what_to_do.is_empty() => {
             let code = first.cause.split(':').next().unwrap_or_default();
             let then = if now.is_empty() { String::new() } else { format!("; then {now}") };
-            format!("{code}: {}{then}", first.what_to_do)
+            format!("{code}: {}{then}", words::todo(&first.what_to_do))
         }
         _ => now,
     }

@@ -3,6 +3,7 @@
 use super::super::record::REST;
 use super::*;
 use runtime::NodePath;
+use std::path::Path;
 
 fn path(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("latch_{}_{name}", std::process::id()));
@@ -10,31 +11,74 @@ fn path(name: &str) -> PathBuf {
     folder.join("latch.json")
 }
 
+fn latched(estop: bool, cause: Cause) -> Option<Latched> {
+    Some(Latched::new(Latch { estop, cause }, None))
+}
+
+fn opened(path: &Path) -> LatchFile {
+    LatchFile::open(Some(path.to_owned())).0
+}
+
 #[tokio::test]
 async fn a_latch_survives_a_restart_and_ends_with_its_acknowledge() {
     let path = path("survives");
-    let latch = Some(Latch { estop: true, cause: Cause::HeaterStuckOn });
-    let mut file = LatchFile::open(Some(path.clone()));
+    let latch = Latch { estop: true, cause: Cause::HeaterStuckOn };
+    let latch = Some(Latched::new(latch, Evidence::of(latch.cause, 12.5, Some(8.0))));
+    let mut file = opened(&path);
     assert_eq!(file.stored(), None);
     assert!(file.keeps(None).await);
     assert!(!file.keeps(latch).await, "not kept before it is on disk");
     file.finish().await;
     assert!(file.keeps(latch).await);
-    assert_eq!(LatchFile::open(Some(path.clone())).stored(), latch);
+    assert_eq!(opened(&path).stored(), latch);
     assert!(!file.keeps(None).await);
     file.finish().await;
-    assert_eq!(LatchFile::open(Some(path)).stored(), None);
+    assert_eq!(opened(&path).stored(), None);
 }
 
 /// A file cut short, an empty one, other text and other fields: each latches.
 #[test]
 fn what_cannot_be_read_is_a_latch() {
     let path = path("corrupt");
-    let full = serde_json::to_string(&Latch { estop: false, cause: Cause::HotendRange }).unwrap();
-    for text in ["", "{}", "nonsense", &full[..full.len() - 1], "{\"estop\":false,\"cause\":\"x\"}"] {
+    let full = serde_json::to_string(&latched(false, Cause::HotendRange)).unwrap();
+    for (text, told) in [
+        ("", "EOF while parsing a value at line 1 column 0"),
+        ("{}", "missing field `estop` at line 1 column 2"),
+        ("nonsense", "expected ident at line 1 column 2"),
+        (&full[..full.len() - 1], "EOF while parsing an object at line 1 column"),
+        ("{\"estop\":false,\"cause\":\"x\"}", "unknown variant `x`"),
+        (
+            "{\"estop\":false,\"cause\":\"spaghetti\",\"value\":\"x\"}",
+            "invalid type: string \"x\", expected f64",
+        ),
+    ] {
         fs::write(&path, text).unwrap();
-        let latch = LatchFile::open(Some(path.clone())).stored().unwrap();
-        assert_eq!((latch.estop, latch.cause), (false, Cause::LatchUnreadable), "{text}");
+        let (file, refused) = LatchFile::open(Some(path.clone()));
+        assert_eq!(file.stored(), latched(false, Cause::LatchUnreadable), "{text}");
+        let refused = refused.unwrap();
+        assert!(refused.starts_with(&format!("{}: {told}", path.display())), "{refused}");
+        assert!(refused.ends_with(": taken for a latched SAFE_OFF"), "{refused}");
+    }
+}
+
+/// With value and limit as they were when the cause was found; a record of a build that did not write them is as good.
+#[test]
+fn a_record_tells_what_the_latch_rested_on() {
+    let path = path("rested");
+    for (text, rested) in [
+        (
+            r#"{"estop":false,"cause":"hotend_range","value":450.25,"limit":285.0}"#,
+            Some("450.2 degC, limit 285.0 degC"),
+        ),
+        (r#"{"estop":false,"cause":"hotend_frozen","value":5.5}"#, Some("5.5 s")),
+        (r#"{"estop":true,"cause":"operator_estop"}"#, None),
+    ] {
+        fs::write(&path, text).unwrap();
+        let (file, refused) = LatchFile::open(Some(path.clone()));
+        let stored = file.stored().unwrap();
+        assert_eq!((stored.evidence().map(|number| number.to_string()).as_deref(), refused), (rested, None));
+        let again = Latched::new(stored.latch(), stored.evidence());
+        assert_eq!(serde_json::to_string(&again).unwrap(), text);
     }
 }
 
@@ -78,8 +122,8 @@ fn what_is_there_and_is_no_file_is_refused_by_its_name() {
 #[tokio::test]
 async fn a_disk_that_refuses_is_told_and_asked_again() {
     let folder = path("refuses").with_file_name("missing");
-    let latch = Some(Latch { estop: false, cause: Cause::HotendRange });
-    let mut file = LatchFile::open(Some(folder.join("latch.json")));
+    let latch = latched(false, Cause::HotendRange);
+    let mut file = opened(&folder.join("latch.json"));
     assert!(!file.keeps(latch).await);
     file.finish().await;
     let failed = file.failed.clone().unwrap();
@@ -97,13 +141,10 @@ async fn a_disk_that_refuses_is_told_and_asked_again() {
 #[tokio::test]
 async fn the_last_latch_of_a_run_is_kept_whatever_was_being_written() {
     let path = path("last");
-    let (off, estop) = (
-        Latch { estop: false, cause: Cause::HotendRange },
-        Latch { estop: true, cause: Cause::OperatorEstop },
-    );
-    let mut file = LatchFile::open(Some(path.clone()));
-    assert!(!file.keeps(Some(off)).await);
-    assert!(!file.keeps(Some(estop)).await);
-    file.end(Some(estop)).await;
-    assert_eq!(LatchFile::open(Some(path)).stored(), Some(estop));
+    let (off, estop) = (latched(false, Cause::HotendRange), latched(true, Cause::OperatorEstop));
+    let mut file = opened(&path);
+    assert!(!file.keeps(off).await);
+    assert!(!file.keeps(estop).await);
+    file.end(estop).await;
+    assert_eq!(opened(&path).stored(), estop);
 }

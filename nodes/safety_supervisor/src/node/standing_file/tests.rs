@@ -80,9 +80,27 @@ fn what_cannot_be_read_is_observe_and_paused() {
         assert!(refused.contains(told), "{refused}");
     }
     fs::write(&record, &full).unwrap();
-    assert_eq!(left_at(&latch), (Some(standing), None));
+    assert_eq!(
+        left_at(&latch),
+        (Some(standing), None),
+        "a record that does not say what the pause rested on"
+    );
     fs::remove_file(&record).unwrap();
     fs::create_dir(&record).unwrap();
     assert_eq!(left_at(&latch).0, Some(Standing::UNREADABLE), "no file");
+    fs::remove_dir_all(latch.parent().unwrap()).unwrap();
+}
+
+#[tokio::test]
+async fn a_record_tells_what_the_pause_rested_on() {
+    let latch = latch("rested");
+    let standing = Standing { mode: None, paused: Some(Cause::FilamentSlip) };
+    let written = Written::new(standing, Evidence::of(Cause::FilamentSlip, 87.5, Some(42.0)));
+    let (mut file, _) = StandingFile::open(Some(&latch));
+    file.end(Some(written)).await;
+    let (file, refused) = StandingFile::open(Some(&latch));
+    let evidence = file.stored().and_then(Written::evidence).unwrap();
+    assert_eq!((evidence.to_string().as_str(), refused), ("88 % slip, limit 42 %", None));
+    assert_eq!(left_at(&latch).0, Some(standing));
     fs::remove_dir_all(latch.parent().unwrap()).unwrap();
 }
