@@ -7,7 +7,7 @@
 //! after 20 ticks of a second each, all a second apart on its clock.
 //!
 //! The chatterer writes more lines than any pipe holds, and ends well. The teller writes as many as may wait for standard
-//! error, and ends a second later.
+//! error, and ends a second later. The stubborn one hears no demand to end.
 
 use fdm_loop_msgs::{BeadWidth, Header, PrintInfo, SetModeRequest, SetModeResponse};
 use models::units::Seconds;
@@ -29,6 +29,7 @@ enum Role {
     Sleeper,
     Chatterer,
     Teller,
+    Stubborn,
 }
 
 #[derive(Debug, thiserror::Error)]
@@ -150,6 +151,7 @@ async fn pair(node: Node) -> Result<(), PairError> {
             }
             Ok(())
         }
+        Role::Stubborn => std::future::pending().await,
         Role::Teller => {
             for line in 0..TOLD {
                 tracing::warn!("line {line} of {TOLD}, which somebody reads");

@@ -105,15 +105,22 @@ pub(crate) fn follow_signals(sender: ShutdownSender) -> Result<(), RuntimeError>
             () = orphaned => tracing::warn!("who started this process has died: ending"),
         }
         sender.demand();
-        // A thread of its own: the executor may be what hangs. It never outlives the process.
-        std::thread::spawn(|| {
-            std::thread::sleep(GRACE);
-            tracing::error!("not ended {} s after the signal: ending the process", GRACE.as_secs_f64());
+        end_where_it_hangs(|| {
             logging::write_last_lines();
-            std::process::exit(1);
+            std::process::exit(1)
         });
     });
     Ok(())
+}
+
+/// Gives the process the time for an orderly end that was demanded, and ends it by `end` where that does not come.
+pub(crate) fn end_where_it_hangs(end: fn() -> !) {
+    // A thread of its own: the executor may be what hangs. It never outlives the process.
+    std::thread::spawn(move || {
+        std::thread::sleep(GRACE);
+        tracing::error!("not ended {} s after it was demanded: ending the process", GRACE.as_secs_f64());
+        end()
+    });
 }
 
 /// Set by the signal's own handler, before the executor knows: what a stopped process believed is past.

@@ -1,9 +1,10 @@
 //! Two processes over loopback, and a process that went deaf. Real time passes here: DDS has no other.
 #![allow(clippy::unwrap_used, clippy::expect_used)] // helpers of tests: a failure is the test's failure
 
+use runtime::STARTED_AGAIN;
 use rustix::process::{Pid, Signal, kill_process};
 use std::io::Read;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
@@ -95,6 +96,28 @@ fn a_process_that_went_deaf_ends_itself() {
     talker.signal(Signal::CONT);
     let status = talker.ended_within(Duration::from_secs(5)).expect("a deaf process ends itself");
     assert_eq!(status.code(), Some(runtime::DRIVEN_OUT.into()), "through no fault of its own");
+}
+
+/// X1: a process in a crowd of participants leaves to come back without them, also where it does not come to its end by
+/// itself.
+#[test]
+fn a_process_in_a_crowd_ends_although_it_hangs() {
+    let again = |role| Process::begun(Process::command(role, domain(7)).env(STARTED_AGAIN, "1"));
+    let (mut talker, mut stubborn) = (again("talker"), again("stubborn"));
+    let mut listener = Process::start("listener", domain(7));
+    assert!(listener.ended_within(Duration::from_secs(30)).is_some(), "both are in the graph");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/rtps_fuzz.py");
+    let crowd = Command::new("python3")
+        .arg(script)
+        .args(["--kind", "participants", "--count", "1200", "--each", "--nodes", "pair"])
+        .args(["--domain", &domain(7).to_string()])
+        .stdout(Stdio::null())
+        .status();
+    assert!(crowd.unwrap().success());
+    for process in [&mut talker, &mut stubborn] {
+        let status = process.ended_within(Duration::from_secs(10)).expect("it leaves");
+        assert_eq!(status.code(), Some(runtime::DRIVEN_OUT.into()), "through no fault of its own");
+    }
 }
 
 /// A stopped terminal, a pipe that nobody reads: the lines are lost, the node is not held up. Who reads gets them.

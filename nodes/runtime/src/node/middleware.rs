@@ -5,7 +5,7 @@ use crate::bounds;
 use crate::error::RuntimeError;
 use crate::participants::Participants;
 use crate::self_loop::SelfLoop;
-use crate::shutdown::ShutdownSender;
+use crate::shutdown::{self, ShutdownSender};
 use std::hash::{BuildHasher, Hasher};
 use std::sync::{Arc, Mutex};
 
@@ -43,6 +43,8 @@ pub(super) fn watch_middleware(
                 "{count} participants in the domain: leaving, to come back without those that are none"
             );
             leave.demand();
+            // What is crowded may hang while it takes leave of the crowd, and nobody else would end it.
+            shutdown::end_where_it_hangs(bounds::end_deaf);
         }
     };
     SelfLoop::start(participants, session, on_silence, on_crowd)
