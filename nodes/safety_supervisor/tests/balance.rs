@@ -32,7 +32,7 @@ fn follow(check: &mut HeaterCheck, (from_s, span_s): (f64, f64), moment: impl Fn
         let now = moment(time_s);
         motor_position_m += now.feed_m_s * 0.1;
         let stamp = Seconds(from_s + time_s);
-        check.on_drive(stamp, Drive { duty: now.duty, fan: now.fan, motor_position_m });
+        check.on_drive(stamp, Drive { duty: now.duty, fan: now.fan, motor_position_m, slip: 0.0 });
         check.on_sample(stamp, Celsius(now.sensor_c));
     }
 }
@@ -191,7 +191,7 @@ fn s4_spikes_are_no_heat() {
 /// A sample waits for the state of its moment; a state that comes late is used all the same.
 #[test]
 fn samples_wait_for_the_state_of_their_moment() {
-    let drive = |duty: f64| Drive { duty, fan: 0.0, motor_position_m: 0.0 };
+    let drive = |duty: f64| Drive { duty, fan: 0.0, motor_position_m: 0.0, slip: 0.0 };
     let mut check = HeaterCheck::new(strict());
     for step in 0..400_u32 {
         let stamp = Seconds(f64::from(step) * 0.1);

@@ -156,7 +156,7 @@ fn s2_a_reading_that_moves_begins_anew() {
 }
 
 fn drive(duty: f64, fan: f64, motor_position_m: f64) -> Drive {
-    Drive { duty, fan, motor_position_m }
+    Drive { duty, fan, motor_position_m, slip: 0.0 }
 }
 
 #[test]

@@ -73,6 +73,8 @@ impl DriveHistory {
     fn pushed_m(&mut self, drive: &Drive) -> f64 {
         let Some((_, before, pushed_m)) = self.last() else { return 0.0 };
         let moved_m = drive.motor_position_m - before.motor_position_m;
+        // What is drawn back does not slip.
+        let moved_m = if moved_m > 0.0 { moved_m * (1.0 - drive.slip) } else { moved_m };
         if !moved_m.is_finite() {
             // counted where it came in; a sum would keep it for ever
             return pushed_m;
@@ -131,7 +133,7 @@ mod tests {
     use super::*;
 
     fn drive(duty: f64, motor_position_m: f64) -> Drive {
-        Drive { duty, fan: 0.0, motor_position_m }
+        Drive { duty, fan: 0.0, motor_position_m, slip: 0.0 }
     }
 
     #[test]
@@ -165,6 +167,16 @@ mod tests {
     }
 
     /// A balance that was told of 1 km in 0.1 s would be lost for ever.
+    #[test]
+    fn what_the_drive_gear_loses_takes_no_heat() {
+        let mut history = DriveHistory::default();
+        for (stamp_s, motor_m, slip) in [(1.0, 0.0, 0.0), (2.0, 0.004, 0.3), (3.0, 0.008, 1.0)] {
+            history.push(Seconds(stamp_s), Drive { slip, ..drive(0.5, motor_m) });
+        }
+        let fed = |from_s, to_s| history.means(Seconds(from_s), Seconds(to_s)).unwrap().feed_m_s;
+        assert!((fed(1.0, 2.0) - 0.0028).abs() < 1e-12 && fed(2.0, 3.0).abs() < 1e-12);
+    }
+
     #[test]
     fn a_position_that_jumps_feeds_no_faster_than_an_extruder_can() {
         for (jump_m, feed_m_s) in [(1e3, FEED_MAX_M_S), (-1e3, 0.0)] {

@@ -2,7 +2,9 @@
 //!
 //! Both are reduced to their forward way through a play, the backlash of drive gear and tube: retractions and
 //! their way back count as strokes forward, jitter at rest does not count at all. Over a sliding window of the
-//! motor's way the share that the encoder has not seen is slip.
+//! motor's way the share that the encoder has not seen is slip. A stroke that slips is as long again on the motor's side,
+//! and so is the play at its beginning: at the limit both lose the same share of short strokes, which would else be found
+//! to slip more than long ones.
 
 use crate::params::FilamentParams;
 
@@ -47,7 +49,7 @@ impl FilamentCheck {
 
     /// Takes the motor's position.
     pub fn on_motor(&mut self, position_m: f64) {
-        self.motor.follow(position_m, self.params.play_m);
+        self.motor.follow(position_m, self.params.play_m / (1.0 - self.params.slip_max));
         let spacing_m = self.params.window_m / (MARKS - 1) as f64;
         let newest_m = self.marks[MARKS - 1].map(|(motor_m, _)| motor_m);
         if self.encoder.held_m.is_some()

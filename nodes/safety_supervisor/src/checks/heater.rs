@@ -31,6 +31,8 @@ pub struct Drive {
     pub fan: f64,
     /// Filament pushed since start `[m]`.
     pub motor_position_m: f64,
+    /// Share of it that the drive gear has lost of late `[0, 1]`, when it pushed: it takes no heat.
+    pub slip: f64,
 }
 
 /// Which way the balance is broken.
