@@ -121,7 +121,7 @@ pub struct InjectFaultRequest {
     pub start_s: f64,
     /// How long it lasts; 0 until the end of the print `[s]`. Range `[0, inf)`.
     pub duration_s: f64,
-    /// Seed of its random part, which noise and spikes have; 0 leaves it to the seed of the run.
+    /// Seed of its random part, which noise, spikes and loose have; 0 leaves it to the seed of the run.
     pub seed: u64,
     /// Time to grow from nothing to full size; 0 at once `[s]`. Range `[0, inf)`.
     pub ramp_s: f64,

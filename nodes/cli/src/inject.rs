@@ -38,7 +38,7 @@ pub struct InjectArgs {
     /// How long it lasts from its onset [s]; for good where it is left out.
     #[arg(long, allow_negative_numbers = true)]
     duration_s: Option<f64>,
-    /// Seed of what is random in noise and spikes, to have the same again; the seed of the run where it is left out.
+    /// Seed of what is random in noise, spikes and loose, to have the same again; the seed of the run where it is left out.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     seed: Option<u64>,
     /// Namespace of the printer.

@@ -209,7 +209,7 @@ mod tests {
         assert!(spikes(7).ends_with(", seed 7") && !spikes(0).contains("seed"));
         assert_eq!(
             seeded("extruder", "slip", 0.1, 7).unwrap_err(),
-            "seed = 7: nothing of slip is random, leave it out (0); noise and spikes take one"
+            "seed = 7: nothing of slip is random, leave it out (0); noise, spikes and loose take one"
         );
         assert!(seeded("extruder", "slip", 0.1, 0).is_ok());
     }

@@ -65,6 +65,8 @@ pub enum Kind {
     Noise,
     /// Thermistor: share of the readings that are off by 30 K either way `[-]`, 0..0.5.
     Spikes,
+    /// Thermistor: share of the readings that are taken while its plug is open `[-]`, 0..0.95.
+    Loose,
     /// Stop input: the contact opens, a person presses the button or opens the door; size unused.
     Pressed,
     /// Ambient: added to the air temperature `[K]`, -30..30, with 30 % more loss of the block per -10 K.
@@ -89,7 +91,7 @@ impl Kind {
     /// It differs from seed to seed.
     #[must_use]
     pub fn is_random(self) -> bool {
-        matches!(self, Self::Noise | Self::Spikes)
+        matches!(self, Self::Noise | Self::Spikes | Self::Loose)
     }
 
     /// It happens in one moment: no ramp, no duration.
@@ -202,11 +204,14 @@ pub struct SensorFaults {
     pub noise: f64,
     /// Share of the readings that are spikes `[-]`.
     pub spikes: f64,
+    /// Share of the readings that are taken while the plug is open `[-]`.
+    pub loose: f64,
 }
 
 impl SensorFaults {
     /// A sound sensor.
-    pub const NONE: Self = Self { circuit: Thermistor::Sound, bias_k: 0.0, noise: 1.0, spikes: 0.0 };
+    pub const NONE: Self =
+        Self { circuit: Thermistor::Sound, bias_k: 0.0, noise: 1.0, spikes: 0.0, loose: 0.0 };
 
     fn overlay(&mut self, kind: Kind, size: f64, share: f64) {
         match kind {
@@ -217,6 +222,7 @@ impl SensorFaults {
             Kind::Bias => self.bias_k += share * size,
             Kind::Noise => self.noise *= 1.0 + share * (size - 1.0),
             Kind::Spikes => self.spikes = (self.spikes + share * size).min(1.0),
+            Kind::Loose => self.loose = (self.loose + share * size).min(1.0),
             _ => {}
         }
     }

@@ -90,6 +90,7 @@ pub struct Thermometer {
     /// What is random in faults with a seed of their own.
     of_noise: Option<Noise>,
     of_spikes: Option<Noise>,
+    of_loose: Option<Noise>,
     last: Celsius,
 }
 
@@ -97,7 +98,7 @@ impl Thermometer {
     /// A sound sensor at `start`.
     #[must_use]
     pub fn new(sigma_k: f64, noise: Noise, start: Kelvin) -> Self {
-        Self { sigma_k, noise, of_noise: None, of_spikes: None, last: start.into() }
+        Self { sigma_k, noise, of_noise: None, of_spikes: None, of_loose: None, last: start.into() }
     }
 
     /// Reads the bead's temperature under the faults in force.
@@ -108,10 +109,11 @@ impl Thermometer {
         let noise_k = faults.noise * self.sigma_k * of_fault.map_or(own, Noise::draw);
         // A sound sensor draws nothing more: its noise is the same whatever other runs inject.
         let spike_k = if faults.spikes > 0.0 { self.spike_k(faults.spikes) } else { 0.0 };
+        let opens = faults.loose > 0.0 && self.opens(faults.loose);
         let noisy = Celsius(Celsius::from(bead).0 + noise_k + spike_k + faults.bias_k);
         let shown = match faults.circuit {
-            Thermistor::Sound | Thermistor::Detached(_) => noisy,
-            Thermistor::Open => OPEN_READING,
+            Thermistor::Sound | Thermistor::Detached(_) if !opens => noisy,
+            Thermistor::Sound | Thermistor::Detached(_) | Thermistor::Open => OPEN_READING,
             Thermistor::Short => SHORT_READING,
             Thermistor::Stuck => return self.last,
         };
@@ -125,11 +127,16 @@ impl Thermometer {
         if is_one { SPIKE_K.copysign(sign) } else { 0.0 }
     }
 
-    /// Noise or spikes set in that are drawn from a seed of their own, or from the run's; the newest fault of a kind counts.
+    fn opens(&mut self, share: f64) -> bool {
+        self.of_loose.as_mut().unwrap_or(&mut self.noise).between((0.0, 1.0)) < share
+    }
+
+    /// What is random set in that are drawn from a seed of their own, or from the run's; the newest fault of a kind counts.
     pub fn draw_from(&mut self, kind: Kind, seed: Option<u64>) {
         match kind {
             Kind::Noise => self.of_noise = seed.map(|seed| Noise::new(seed, FAULT_STREAM)),
             Kind::Spikes => self.of_spikes = seed.map(|seed| Noise::new(seed, FAULT_STREAM + 1)),
+            Kind::Loose => self.of_loose = seed.map(|seed| Noise::new(seed, FAULT_STREAM + 2)),
             _ => {}
         }
     }

@@ -88,6 +88,8 @@ causes! {
     PartFan, "P4", "the part fan does not turn as told", "clear or replace the part fan; overhangs and bridges may be bad";
     StopInput, "P13", "the stop contact is open: button or door", "close it and make the printer safe, then `fdm acknowledge`";
     FilamentSlip, "P6", "the filament does not follow the motor: it slips, or has run out", "load filament if it has run out, else clear nozzle and drive gear; then `fdm resume`";
+    EncoderSurplus, "P6", "the encoder reads more filament than the motor has pushed: nobody watches over slip",
+        "check the encoder's wheel, its wires and its metres per count";
     RunOut, "P7", "no filament", "load filament, then `fdm resume`";
     LayerShift, "P8", "what was laid lies elsewhere than it was laid", "`fdm stop` and print anew: the lost steps are not made up for";
     Spaghetti, "P9", "the camera sees loose strands: the print may have come off", "look at the print, then `fdm resume` or `fdm stop`";

@@ -49,7 +49,10 @@ pub struct Supervisor {
     /// What the camera may say again, since a person has looked at it.
     grace: Option<Grace>,
     paused_alone_since: Option<Seconds>,
-    approved: Option<Trims>,
+    /// A person has let the job go on, and the printer has not yet.
+    takes_up: bool,
+    /// What a person has let through, and of which controller's run.
+    approved: Option<(u64, Trims)>,
     allowed: Trims,
     /// The tick's step of the trims, until a command has taken it again: where it began, and for how long it counts.
     step: Option<(Trims, Seconds)>,
@@ -88,6 +91,7 @@ impl Supervisor {
             printer_failed: false,
             grace: None,
             paused_alone_since: None,
+            takes_up: false,
             approved: None,
             allowed: Trims::NEUTRAL,
             step: None,

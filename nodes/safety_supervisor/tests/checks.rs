@@ -101,7 +101,10 @@ fn the_file_is_what_is_tested_here() {
     let params = params();
     assert_eq!(params.detached, DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 });
     assert_eq!(params.run_out, RunOutParams { debounce_s: 0.3 });
-    assert_eq!(params.filament, FilamentParams { window_m: 0.005, play_m: 1e-4, slip_max: 0.42 });
+    assert_eq!(
+        params.filament,
+        FilamentParams { window_m: 0.005, play_m: 1e-4, slip_max: 0.42, surplus_max: 0.25 }
+    );
 }
 
 fn frozen(duty: [f64; 2], moved_k: f64) -> Option<u32> {
@@ -114,6 +117,7 @@ fn frozen(duty: [f64; 2], moved_k: f64) -> Option<u32> {
         duty_stop: 0.99,
         duty_in_use: 0.02,
         moved_k: 1.5,
+        room_max_c: 60.0,
     };
     let mut check = FrozenCheck::new(params);
     check.on_duty(duty[0]);

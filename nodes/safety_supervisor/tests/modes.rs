@@ -3,8 +3,8 @@
 
 mod common;
 
+use common::params;
 use common::print::Print;
-use common::{params, params_with};
 use models::command::{Command, Mode, Request, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
@@ -21,20 +21,6 @@ fn observe_is_the_default_and_sends_nothing() {
     assert!((print.output.permit.trims.flow - 1.05).abs() < 1e-12);
     let refused = Operator::SetMode(Mode::Estop);
     assert_eq!(print.ask(refused), What::Denied(refused));
-}
-
-#[test]
-fn advise_waits_for_approval_and_an_approval_ends_with_the_controller() {
-    let mut print =
-        Print::with(Supervisor::new(params_with("start_mode: observe", "start_mode: advise"), 7, None));
-    print.run(3.0);
-    assert_eq!(print.output.permit.trims, Trims::NEUTRAL);
-    assert_eq!(print.ask(Operator::Approve), What::Granted(Operator::Approve));
-    print.run(1.0);
-    assert!((print.output.permit.trims.flow - 1.05).abs() < 1e-12);
-    print.controller = false;
-    print.run(3.0);
-    assert_eq!(print.output.permit.trims, Trims::NEUTRAL);
 }
 
 /// C1: with a part of the control path away the printer is at the slicer's values within 2.5 s, and whole again

@@ -145,6 +145,17 @@ fn a_pause_ends_where_no_job_waits() {
     }
 }
 
+/// One that is heating up for its job has one.
+#[test]
+fn a_pause_lasts_wherever_a_job_waits() {
+    for phase in [JobPhase::Preparing, JobPhase::Printing, JobPhase::Paused] {
+        let mut print = started("act", Standing { mode: None, paused: Some(Cause::OperatorPause) });
+        print.report.phase = phase;
+        print.run(3.0);
+        assert_eq!((print.mode(), print.output.permit.request), (Mode::Paused, Request::Pause), "{phase:?}");
+    }
+}
+
 #[test]
 fn a_record_that_cannot_be_read_is_observe_and_paused() {
     let mut print = started("act", Standing::UNREADABLE);

@@ -53,9 +53,11 @@ fn each_thermistor_has_faults_of_its_own() {
         Seconds(20.0),
         &[
             fault(Component::HotendThermistor, Kind::Spikes, 0.3),
+            fault(Component::HotendThermistor, Kind::Loose, 0.4),
             fault(Component::HotendThermistor, Kind::Bias, 30.0),
         ],
     );
     assert!((both.hotend_sensor.spikes - 0.3).abs() < 1e-12);
+    assert!((both.hotend_sensor.loose - 0.4).abs() < 1e-12);
     assert!((both.hotend_sensor.bias_k - 30.0).abs() < 1e-12);
 }

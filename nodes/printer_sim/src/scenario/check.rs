@@ -39,7 +39,7 @@ pub enum FaultError {
         kind: String,
     },
     /// A seed for what is the same with every seed.
-    #[error("seed = {seed}: nothing of {kind} is random, leave it out (0); noise and spikes take one")]
+    #[error("seed = {seed}: nothing of {kind} is random, leave it out (0); noise, spikes and loose take one")]
     NoSeed {
         /// Seed asked for.
         seed: u64,
@@ -94,6 +94,7 @@ pub(super) fn range(component: Component, kind: Kind) -> Result<(&'static str, f
         (Component::HotendThermistor | Component::BedThermistor, Kind::Bias) => ("K", -300.0, 300.0),
         (Component::HotendThermistor | Component::BedThermistor, Kind::Noise) => ("-", 1.0, 100.0),
         (Component::HotendThermistor | Component::BedThermistor, Kind::Spikes) => ("-", 0.0, 0.5),
+        (Component::HotendThermistor | Component::BedThermistor, Kind::Loose) => ("-", 0.0, 0.95),
         (Component::Ambient, Kind::Draught) => ("K", -30.0, 30.0),
         (Component::Filament, Kind::RunOut)
         | (Component::Part, Kind::Detached)
@@ -143,7 +144,7 @@ pub fn allowed_kinds(component: Component) -> &'static str {
         Component::Filament => "diameter, run_out",
         Component::HotendHeater | Component::BedHeater => "gain, stuck_on",
         Component::HotendThermistor | Component::BedThermistor => {
-            "open, short, detached, stuck, bias, noise, spikes"
+            "open, short, detached, stuck, bias, noise, spikes, loose"
         }
         Component::StopInput => "pressed",
         Component::Fan => "gain",

@@ -41,7 +41,7 @@ impl Simulator {
                     imu.knock(fault.onset, fault.size);
                 }
             }
-            Kind::Noise | Kind::Spikes => match fault.component {
+            Kind::Noise | Kind::Spikes | Kind::Loose => match fault.component {
                 Component::HotendThermistor => self.hotend_sensor.draw_from(fault.kind, fault.seed),
                 Component::BedThermistor => self.bed_sensor.draw_from(fault.kind, fault.seed),
                 _ => {}

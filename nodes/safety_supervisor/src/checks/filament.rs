@@ -5,11 +5,16 @@
 //! motor's way the share that the encoder has not seen is slip. A stroke that slips is as long again on the motor's side,
 //! and so is the play at its beginning: at the limit both lose the same share of short strokes, which would else be found
 //! to slip more than long ones.
+//!
+//! An encoder that reads more than the motor has gone, to and fro and without any play, tells nothing of slip: jitter, or
+//! another unit. Then nobody watches over the filament, and that is told.
 
 use crate::params::FilamentParams;
 
 /// Marks kept over the window.
 const MARKS: usize = 16;
+/// Marks in a row beyond which an encoder reads too much: three windows. A state that comes late makes it lead for one.
+const TOO_MUCH: u32 = 3 * MARKS as u32;
 
 /// Forward way of a position with play.
 #[derive(Debug, Clone, Copy, Default)]
@@ -31,15 +36,28 @@ impl Way {
 pub struct FilamentCheck {
     params: FilamentParams,
     motor: Way,
+    /// The motor's without play: no sound encoder reads more.
+    whole: Way,
     encoder: Way,
-    marks: [Option<(f64, f64)>; MARKS],
+    marks: [Option<Mark>; MARKS],
+    /// Newest marks in a row at which the encoder read too much.
+    too_much: u32,
+}
+
+/// Ways forward at one moment `[m]`.
+#[derive(Debug, Clone, Copy)]
+struct Mark {
+    motor_m: f64,
+    whole_m: f64,
+    encoder_m: f64,
 }
 
 impl FilamentCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: FilamentParams) -> Self {
-        Self { params, motor: Way::default(), encoder: Way::default(), marks: [None; MARKS] }
+        let way = Way::default();
+        Self { params, motor: way, whole: way, encoder: way, marks: [None; MARKS], too_much: 0 }
     }
 
     /// Takes the encoder's position.
@@ -50,22 +68,40 @@ impl FilamentCheck {
     /// Takes the motor's position.
     pub fn on_motor(&mut self, position_m: f64) {
         self.motor.follow(position_m, self.params.play_m / (1.0 - self.params.slip_max));
+        self.whole.follow(position_m, 0.0);
         let spacing_m = self.params.window_m / (MARKS - 1) as f64;
-        let newest_m = self.marks[MARKS - 1].map(|(motor_m, _)| motor_m);
+        let newest_m = self.marks[MARKS - 1].map(|mark| mark.motor_m);
         if self.encoder.held_m.is_some()
             && newest_m.is_none_or(|newest_m| self.motor.forward_m - newest_m >= spacing_m)
         {
             self.marks.rotate_left(1);
-            self.marks[MARKS - 1] = Some((self.motor.forward_m, self.encoder.forward_m));
+            let (motor_m, whole_m) = (self.motor.forward_m, self.whole.forward_m);
+            self.marks[MARKS - 1] = Some(Mark { motor_m, whole_m, encoder_m: self.encoder.forward_m });
+            let beyond = self.surplus().is_some_and(|surplus| surplus > self.params.surplus_max);
+            self.too_much = if beyond { self.too_much.saturating_add(1) } else { 0 };
         }
     }
 
     /// Slip over the window `[-]`, `None` until the motor has gone that far.
     #[must_use]
     pub fn slip(&self) -> Option<f64> {
-        let (motor_m, encoder_m) = self.marks[0]?;
-        let pushed_m = self.motor.forward_m - motor_m;
-        Some(1.0 - (self.encoder.forward_m - encoder_m) / pushed_m)
+        let from = self.marks[0]?;
+        let pushed_m = self.motor.forward_m - from.motor_m;
+        Some(1.0 - (self.encoder.forward_m - from.encoder_m) / pushed_m)
+    }
+
+    /// What the encoder reads beyond the motor's way over the window `[-]`, `None` until the motor has gone that far.
+    #[must_use]
+    pub fn surplus(&self) -> Option<f64> {
+        let from = self.marks[0]?;
+        let went_m = self.whole.forward_m - from.whole_m;
+        Some((self.encoder.forward_m - from.encoder_m) / went_m - 1.0)
+    }
+
+    /// Whether the encoder reads more than any filament can have gone.
+    #[must_use]
+    pub fn reads_too_much(&self) -> bool {
+        self.too_much >= TOO_MUCH
     }
 
     /// Whether more was lost than allowed.

@@ -56,7 +56,10 @@ impl FrozenCheck {
         let still_s = self.still().0;
         let varied = self.duty_max - self.duty_min >= self.params.duty_change;
         let at_stop = self.duty_min >= self.params.duty_stop;
-        let moved = moved_k.abs() >= self.params.moved_k;
+        // A balance that believes in a room of 25 degC moves every block that rests in another one.
+        let rests =
+            self.duty_max <= 0.0 && self.reading.is_none_or(|(_, held)| held.0 <= self.params.room_max_c);
+        let moved = moved_k.abs() >= self.params.moved_k && !rests;
         let in_use = self.duty_min >= self.params.duty_in_use;
         (still_s >= self.params.short_s && (at_stop || moved))
             || (still_s >= self.params.middle_s && varied)

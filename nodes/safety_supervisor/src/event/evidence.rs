@@ -48,6 +48,7 @@ fn unit(cause: Cause) -> Option<(&'static str, usize)> {
         Cause::SecondPublisher => ("commands refused since the start", 0),
         Cause::PartFan => ("1/s", 1),
         Cause::FilamentSlip => ("% slip", 0),
+        Cause::EncoderSurplus => ("% beyond the motor's way", 0),
         Cause::LayerShift => ("mm", 2),
         Cause::Spaghetti | Cause::UnderExtrusion | Cause::OverExtrusion | Cause::Confidence => {
             ("confidence", 2)

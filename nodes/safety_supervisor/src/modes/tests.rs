@@ -27,6 +27,7 @@ fn params() -> ModeParams {
         pause_max_s: PAUSE_MAX_S,
         hot_margin_k: 5.0,
         adopt_s: 1.0,
+        take_up_s: 10.0,
         startup_s: 10.0,
         stall_s: 0.2,
         stall_forgiven_s: 5.0,

@@ -1,7 +1,7 @@
 //! The latch on disk: a restart of the supervisor must not re-energise a heater.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use runtime::{ParamFileError, Parameters};
 use serde::{Deserialize, Serialize};
@@ -47,10 +47,10 @@ impl Latched {
 pub(super) const LATCH_FILE: &str = "latch_file";
 
 /// The file of that parameter, where a file can be there, and the one of mode and pause beside it: whoever opens a pipe
-/// to read it waits for a writer.
+/// to read it waits for a writer. Its folder is made: a stop that finds none on the day would be forgotten.
 ///
 /// # Errors
-/// What is there and is no file.
+/// What is there and is no file; a folder that cannot be made.
 pub(super) fn path_of(parameters: &Parameters) -> Result<Option<PathBuf>, ParamFileError> {
     let path = parameters.optional::<PathBuf>(LATCH_FILE)?.filter(|path| !path.as_os_str().is_empty());
     let records = path.iter().flat_map(|path| [path.clone(), standing_file::path_of(path)]);
@@ -61,6 +61,14 @@ pub(super) fn path_of(parameters: &Parameters) -> Result<Option<PathBuf>, ParamF
             let message = format!("{} is {kind}: must be a file, or not there yet", path.display());
             return Err(ParamFileError::Refused { at: LATCH_FILE.to_owned(), message });
         }
+    }
+    if let Some(folder) =
+        path.as_deref().and_then(Path::parent).filter(|folder| !folder.as_os_str().is_empty())
+    {
+        fs::create_dir_all(folder).map_err(|error| {
+            let message = format!("no folder {} for it: {error}", folder.display());
+            ParamFileError::Refused { at: LATCH_FILE.to_owned(), message }
+        })?;
     }
     Ok(path)
 }

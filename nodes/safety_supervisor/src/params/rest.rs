@@ -102,6 +102,8 @@ pub struct FilamentParams {
     pub play_m: f64,
     /// Slip that pauses `[-]`.
     pub slip_max: f64,
+    /// What an encoder may read beyond the motor's way `[-]`.
+    pub surplus_max: f64,
 }
 
 /// As [`FilamentParams`], as it is written.
@@ -114,6 +116,8 @@ pub struct RawFilamentParams {
     pub play_m: f64,
     /// Slip that pauses `[-]`.
     pub slip_max: f64,
+    /// What an encoder may read beyond the motor's way `[-]`.
+    pub surplus_max: f64,
 }
 
 impl TryFrom<RawFilamentParams> for FilamentParams {
@@ -124,6 +128,7 @@ impl TryFrom<RawFilamentParams> for FilamentParams {
             window_m: in_range("window_m", raw.window_m, "m", (0.001, 0.1))?,
             play_m: in_range("play_m", raw.play_m, "m", (0.0, 0.005))?,
             slip_max: in_range("slip_max", raw.slip_max, "-", (0.05, 0.99))?,
+            surplus_max: in_range("surplus_max", raw.surplus_max, "-", (0.05, 10.0))?,
         })
     }
 }
@@ -221,6 +226,8 @@ pub struct ModeParams {
     pub hot_margin_k: f64,
     /// How long the printer may be paused without our request until we take the pause over `[s]`.
     pub adopt_s: f64,
+    /// How long it may take to go on after a resume `[s]`.
+    pub take_up_s: f64,
     /// Longest wait for hot end and printer after the start `[s]`.
     pub startup_s: f64,
     /// Gap of the tick from which the supervisor itself stood still `[s]`.
@@ -249,6 +256,8 @@ pub struct RawModeParams {
     pub hot_margin_k: f64,
     /// How long the printer may be paused without our request until we take the pause over `[s]`.
     pub adopt_s: f64,
+    /// How long it may take to go on after a resume `[s]`.
+    pub take_up_s: f64,
     /// Longest wait for hot end and printer after the start `[s]`.
     pub startup_s: f64,
     /// Gap of the tick from which the supervisor itself stood still `[s]`.
@@ -272,6 +281,7 @@ impl TryFrom<RawModeParams> for ModeParams {
             pause_max_s: in_range("pause_max_s", raw.pause_max_s, "s", (10.0, 86400.0))?,
             hot_margin_k: in_range("hot_margin_k", raw.hot_margin_k, "K", (0.0, 50.0))?,
             adopt_s: in_range("adopt_s", raw.adopt_s, "s", (0.1, 30.0))?,
+            take_up_s: in_range("take_up_s", raw.take_up_s, "s", (0.1, 60.0))?,
             startup_s: in_range("startup_s", raw.startup_s, "s", (0.5, 120.0))?,
             stall_s: in_range("stall_s", raw.stall_s, "s", (0.05, 5.0))?,
             stall_forgiven_s: in_range("stall_forgiven_s", raw.stall_forgiven_s, "s", (0.0, 600.0))?,

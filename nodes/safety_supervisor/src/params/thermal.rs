@@ -65,6 +65,8 @@ pub struct FrozenParams {
     pub duty_in_use: f64,
     /// Change by the energy balance that must move a reading `[K]`.
     pub moved_k: f64,
+    /// Temperature up to which a block without power may be as warm as its room, whatever that is `[degC]`.
+    pub room_max_c: f64,
 }
 
 /// As [`FrozenParams`], as it is written.
@@ -87,6 +89,8 @@ pub struct RawFrozenParams {
     pub duty_in_use: f64,
     /// Change by the energy balance that must move a reading `[K]`.
     pub moved_k: f64,
+    /// Temperature up to which a block without power may be as warm as its room, whatever that is `[degC]`.
+    pub room_max_c: f64,
 }
 
 impl TryFrom<RawFrozenParams> for FrozenParams {
@@ -102,6 +106,7 @@ impl TryFrom<RawFrozenParams> for FrozenParams {
             duty_stop: in_range("duty_stop", raw.duty_stop, "-", (0.5, 1.0))?,
             duty_in_use: in_range("duty_in_use", raw.duty_in_use, "-", (0.0, 1.0))?,
             moved_k: in_range("moved_k", raw.moved_k, "K", (0.1, 50.0))?,
+            room_max_c: in_range("room_max_c", raw.room_max_c, "degC", (20.0, 100.0))?,
         })
     }
 }

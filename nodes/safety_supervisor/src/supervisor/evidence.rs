@@ -82,6 +82,9 @@ impl Supervisor {
                 (printer.part_fan_speed_1_s?, Some(limit_1_s))
             }
             Cause::FilamentSlip => (100.0 * checks.filament.slip()?, Some(100.0 * params.filament.slip_max)),
+            Cause::EncoderSurplus => {
+                (100.0 * checks.filament.surplus()?, Some(100.0 * params.filament.surplus_max))
+            }
             Cause::LayerShift => (1e3 * checks.shift.newest_m()?, Some(1e3 * checks.shift.limit_m())),
             // A defect that lasts is confirmed by the judge itself, whatever its confidence.
             Cause::Spaghetti | Cause::UnderExtrusion | Cause::OverExtrusion | Cause::Confidence => {

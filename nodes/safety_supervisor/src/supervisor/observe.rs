@@ -68,7 +68,11 @@ impl Supervisor {
         self.ages.printer.note(now);
         self.on_drive(now, &report);
         self.on_first_job(now, report.phase);
-        if self.ages.encoder.reaction(now).is_some() {
+        let leapt = self.printer.is_some_and(|before| leaps(&before, &report));
+        if leapt {
+            self.checks.bad_values.note(now);
+        }
+        if leapt || self.ages.encoder.reaction(now).is_some() {
             self.checks.filament.reset();
         } else {
             self.checks.filament.on_motor(report.motor_position_m);
@@ -86,6 +90,7 @@ impl Supervisor {
         }
         let alone = report.phase == JobPhase::Paused && self.modes.request(now) == Request::Run;
         self.paused_alone_since = if alone { self.paused_alone_since.or(Some(now)) } else { None };
+        self.takes_up &= report.phase == JobPhase::Paused;
         self.printer = Some(report);
     }
 
@@ -123,6 +128,7 @@ impl Supervisor {
             set(cause, reaction);
         }
         set(Cause::FilamentSlip, (printing && checks.filament.tripped()).then_some(Reaction::Pause));
+        set(Cause::EncoderSurplus, checks.filament.reads_too_much().then_some(Reaction::Degrade));
         set(Cause::RunOut, checks.run_out.tripped(now).then_some(Reaction::Pause));
         set(Cause::LayerShift, (printing && checks.shift.tripped()).then_some(Reaction::Pause));
         let hard = printing && checks.attention.level() == Level::Hard;
@@ -144,7 +150,9 @@ impl Supervisor {
         let foreign = self.envelope.has_foreign_permit(now);
         set(Cause::SecondSupervisor, foreign.then_some(Reaction::Degrade));
         set(Cause::PrinterFailed, self.printer_failed.then_some(Reaction::SafeOff));
-        let alone = self.paused_alone_since.is_some_and(|since| now.0 - since.0 > self.params.modes.adopt_s);
+        let modes = &self.params.modes;
+        let patience_s = if self.takes_up { modes.take_up_s.max(modes.adopt_s) } else { modes.adopt_s };
+        let alone = self.paused_alone_since.is_some_and(|since| now.0 - since.0 > patience_s);
         set(Cause::PrinterPaused, alone.then_some(Reaction::Pause));
         self.graced(raised, printing)
     }
@@ -155,6 +163,17 @@ const POSITION_MAX_M: f64 = 1e6;
 
 fn is_a_position(position_m: f64) -> bool {
     position_m.abs() <= POSITION_MAX_M
+}
+
+/// Fastest that a motor pushes or draws filament, pressure advance in a corner included `[m/s]`.
+const MOTOR_MAX_M_S: f64 = 0.3;
+/// Shortest time between two states that a way counts for `[s]`: of 50 Hz.
+const REPORT_MIN_S: f64 = 0.02;
+
+/// Whether the motor's position is not where a motor can have gone since the state before: it is counted anew, or false.
+fn leaps(before: &PrinterReport, report: &PrinterReport) -> bool {
+    let span_s = (report.stamp - before.stamp).0.max(REPORT_MIN_S);
+    (report.motor_position_m - before.motor_position_m).abs() > MOTOR_MAX_M_S * span_s
 }
 
 /// Whether a hot end is, or is about to be, heated.

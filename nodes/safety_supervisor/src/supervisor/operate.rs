@@ -25,6 +25,7 @@ impl Supervisor {
         };
         if request == Operator::Resume && paused_for.is_some() && self.modes.paused_for().is_none() {
             self.resumed(paused_for);
+            self.takes_up = true;
         }
         let (what, (why, cause)) = match result {
             Ok(()) => (What::Granted(request), self.granted(request)),
@@ -111,7 +112,7 @@ impl Supervisor {
         if self.modes.mode() != Mode::Advise {
             return Err("not in advise: `fdm mode advise` first".into());
         }
-        self.approved = self.envelope.wished(now);
+        self.approved = self.envelope.session(now).zip(self.envelope.wished(now));
         self.approved.map(|_| ()).ok_or("no correction waits: the controller wishes none".into())
     }
 
@@ -134,9 +135,10 @@ impl Supervisor {
 
     /// Corrections follow the mode: slewed towards what is wished, or ramped back to the slicer's values.
     pub(super) fn move_trims(&mut self, now: Seconds, dt: Seconds) {
-        if self.modes.mode() != Mode::Advise {
-            self.approved = None;
-        }
+        let session = self.envelope.session(now);
+        let advises = self.modes.mode() == Mode::Advise;
+        // It ends with the controller's silence: who speaks later, or in its place, has to be approved anew.
+        self.approved = self.approved.filter(|(whose, _)| advises && session == Some(*whose));
         self.step = None;
         if let Some(target) = self.target(now) {
             self.ramp = None;
@@ -164,12 +166,10 @@ impl Supervisor {
 
     /// Where the trims go to; `None` where they go back to the slicer's values.
     fn target(&self, now: Seconds) -> Option<Trims> {
-        let wished = self.envelope.wished(now);
         match self.modes.mode() {
             Mode::Act if self.is_held(now) => Some(self.allowed),
-            Mode::Act => Some(wished.unwrap_or(Trims::NEUTRAL)),
-            // An approval ends with the controller's silence.
-            Mode::Advise => Some(self.approved.filter(|_| wished.is_some()).unwrap_or(Trims::NEUTRAL)),
+            Mode::Act => Some(self.envelope.wished(now).unwrap_or(Trims::NEUTRAL)),
+            Mode::Advise => Some(self.approved.map_or(Trims::NEUTRAL, |(_, trims)| trims)),
             _ => None,
         }
     }

@@ -22,9 +22,9 @@ impl Supervisor {
         let checks = &mut self.checks;
         checks.hotend_range.on_sample(temp);
         checks.frozen.on_sample(now, temp);
+        checks.noise.on_sample(temp, checks.hotend_range.is_inside());
         self.hotend = Some(temp);
         if checks.hotend_range.is_inside() {
-            checks.noise.on_sample(temp);
             checks.step.on_sample(stamp, temp);
             if checks.step.is_apart() {
                 return;

@@ -3,7 +3,6 @@
 use super::super::record::REST;
 use super::*;
 use runtime::NodePath;
-use std::path::Path;
 
 fn path(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("latch_{}_{name}", std::process::id()));
@@ -92,12 +91,18 @@ fn what_is_there_and_is_no_file_is_refused_by_its_name() {
         let given = [(LATCH_FILE.to_owned(), format!("{path:?}"))];
         path_of(&Parameters::read(&[], &given, &node).unwrap()).map_err(|error| error.to_string())
     };
-    for missing in ["", "/nowhere/latch.json"] {
-        let path = Path::new(missing);
-        assert_eq!(asked(path), Ok((!missing.is_empty()).then(|| path.to_path_buf())));
-    }
+    assert_eq!(asked(Path::new("")), Ok(None));
     assert_eq!(asked(&path), Ok(Some(path.clone())), "not there yet");
     let folder = path.parent().unwrap();
+    let deep = folder.join("not/there/latch.json");
+    assert_eq!(asked(&deep), Ok(Some(deep.clone())));
+    assert!(deep.parent().unwrap().is_dir(), "a stop needs a place");
+    fs::write(folder.join("file"), "").unwrap();
+    let refused = asked(&folder.join("file/latch.json")).unwrap_err();
+    assert!(
+        refused.starts_with(&format!("latch_file: no folder {}/file for it: ", folder.display())),
+        "{refused}"
+    );
     let must = "must be a file, or not there yet";
     assert_eq!(asked(folder), Err(format!("latch_file: {} is a folder: {must}", folder.display())));
     let pipe = |path: &Path| {
