@@ -219,7 +219,7 @@ fn prediction() -> Sample<AdvancePrediction> {
 fn command() -> Sample<ControlCommand> {
     Sample {
         sound: ControlCommand {
-            validity_s: 1.0,
+            validity_s: 0.25,
             flow_factor: 1.0,
             speed_factor: 1.0,
             ..ControlCommand::default()

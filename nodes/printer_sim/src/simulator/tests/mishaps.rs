@@ -24,12 +24,13 @@ fn lost_steps_put_the_tool_off_while_the_firmware_believes_in_its_position() {
 fn a_pause_and_a_resume_leave_the_shift() {
     let mut simulator = warm(straight_job(30), &fault_at(3.0, SKIP));
     run_for(&mut simulator, 4.0);
-    for (sequence, request) in [(1, Request::Pause), (2, Request::Run)] {
-        let mode = Mode::Act;
-        let validity = Seconds(1.0);
-        let permit = Permit { session: 1, sequence, validity, mode, request, trims: Trims::NEUTRAL };
-        simulator.on_permit(permit).unwrap();
-        run_for(&mut simulator, 0.9);
+    let (mode, validity) = (Mode::Act, Seconds(0.25));
+    for (first, request) in [(1, Request::Pause), (6, Request::Run)] {
+        for sequence in first..first + 5 {
+            let permit = Permit { session: 1, sequence, validity, mode, request, trims: Trims::NEUTRAL };
+            simulator.on_permit(permit).unwrap();
+            run_for(&mut simulator, 0.2);
+        }
         assert_eq!(simulator.phase() == JobPhase::Paused, request == Request::Pause);
         assert!(same(simulator.truth().layer_shift_m, [8e-4, 0.0]));
     }
