@@ -61,8 +61,8 @@ causes! {
     HotendFrozen, "S2", "hot end temperature stands still while it cannot",
         "check the thermistor's reading path, then `fdm acknowledge`";
     BadValues, "S5", "several values refused within a second", "see the refusals in the diagnostics";
-    StaleHotend, "S7", "no hot end temperature", "restart the thermistor node, then `fdm acknowledge` or `fdm resume`";
-    StaleBed, "S7", "no bed temperature", "restart the thermistor node, then `fdm acknowledge` or `fdm resume`";
+    StaleHotend, "S7", "no hot end temperature", "restart the thermistor node; then `fdm resume` where it has paused, `fdm acknowledge` where the heaters are off";
+    StaleBed, "S7", "no bed temperature", "restart the thermistor node; then `fdm resume` where it has paused, `fdm acknowledge` where the heaters are off";
     StaleEncoder, "S7", "no filament encoder", "restart the filament_encoder node";
     StalePrinter, "C13", "no printer state", "check the link to the printer, then `fdm resume` where it has paused";
     StaleCommand, "C1", "no controller command", "restart the mpc_controller node";
