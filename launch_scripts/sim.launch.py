@@ -98,8 +98,12 @@ def values_of(node, chosen, bag):
 
 
 def scenario_path(name, config):
-    path = name if name.endswith(".yaml") else os.path.join(config, "scenarios", f"{name}.yaml")
-    return os.path.abspath(path)
+    folder = os.path.join(config, "scenarios")
+    path = os.path.abspath(name if name.endswith(".yaml") else os.path.join(folder, f"{name}.yaml"))
+    if not os.path.isfile(path):
+        known = sorted(file[:-5] for file in os.listdir(folder) if file.endswith(".yaml"))
+        raise RuntimeError(f"scenario:={name}: no such file; there are {', '.join(known)}")
+    return path
 
 
 def nodes(context):
@@ -108,6 +112,7 @@ def nodes(context):
         raise RuntimeError(f"gcode:={chosen['gcode']}: no such file")
     material = chosen["material"] or material_of(chosen["gcode"])
     fdm_launch.check_material(material, chosen["config"])
+    scenario_path(chosen["scenario"], chosen["config"])
     stem = os.path.splitext(os.path.basename(chosen["gcode"]))[0]
     bag = fdm_launch.new_bag(chosen, stem, chosen["control"])
     started = [fdm_launch.node(name, chosen, material, values_of(name, chosen, bag)) for name in wanted_of(chosen)]

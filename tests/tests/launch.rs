@@ -263,6 +263,12 @@ fn what_is_wrong_is_told_before_anything_starts() {
         ("sim", &["gcode:=none.gcode"], "gcode:=none.gcode: no such file"),
         ("sim", &[&gcode, "control:=perhaps"], "control:=perhaps is not one of"),
         ("sim", &[&gcode, "bag:=config"], "the folder is there and not empty"),
+        ("sim", &[&gcode, "scenario:=nope"], "scenario:=nope: no such file; there are "),
+        (
+            "sim",
+            &[&gcode, "scenario:=/nope/mine.yaml"],
+            "scenario:=/nope/mine.yaml: no such file; there are ",
+        ),
         ("sim", &[&gcode, "material:=wood"], "material:=wood: there are abs, petg, pla"),
         (
             "sim",

@@ -7,16 +7,18 @@ use anyhow::{Context, bail};
 use clap::Args;
 use fdm_loop_msgs::{RosService, SetModeRequest, Trigger, TriggerRequest};
 use models::units::Seconds;
-use runtime::CallError;
 use runtime::topics::{self, Service};
-use std::time::Instant;
+use runtime::{CallError, Patience};
 
 /// Longest wait for a supervisor to be found `[s]`; discovery takes up to 0.5 s, on a busy machine longer.
 const FOUND_S: f64 = 3.0;
 /// Longest wait for its answer `[s]`; it promises 250 ms.
 const ANSWERED_S: f64 = 6.0;
-/// Wait until the request is sent again `[s]`: one that comes before both ends are matched is lost.
-const AGAIN_S: f64 = 1.0;
+/// Wait until the request is sent again `[s]`, where it may be granted twice: beyond the promise, or a loaded machine has
+/// each granted twice.
+const AGAIN_S: f64 = 0.3;
+/// The same where the second would be refused, for the first was granted.
+const ONCE_S: f64 = 1.0;
 
 /// Which printer.
 #[derive(Debug, Args)]
@@ -54,6 +56,14 @@ impl Ask {
             Self::Approve => &topics::CONTROL_APPROVE,
         }
     }
+
+    /// Wait until it is asked again `[s]`.
+    fn again_s(self) -> f64 {
+        match self {
+            Self::Pause | Self::Stop | Self::Estop => AGAIN_S,
+            Self::Resume | Self::Acknowledge | Self::Approve => ONCE_S,
+        }
+    }
 }
 
 /// Asks the supervisor and waits for its answer.
@@ -62,10 +72,12 @@ impl Ask {
 /// No supervisor, or one that refuses; exit code 2.
 pub fn ask(what: Ask, args: &AskArgs) -> anyhow::Result<()> {
     let name = what.service().name();
-    let (answer, times) = insist(what.service(), &TriggerRequest::default(), &args.namespace)?;
+    let (answer, times) =
+        insist(what.service(), &TriggerRequest::default(), &args.namespace, what.again_s())?;
+    let hint = absent(&answer, &args.namespace);
     let unconfirmed = || match what {
-        Ask::Estop | Ask::Stop => format!("{name} was not confirmed: use the printer's own switch"),
-        _ => not_confirmed(name),
+        Ask::Estop | Ask::Stop => format!("{name} was not confirmed: use the printer's own switch{hint}"),
+        _ => not_confirmed(name, &hint),
     };
     let answer = answer.with_context(unconfirmed)?;
     if !answer.success {
@@ -104,20 +116,32 @@ pub fn set_mode(args: &ModeArgs) -> anyhow::Result<()> {
         Wanted::Act => SetModeRequest::MODE_ACT,
     };
     let name = topics::SAFETY_SET_MODE.name();
-    let (answer, times) = insist(&topics::SAFETY_SET_MODE, &SetModeRequest { mode }, &args.namespace)?;
-    let answer = answer.with_context(|| not_confirmed(name))?;
+    let (answer, times) =
+        insist(&topics::SAFETY_SET_MODE, &SetModeRequest { mode }, &args.namespace, AGAIN_S)?;
+    let hint = absent(&answer, &args.namespace);
+    let answer = answer.with_context(|| not_confirmed(name, &hint))?;
     if !answer.accepted {
         bail!("the supervisor refused {name}: {}{}", answer.message, doubt(times));
     }
     output::line(&format!("{name}: {}", answer.message))
 }
 
-fn not_confirmed(name: &str) -> String {
-    format!("{name} was not confirmed: `fdm status` shows what holds; ask again")
+fn not_confirmed(name: &str, hint: &str) -> String {
+    format!("{name} was not confirmed: `fdm status` shows what holds; ask again{hint}")
+}
+
+/// What to look at where no supervisor is there.
+fn absent<T>(answer: &Result<T, CallError>, namespace: &str) -> String {
+    match answer {
+        Err(CallError::NoServer(_)) => format!(
+            "; no supervisor of {namespace} is there: is `fdm up` running, with the same ROS_DOMAIN_ID and --namespace?"
+        ),
+        _ => String::new(),
+    }
 }
 
 /// What a refusal of the second request leaves open.
-fn doubt(times: u32) -> &'static str {
+fn doubt(times: usize) -> &'static str {
     if times > 1 {
         " (asked more than once, an earlier one may have been granted: `fdm status` shows what holds)"
     } else {
@@ -130,24 +154,13 @@ fn insist<S: RosService<Request: Clone>>(
     service: &'static Service<S>,
     request: &S::Request,
     namespace: &str,
-) -> anyhow::Result<(Result<S::Response, CallError>, u32)> {
+    again_s: f64,
+) -> anyhow::Result<(Result<S::Response, CallError>, usize)> {
+    let patience =
+        Patience { found: Seconds(FOUND_S), again: Seconds(again_s), answered: Seconds(ANSWERED_S) };
     executor()?.block_on(async {
         let mut node = participant::join("fdm", in_namespace(namespace))?;
-        let client = node.client(service)?;
-        let started = Instant::now();
-        let mut times = 0;
-        loop {
-            let answer = client.call(request.clone(), Seconds(AGAIN_S)).await;
-            let limit_s = match &answer {
-                Err(CallError::NoServer(_)) => FOUND_S,
-                Err(CallError::TimedOut(_)) => ANSWERED_S,
-                _ => 0.0,
-            };
-            times += u32::from(!matches!(answer, Err(CallError::NoServer(_))));
-            if started.elapsed().as_secs_f64() >= limit_s {
-                return anyhow::Ok((answer, times));
-            }
-        }
+        anyhow::Ok(node.client(service)?.insist(request.clone(), patience).await)
     })
 }
 
@@ -157,4 +170,26 @@ pub(crate) fn executor() -> anyhow::Result<tokio::runtime::Runtime> {
 
 pub(crate) fn in_namespace(namespace: &str) -> runtime::Args {
     runtime::Args { namespace: Some(namespace.to_owned()), ..runtime::Args::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_asks_nobody_is_told_where_to_look() {
+        let nobody: Result<(), CallError> = Err(CallError::NoServer("/left/safety/estop".to_owned()));
+        let told = not_confirmed("safety/pause", &absent(&nobody, "/left"));
+        assert!(told.ends_with("no supervisor of /left is there: is `fdm up` running, with the same ROS_DOMAIN_ID and --namespace?"));
+        let silent: Result<(), CallError> = Err(CallError::TimedOut("/left/safety/estop".to_owned()));
+        assert_eq!(absent(&silent, "/left"), "");
+    }
+
+    /// A request that is refused the second time is not sent twice because the disk took its time.
+    #[test]
+    fn what_is_granted_once_is_asked_again_late() {
+        for what in [Ask::Resume, Ask::Acknowledge, Ask::Approve] {
+            assert!(what.again_s() > Ask::Estop.again_s());
+        }
+    }
 }

@@ -6,14 +6,14 @@ use crate::output::Output;
 use crate::run_params::ProcessKind;
 use crate::simulator::{Simulator, Unscheduled};
 use fdm_loop_msgs::{
-    BeadWidth, Clock, CompressedImage, ControlCommand, FilamentReport, Header, ImuBatch, InjectFault,
-    MotionSegment, MotionTrim, PrintEvent, PrintInfo, PrinterState, SimTruth, TemperatureReport, Time,
+    BeadWidth, CompressedImage, ControlCommand, FilamentReport, Header, ImuBatch, InjectFault, MotionSegment,
+    MotionTrim, PrintEvent, PrintInfo, PrinterState, SimTruth, TemperatureReport,
 };
 use models::command::{Permit, Scheduled};
 use models::units::Seconds;
 use runtime::{
-    Asked, Diagnostics, Frames, Node, Publisher, Reason, Received, Refused, Server, Sessions, Subscription,
-    topics, wire,
+    Asked, ClockDriver, Diagnostics, Frames, Node, Publisher, Reason, Received, Refused, Server, Sessions,
+    Subscription, topics, wire,
 };
 use std::time::Duration;
 use tokio::time::{Interval, MissedTickBehavior, interval};
@@ -34,7 +34,7 @@ const LOOKS_PER_CLOCK: u32 = 2;
 
 /// Everything that the printer says.
 struct Outlets {
-    clock: Publisher<Clock>,
+    clock: ClockDriver,
     temperatures: Publisher<TemperatureReport>,
     filament: Publisher<FilamentReport>,
     width: Publisher<BeadWidth>,
@@ -169,7 +169,7 @@ async fn next_fault(faults: &mut Option<Server<InjectFault>>) -> Asked<InjectFau
 impl Outlets {
     fn new(node: &mut Node) -> Result<Self, runtime::RuntimeError> {
         Ok(Self {
-            clock: node.publish_on(&topics::CLOCK)?,
+            clock: node.drive_clock()?,
             temperatures: node.publish_on(&topics::TEMPERATURE_REPORT)?,
             filament: node.publish_on(&topics::FILAMENT_REPORT)?,
             width: node.publish_on(&topics::BEAD_WIDTH)?,
@@ -221,7 +221,7 @@ impl Shell {
         self.looks += 1;
         let reads = self.looks.is_multiple_of(LOOKS_PER_CLOCK);
         if reads {
-            self.outlets.clock.send(Clock { clock: Time::from_seconds(self.simulator.now().0) });
+            self.outlets.clock.set(self.simulator.now());
         }
         while let Some(output) = self.simulator.poll() {
             self.pass_on(output);

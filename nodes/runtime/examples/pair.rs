@@ -1,7 +1,8 @@
 //! The smallest pair of nodes: `pair --ros-args -p role:=talker` and, in another shell, `-p role:=listener`.
 //!
 //! The talker publishes numbered widths at 100 Hz, a latched print and a service. The listener ends well when it has
-//! received the print, 200 widths in order (decoded and as bytes) and an answer, and ends badly otherwise.
+//! received the print, 200 widths in order (decoded and as bytes) and an answer, and ends badly otherwise. The asker needs
+//! an answer alone, to the one request that it sends.
 //!
 //! On simulated time (`-p use_sim_time:=true`): the pacer drives `/clock` at ten times real time, the sleeper ends well
 //! after 20 ticks of a second each, all a second apart on its clock.
@@ -25,6 +26,7 @@ struct Params {
 enum Role {
     Talker,
     Listener,
+    Asker,
     Pacer,
     Sleeper,
     Chatterer,
@@ -96,6 +98,13 @@ async fn listen(mut node: Node) -> Result<(), PairError> {
     if answer.accepted { Ok(()) } else { Err(PairError::Unexpected(format!("{answer:?}"))) }
 }
 
+/// Asks as soon as it has joined, and once.
+async fn ask(mut node: Node) -> Result<(), PairError> {
+    let modes = node.client(&topics::SAFETY_SET_MODE)?;
+    modes.call(SetModeRequest { mode: 3 }, Seconds(5.0)).await?;
+    Ok(())
+}
+
 /// Simulated time between two readings of the clock `[s]`, and real time.
 const STEP_S: f64 = 0.1;
 const PACE: std::time::Duration = std::time::Duration::from_millis(10);
@@ -141,6 +150,7 @@ async fn pair(node: Node) -> Result<(), PairError> {
     match role {
         Role::Talker => talk(node).await,
         Role::Listener => listen(node).await,
+        Role::Asker => ask(node).await,
         Role::Pacer => pace(node).await,
         Role::Sleeper => sleep(node).await,
         Role::Chatterer => {

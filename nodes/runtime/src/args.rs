@@ -73,7 +73,8 @@ impl LogLevel {
 pub enum ArgsError {
     /// An argument that is not known after `--ros-args`.
     #[error(
-        "unknown argument '{0}' after --ros-args (known: -r, -p, --params-file, --log-level, --log-config-file, -e, --enable-rosout-logs, --)"
+        "unknown argument '{0}' after --ros-args (known: -r, -p, --params-file, --log-level, --log-config-file, -e; --enable- and --disable-rosout-logs, -stdout-logs, \
+         -external-lib-logs; --)"
     )]
     Unknown(String),
     /// An argument outside of `--ros-args` that this node does not take.

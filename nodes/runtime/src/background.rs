@@ -64,7 +64,7 @@ pub(crate) async fn follow_clock(
 /// Publishes log lines.
 pub(crate) async fn publish_log(clock: Clock, mut lines: Receiver<Log>, publisher: Publisher<Log>) {
     while let Some(mut line) = lines.recv().await {
-        line.stamp = Time::from_seconds(clock.now().0);
+        line.stamp = Time::from_seconds(clock.stamp().0);
         publisher.send(line);
     }
 }

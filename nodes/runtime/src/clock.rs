@@ -36,6 +36,8 @@ pub(crate) fn monotonic() -> Seconds {
 #[derive(Debug, Clone)]
 pub struct Clock {
     simulated: Option<Arc<Simulated>>,
+    /// What a node that makes the time has told the others last.
+    announced: Arc<Mutex<Option<Seconds>>>,
 }
 
 /// Time as `/clock` told it.
@@ -56,20 +58,33 @@ struct Reading {
 impl Clock {
     /// A monotonic clock.
     pub(crate) fn monotonic() -> Self {
-        Self { simulated: None }
+        Self { simulated: None, announced: Arc::default() }
     }
 
     /// A clock that stands at zero until told otherwise.
     pub(crate) fn simulated() -> Self {
         let (now, _) = watch::channel(Seconds(0.0));
         let simulated = Simulated { now, jumps_back: AtomicU64::new(0), history: Mutex::default() };
-        Self { simulated: Some(Arc::new(simulated)) }
+        Self { simulated: Some(Arc::new(simulated)), announced: Arc::default() }
     }
 
     /// Time now `[s]`. A simulated clock stands at zero until its first reading.
     #[must_use]
     pub fn now(&self) -> Seconds {
         self.simulated.as_ref().map_or_else(monotonic, |simulated| *simulated.now.borrow())
+    }
+
+    /// Time for the stamp of what this node says of itself. A node that makes `/clock` runs by the host's clock and stamps
+    /// by the one that it makes, as all others do.
+    #[must_use]
+    pub(crate) fn stamp(&self) -> Seconds {
+        let announced = *self.announced.lock().unwrap_or_else(PoisonError::into_inner);
+        announced.unwrap_or_else(|| self.now())
+    }
+
+    /// Notes the time that this node tells on `/clock`, for its stamps.
+    pub(crate) fn announce(&self, now: Seconds) {
+        *self.announced.lock().unwrap_or_else(PoisonError::into_inner) = Some(now);
     }
 
     /// Whether time comes from `/clock`.
@@ -142,12 +157,15 @@ pub struct ClockDriver {
 
 impl ClockDriver {
     pub(crate) fn new(clock: Clock, publisher: Publisher<ClockMessage>) -> Self {
+        // As the clocks that it drives: they stand at zero until their first reading.
+        clock.announce(Seconds(0.0));
         Self { clock, publisher }
     }
 
     /// Tells everyone the simulated time, this node first; false where the message was dropped.
     pub fn set(&self, now: Seconds) -> bool {
         self.clock.set(now);
+        self.clock.announce(now);
         self.publisher.send(ClockMessage { clock: Time::from_seconds(now.0) })
     }
 }

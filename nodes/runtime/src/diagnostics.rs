@@ -147,7 +147,7 @@ impl Diagnostics {
         let message = if late.is_empty() { "ok".to_owned() } else { late.join("; ") };
         let values = state.topics.iter().flat_map(|topic| topic.values(now)).collect();
         let topics = status(format!("{node}: topics"), level, message, values);
-        DiagnosticArray { header: Header::at(now.0), status: vec![own, topics] }
+        DiagnosticArray { header: Header::at(clock.stamp().0), status: vec![own, topics] }
     }
 
     fn state(&self) -> MutexGuard<'_, State> {

@@ -47,7 +47,7 @@ pub(crate) async fn beat(heart: Heart, publisher: Publisher<Heartbeat>) {
         sequence += 1;
         let age = heart.self_loop.age();
         publisher.send(Heartbeat {
-            header: Header::at(heart.clock.now().0),
+            header: Header::at(heart.clock.stamp().0),
             node: heart.node.clone(),
             session_id: heart.session,
             sequence,

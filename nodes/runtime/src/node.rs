@@ -12,6 +12,7 @@ use crate::environment::{Environment, Services};
 use crate::error::RuntimeError;
 use crate::heartbeat::Work;
 use crate::lifecycle::{Gate, Life, Stage};
+use crate::matches::Matches;
 use crate::names::Names;
 use crate::params::store::{LiveParameters, Store};
 use crate::params::{NodePath, ParamFileError, Parameters};
@@ -26,9 +27,6 @@ use serde::de::DeserializeOwned;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::task::{AbortHandle, JoinSet};
-
-/// Real time in which the middleware sends what was said last.
-const LAST_WORD: std::time::Duration = std::time::Duration::from_millis(50);
 
 /// A node of the graph; dropping it takes it from the graph.
 pub struct Node {
@@ -53,6 +51,7 @@ struct Core {
     names: Names,
     rest: Vec<String>,
     services: Services,
+    matches: Matches,
     clock: Clock,
     diagnostics: Diagnostics,
     work: Work,
@@ -138,7 +137,7 @@ impl Node {
         let session = random_session();
         let (shutdown_sender, shutdown) = Shutdown::channel();
         let self_loop = watch_middleware(participants, session, on_deaf, shutdown_sender.clone())?;
-        let context = Context::from_domain_participant(participant)
+        let context = Context::from_domain_participant(participant.clone())
             .map_err(|error| RuntimeError::create("context", &error))?;
         let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
         let ros = context
@@ -154,6 +153,7 @@ impl Node {
             names,
             rest: args.rest,
             services: environment.services,
+            matches: Matches::of(participant.clone()),
             clock,
             diagnostics: Diagnostics::default(),
             work: Work::default(),
@@ -204,11 +204,6 @@ impl Node {
     #[must_use]
     pub fn live_parameters(&self, names: &'static [&'static str]) -> LiveParameters {
         self.core.store.declare(names)
-    }
-
-    /// Waits until a last word has left the process: RustDDS forgets a writer together with what it has not sent yet.
-    pub async fn spoken(&self) {
-        tokio::time::sleep(LAST_WORD).await;
     }
 
     /// A shell refuses what its parameters name, by an error of its own: the process ends as after a refused parameter.

@@ -1,14 +1,19 @@
 //! Services: a server that answers when the shell says so, and a client that never waits for ever.
 
+mod client;
+
+pub use client::{CallError, Client, Patience};
+
 use crate::lifecycle::Gate;
+use crate::matches::{Known, Matches, participant_of};
 use fdm_loop_msgs::RosService;
-use futures::FutureExt;
-use models::units::Seconds;
 use ros2_client::RmwRequestId;
-use rustdds::DomainParticipant;
 use serde::de::{Deserialize, DeserializeOwned, Deserializer};
 use serde::{Serialize, Serializer};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+use tokio::time::Instant;
 
 /// A request or a reply in the client's eyes. (Its trait and our types live in other crates.)
 #[derive(Debug, Clone)]
@@ -39,9 +44,28 @@ pub struct Asked<S: RosService> {
     id: RmwRequestId,
 }
 
+/// Longest wait with an answer for the asker's reader: the answer to one that never comes would be lost anyway, and one
+/// whose reader cannot be told (a bridge asks for others) gets it then. The ROS middlewares wait as well, up to 0.1 s.
+const HELD: Duration = Duration::from_millis(500);
+/// Answers that wait at most; who floods a node with requests from nowhere fills no memory.
+const MOST_HELD: usize = 64;
+
+/// An answer that waits for its reader.
+struct Held<R> {
+    to: RmwRequestId,
+    response: R,
+    until: Instant,
+}
+
 /// The answering end of a service.
 pub struct Server<S: RosService> {
     server: RosServer<S>,
+    matches: Matches,
+    /// Name of the answers' topic in DDS.
+    answers: String,
+    held: Mutex<Vec<Held<S::Response>>>,
+    /// Who was found to hear answers last: the next request is mostly of the same, and the look at all readers not free.
+    heard: AtomicU64,
     undecodable: u64,
     gate: Gate,
     /// Nothing was taken yet.
@@ -58,13 +82,23 @@ impl<S: RosService> Server<S> {
     /// Its first answer is nobody's, and is given before any client is known. A reliable reader of Cyclone DDS takes all
     /// that the first heartbeat it hears tells of for what was before its time. Of a writer without a sample that can be
     /// the heartbeat of its first answer, which is lost then; a client acknowledges this one, and has heard a heartbeat.
-    pub(crate) fn new(server: RosServer<S>, gate: Gate) -> Self
+    pub(crate) fn new(server: RosServer<S>, gate: Gate, matches: Matches, name: &str) -> Self
     where
         S::Response: Default,
     {
         // Where the middleware does not take it, all else is as without it.
         _ = server.send_response(RmwRequestId::default(), Wire(S::Response::default()));
-        Self { server, undecodable: 0, gate, fresh: true }
+        let answers = format!("rr{name}Reply");
+        Self {
+            server,
+            matches,
+            answers,
+            held: Mutex::default(),
+            heard: AtomicU64::new(0),
+            undecodable: 0,
+            gate,
+            fresh: true,
+        }
     }
 
     /// Waits for the next request. What cannot be decoded is counted and skipped. Cancelling loses no request. What was
@@ -74,112 +108,70 @@ impl<S: RosService> Server<S> {
             while !matches!(self.server.receive_request(), Ok(None)) {}
         }
         loop {
-            match self.server.async_receive_request().await {
+            let received = tokio::select! {
+                received = self.server.async_receive_request() => received,
+                () = self.release() => continue,
+            };
+            match received {
                 Ok((id, request)) => return Asked { request: request.0, id },
                 Err(_) => self.undecodable += 1,
             }
         }
     }
 
-    /// Answers a request; false where the middleware did not take the answer.
+    /// Answers a request; false where the middleware did not take the answer. To one who has only just joined the answer
+    /// goes as soon as the reader is matched, while [`Server::next`] waits.
     pub fn answer(&self, asked: &Asked<S>, response: S::Response) -> bool {
-        self.server.send_response(asked.id, Wire(response)).is_ok()
+        if self.held().len() >= MOST_HELD || self.hears(&asked.id) {
+            return self.server.send_response(asked.id, Wire(response)).is_ok();
+        }
+        self.held().push(Held { to: asked.id, response, until: Instant::now() + HELD });
+        true
+    }
+
+    /// Whether an answer would reach its reader.
+    fn hears(&self, asker: &RmwRequestId) -> bool {
+        let participant = participant_of(asker.writer_gid.as_bytes());
+        let name = participant.try_into().map_or(0, u64::from_le_bytes);
+        if name != 0 && self.heard.load(Ordering::Relaxed) == name {
+            return true;
+        }
+        let hears = self.matches.reader(&self.answers, Some(participant)) == Known::Matched;
+        if hears {
+            self.heard.store(name, Ordering::Relaxed);
+        }
+        hears
+    }
+
+    fn held(&self) -> MutexGuard<'_, Vec<Held<S::Response>>> {
+        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits until answers that were held may go, and sends them. For ever where none is held.
+    async fn release(&self) {
+        let mut changes = self.matches.changes();
+        let Some(until) = self.held().iter().map(|held| held.until).min() else {
+            return std::future::pending().await;
+        };
+        if !self.held().iter().any(|held| self.hears(&held.to)) {
+            // Its end is that of the node.
+            _ = tokio::time::timeout_at(until, changes.changed()).await;
+        }
+        let now = Instant::now();
+        let (due, wait) = std::mem::take(&mut *self.held())
+            .into_iter()
+            .partition(|held| held.until <= now || self.hears(&held.to));
+        *self.held() = wait;
+        let due: Vec<_> = due;
+        for held in due {
+            // As with any answer: who does not get it asks again.
+            _ = self.server.send_response(held.to, Wire(held.response));
+        }
     }
 
     /// Requests that could not be decoded so far.
     #[must_use]
     pub fn undecodable(&self) -> u64 {
         self.undecodable
-    }
-}
-
-/// Why a call has no answer.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CallError {
-    /// No server is on the graph.
-    #[error("no server for {0}")]
-    NoServer(String),
-    /// The server did not answer in time. Whether it acted is not known.
-    #[error("no answer from {0} in time")]
-    TimedOut(String),
-    /// The middleware failed.
-    #[error("call of {service} failed: {reason}")]
-    Failed {
-        /// Name of the service.
-        service: String,
-        /// Why.
-        reason: String,
-    },
-}
-
-/// The asking end of a service.
-pub struct Client<S: RosService> {
-    client: RosClient<S>,
-    participant: DomainParticipant,
-    name: String,
-}
-
-impl<S: RosService> std::fmt::Debug for Client<S> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Client").field("name", &self.name).finish_non_exhaustive()
-    }
-}
-
-/// Pause between two looks for a server.
-const LOOK: Duration = Duration::from_millis(20);
-/// A server that was just discovered needs this long until both ends are matched: requests sent before are lost.
-const MATCHING: Duration = Duration::from_millis(100);
-
-impl<S: RosService> Client<S>
-where
-    S::Request: Clone,
-{
-    pub(crate) fn new(client: RosClient<S>, participant: DomainParticipant, name: String) -> Self {
-        Self { client, participant, name }
-    }
-
-    /// Waits for a server, asks, and waits for the answer, all within `timeout` of real time.
-    ///
-    /// # Errors
-    /// [`CallError`]; after [`CallError::TimedOut`] the server may have acted all the same.
-    pub async fn call(&self, request: S::Request, timeout: Seconds) -> Result<S::Response, CallError> {
-        let limit = Duration::from_secs_f64(timeout.0.clamp(0.0, 3600.0));
-        let deadline = tokio::time::Instant::now() + limit;
-        tokio::time::timeout_at(deadline, self.wait_for_server())
-            .await
-            .map_err(|_| CallError::NoServer(self.name.clone()))?;
-        tokio::time::timeout_at(deadline, self.ask(request))
-            .await
-            .map_err(|_| CallError::TimedOut(self.name.clone()))?
-    }
-
-    /// Sends and receives. Replies to other clients pass on the same topic and are skipped by the client.
-    async fn ask(&self, request: S::Request) -> Result<S::Response, CallError> {
-        let failed = |reason: String| CallError::Failed { service: self.name.clone(), reason };
-        let id = self.client.send_request(Wire(request)).map_err(|error| failed(error.to_string()))?;
-        let reply = self.client.async_receive_response(id).map(|reply| reply.map(|wire| wire.0));
-        reply.await.map_err(|error| failed(error.to_string()))
-    }
-
-    /// Waits until both ends of a server are discovered.
-    async fn wait_for_server(&self) {
-        if self.server_known() {
-            return;
-        }
-        while !self.server_known() {
-            tokio::time::sleep(LOOK).await;
-        }
-        tokio::time::sleep(MATCHING).await;
-    }
-
-    /// Whether somebody reads the requests and somebody writes the replies.
-    fn server_known(&self) -> bool {
-        let request = format!("rq{}Request", self.name);
-        let reply = format!("rr{}Reply", self.name);
-        let readers = self.participant.discovered_readers();
-        let writers = self.participant.discovered_writers();
-        readers.iter().any(|reader| *reader.subscription_topic_data.topic_name() == request)
-            && writers.iter().any(|writer| writer.publication_topic_data.topic_name == reply)
     }
 }

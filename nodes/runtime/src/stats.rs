@@ -22,7 +22,8 @@ pub(crate) struct TopicStats {
 struct Newest {
     received: Option<Seconds>,
     oldest: Option<Seconds>,
-    watched_from: Seconds,
+    /// Not known where a simulated clock had no reading yet.
+    watched_from: Option<Seconds>,
 }
 
 impl TopicStats {
@@ -77,7 +78,7 @@ impl TopicStats {
     pub(crate) fn watch(&self, oldest: Seconds, now: Seconds) {
         let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         newest.oldest = Some(oldest);
-        newest.watched_from = now;
+        newest.watched_from = (now.0 > 0.0).then_some(now);
     }
 
     /// Age of the newest message.
@@ -87,9 +88,13 @@ impl TopicStats {
 
     /// Says what is late, where something is.
     pub(crate) fn late(&self, now: Seconds) -> Option<String> {
-        let newest = self.newest();
+        let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         let limit = newest.oldest?;
-        let age = now - newest.received.unwrap_or(newest.watched_from);
+        // A node that is started again late in a print has not listened since the print's start.
+        if now.0 > 0.0 {
+            newest.watched_from.get_or_insert(now);
+        }
+        let age = now - newest.received.or(newest.watched_from)?;
         (age > limit).then(|| format!("no message on {} for {:.2} s (limit {} s)", self.name, age.0, limit.0))
     }
 
@@ -141,10 +146,22 @@ mod tests {
         assert_eq!(text, "no message on /printer/state for 0.50 s (limit 0.3 s)");
     }
 
+    /// The clock of a node that is started again under `use_sim_time` stands at zero until its first reading.
+    #[test]
+    fn silence_counts_from_the_start_of_the_node_not_of_the_print() {
+        let stats = TopicStats::subscriber("/printer/state");
+        stats.watch(Seconds(0.3), Seconds(0.0));
+        assert_eq!(stats.late(Seconds(0.0)), None);
+        assert_eq!(stats.late(Seconds(193.0)), None, "the first reading");
+        let text = stats.late(Seconds(193.5)).unwrap();
+        assert_eq!(text, "no message on /printer/state for 0.50 s (limit 0.3 s)");
+    }
+
     #[test]
     fn a_change_is_told_once() {
         let stats = TopicStats::subscriber("x");
         stats.watch(Seconds(1.0), Seconds(0.0));
+        assert!(!stats.lateness_changed(Seconds(0.1)));
         assert!(!stats.lateness_changed(Seconds(0.5)));
         assert!(stats.lateness_changed(Seconds(1.5)));
         assert!(!stats.lateness_changed(Seconds(2.0)));

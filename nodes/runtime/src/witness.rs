@@ -150,7 +150,10 @@ fn word(told: Vec<(String, Told)>, subject: &Subject) -> DiagnosticArray {
         };
         status(node, Level::Error, message, vec![pair("witness".to_owned(), &subject.own)])
     };
-    DiagnosticArray { header: Header::at(subject.clock.now().0), status: told.into_iter().map(one).collect() }
+    DiagnosticArray {
+        header: Header::at(subject.clock.stamp().0),
+        status: told.into_iter().map(one).collect(),
+    }
 }
 
 #[cfg(test)]

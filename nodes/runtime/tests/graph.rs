@@ -82,6 +82,17 @@ fn messages_latched_state_and_services_cross_processes() {
     assert_eq!(status.code(), Some(0));
 }
 
+/// A command of a person joins, asks once and leaves: neither its request nor the answer is lost to a match that is still to come.
+#[test]
+fn who_asks_right_after_it_joined_is_answered_at_the_first_request() {
+    let _talker = Process::start("talker", domain(8));
+    for number in 0..10 {
+        let mut asker = Process::start("asker", domain(8));
+        let status = asker.ended_within(Duration::from_secs(30)).expect("it has an answer or none in 5 s");
+        assert_eq!(status.code(), Some(0), "asker {number}");
+    }
+}
+
 /// C4, C5: SIGSTOP and SIGCONT end the middleware's event loops; the process notices and ends.
 #[test]
 fn a_process_that_went_deaf_ends_itself() {

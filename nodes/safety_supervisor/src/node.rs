@@ -1,6 +1,7 @@
 //! The shell: streams and requests in, a permit every 20 ms out, and one at once for what may not wait.
 
 mod inlets;
+mod journal;
 mod latch_file;
 mod operators;
 mod outlets;

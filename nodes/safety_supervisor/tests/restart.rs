@@ -4,8 +4,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
 use fdm_loop_msgs::{
-    Header, PrintEvent, PrinterState, RosService, SafetyState, SetMode, SetModeRequest, Temperature, Trigger,
-    TriggerRequest,
+    Header, Log, PrintEvent, PrinterState, RosService, SafetyState, SetMode, SetModeRequest, Temperature,
+    Trigger, TriggerRequest,
 };
 use models::units::Seconds;
 use runtime::{Args, Client, Node, Publisher, Subscription, Timer, topics};
@@ -68,6 +68,9 @@ fn what_a_person_asked_for_outlives_a_killed_supervisor() {
 /// P13 is told as what it is from the first state on, by the next run too, and by the one that cannot read of it any more.
 async fn stopped(supervisor: &mut Supervisor, peer: &mut Peer) {
     peer.estop().await;
+    let line = peer.log_line("emergency stop").await;
+    assert_eq!((line.level, line.name.as_str()), (Log::ERROR, "printer.safety_supervisor"), "{line:?}");
+    assert!(line.msg.contains("P13: emergency stop by a person. What to do: "), "{line:?}");
     let told = peer.event("estop_granted").await;
     assert_eq!(told.severity, PrintEvent::SEVERITY_ERROR);
     let what = "P13: emergency stop by a person. What to do: ";
@@ -138,6 +141,7 @@ struct Peer {
     run: u64,
     states: Subscription<SafetyState>,
     events: Subscription<PrintEvent>,
+    log: Subscription<Log>,
     pause: Client<Trigger>,
     estop: Client<Trigger>,
     resume: Client<Trigger>,
@@ -159,6 +163,7 @@ impl Peer {
             run: 0,
             states: node.subscribe(&topics::SAFETY_STATE).unwrap(),
             events: node.subscribe(&topics::EVENTS).unwrap(),
+            log: node.subscribe(&topics::ROSOUT).unwrap(),
             pause: node.client(&topics::SAFETY_PAUSE).unwrap(),
             estop: node.client(&topics::SAFETY_ESTOP).unwrap(),
             resume: node.client(&topics::SAFETY_RESUME).unwrap(),
@@ -199,6 +204,20 @@ impl Peer {
             }
         });
         event.await
+    }
+
+    /// As a console or `rqt_console` shows it, where nobody listens to `events`.
+    async fn log_line(&mut self, text: &str) -> Log {
+        let log = &mut self.log;
+        let line = self.printer.during(text, async {
+            loop {
+                let line = log.recv().await.message;
+                if line.msg.contains(text) {
+                    return line;
+                }
+            }
+        });
+        line.await
     }
 
     async fn observe(&mut self) {

@@ -57,6 +57,22 @@ impl File {
     }
 }
 
+/// Where the texts for people stand below a prefix.
+const DOC: &str = "share/doc/fdm-loop";
+
+/// Texts for people, and what they show, as they lie in a clone.
+const DOCUMENTS: [&str; 9] = [
+    "README.md",
+    "CHANGELOG.md",
+    "LICENSE",
+    "nodes/README.md",
+    "nodes/cli/report.png",
+    "launch_scripts/README.md",
+    "launch_scripts/Containerfile",
+    "launch_scripts/layouts/README.md",
+    "launch_scripts/systemd/README.md",
+];
+
 /// Everything that is installed.
 #[derive(Debug)]
 pub(super) struct Layout(Vec<File>);
@@ -90,8 +106,8 @@ impl Layout {
         }
         let marker = PathBuf::from("share/ament_index/resource_index/packages").join(PACKAGE);
         layout.text(marker, String::new());
-        for name in ["README.md", "CHANGELOG.md", "LICENSE"] {
-            layout.copy(&source.join(name), PathBuf::from("share/doc/fdm-loop").join(name))?;
+        for name in DOCUMENTS {
+            layout.document(&source.join(name), Path::new(DOC).join(name))?;
         }
         layout.0.sort_by(|a, b| a.path.cmp(&b.path));
         Ok(layout)
@@ -128,6 +144,19 @@ impl Layout {
                 file.contents = Contents::Text(text.replace(IN_A_CLONE, &here));
             }
         }
+        Ok(())
+    }
+
+    /// A text for people. Its links into the clone's other folders lead to where those are installed.
+    fn document(&mut self, from: &Path, path: PathBuf) -> anyhow::Result<()> {
+        if path != Path::new(DOC).join("README.md") {
+            return self.copy(from, path);
+        }
+        let text = std::fs::read_to_string(from).with_context(|| format!("{} is missing", from.display()))?;
+        let text = ["config/", "msgs/"].into_iter().fold(text, |text, folder| {
+            text.replace(&format!("]({folder}"), &format!("](../../{PACKAGE}/{folder}"))
+        });
+        self.text(path, text);
         Ok(())
     }
 

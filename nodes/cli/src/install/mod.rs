@@ -5,7 +5,7 @@
 //! PREFIX/lib/fdm_loop/<program>                                   what `ros2 pkg executables fdm_loop` lists
 //! PREFIX/share/ament_index/resource_index/packages/fdm_loop       the marker of ament's index, empty
 //! PREFIX/share/fdm_loop/{package.xml,config,launch,layouts,msgs,gcode,local_setup.*,manifest.sha256}
-//! PREFIX/share/doc/fdm-loop/{README.md,CHANGELOG.md,LICENSE}
+//! PREFIX/share/doc/fdm-loop/{README.md,CHANGELOG.md,LICENSE,nodes/README.md,launch_scripts/README.md,...}
 //! ```
 //! What is put there is written down with its checksum: `cd PREFIX && sha256sum -c share/fdm_loop/manifest.sha256`.
 //! What is not written down there is somebody else's: it is neither replaced nor removed.

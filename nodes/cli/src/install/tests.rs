@@ -202,3 +202,28 @@ fn a_root_of_its_own_leaves_no_trace_in_the_files() {
         }
     }
 }
+
+/// What the texts name a person finds without a clone: each of their links leads to an installed file or folder.
+#[test]
+fn the_links_of_the_installed_texts_lead_somewhere() {
+    let scene = Scene::new("texts");
+    perform(&scene.args()).unwrap();
+    let doc = scene.prefix().join("share/doc/fdm-loop");
+    let mut links = 0;
+    for text in
+        ["README.md", "nodes/README.md", "launch_scripts/README.md", "launch_scripts/systemd/README.md"]
+    {
+        let path = doc.join(text);
+        let text = std::fs::read_to_string(&path).unwrap();
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let file = link.split('#').next().unwrap_or_default();
+            // The source of a topic's name is no text for people.
+            if file.is_empty() || file.contains("://") || file.ends_with(".rs") {
+                continue;
+            }
+            assert!(path.parent().unwrap().join(file).exists(), "{}: {link}", path.display());
+            links += 1;
+        }
+    }
+    assert!(links >= 12, "{links}");
+}

@@ -5,13 +5,15 @@ use crate::convert;
 use crate::load::LoadError;
 use crate::load::wall::{LoadedWall, load};
 use crate::wire::{Machine, MachineOutput};
-use fdm_loop_msgs::{Clock, ControlCommand, LayerHeight, PrintEvent, PrintInfo, PrinterState, SimWire, Time};
+use fdm_loop_msgs::{ControlCommand, LayerHeight, PrintEvent, PrintInfo, PrinterState, SimWire};
 use models::units::Seconds;
-use runtime::{Node, Publisher, Reason, Refused, RuntimeError, Sessions, Subscription, topics, wire};
+use runtime::{
+    ClockDriver, Node, Publisher, Reason, Refused, RuntimeError, Sessions, Subscription, topics, wire,
+};
 
 /// Everything that the machine says.
 struct Outlets {
-    clock: Publisher<Clock>,
+    clock: ClockDriver,
     height: Publisher<LayerHeight>,
     state: Publisher<PrinterState>,
     truth: Publisher<SimWire>,
@@ -56,7 +58,7 @@ pub(super) async fn run(mut node: Node) -> Result<(), LoadError> {
 impl Outlets {
     fn new(node: &mut Node) -> Result<Self, RuntimeError> {
         Ok(Self {
-            clock: node.publish_on(&topics::CLOCK)?,
+            clock: node.drive_clock()?,
             height: node.publish_on(&topics::LAYER_HEIGHT)?,
             state: node.publish_on(&topics::PRINTER_STATE)?,
             truth: node.publish_on(&topics::SIM_WIRE)?,
@@ -82,7 +84,7 @@ impl Shell {
         self.looks += 1;
         let reads = self.looks.is_multiple_of(LOOKS_PER_CLOCK);
         if reads {
-            self.outlets.clock.send(Clock { clock: Time::from_seconds(self.machine.now().0) });
+            self.outlets.clock.set(self.machine.now());
         }
         while let Some(output) = self.machine.poll() {
             self.pass_on(output);

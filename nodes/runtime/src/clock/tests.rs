@@ -73,3 +73,16 @@ fn a_timer_goes_on_after_a_jump_back() {
     clock.set(Seconds(4.0));
     assert_eq!(timer.next().now_or_never(), Some(Seconds(4.0)));
 }
+
+/// Who makes the time has limits of real time and stamps of the time that it makes.
+#[test]
+fn a_maker_of_time_stamps_by_it_and_runs_by_the_hosts() {
+    let clock = Clock::monotonic();
+    let told = clock.clone();
+    clock.announce(Seconds(12.5));
+    assert_eq!(told.stamp(), Seconds(12.5));
+    assert!(told.now() >= monotonic() - Seconds(1.0));
+    let listener = Clock::simulated();
+    listener.set(Seconds(3.0));
+    assert_eq!(listener.stamp(), Seconds(3.0));
+}

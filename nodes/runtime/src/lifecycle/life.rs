@@ -99,7 +99,7 @@ impl Inner {
             clippy::cast_sign_loss,
             reason = "time since the clock's epoch"
         )]
-        let timestamp = (clock.now().0 * NANOS_PER_S) as u64;
+        let timestamp = (clock.stamp().0 * NANOS_PER_S) as u64;
         let TransitionDescription { transition, start_state, goal_state } = way;
         events.send(TransitionEvent { timestamp, transition, start_state, goal_state });
     }

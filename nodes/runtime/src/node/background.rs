@@ -13,9 +13,13 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use tokio::sync::mpsc;
 
+/// Real time in which the middleware sends what was said last.
+const LAST_WORD: std::time::Duration = std::time::Duration::from_millis(50);
+
 impl Node {
     /// Starts `/clock`, `/rosout`, `/diagnostics`, the heartbeat and the parameter services.
     pub(super) fn start_background(&mut self) -> Result<(), RuntimeError> {
+        self.spawn(self.core.matches.clone().follow());
         let (clock, diagnostics) = (self.clock(), self.diagnostics());
         if clock.is_simulated() {
             let readings = self.subscribe(&topics::CLOCK)?;
@@ -95,6 +99,11 @@ impl Node {
     /// Whether it speaks for others already; it does from now on.
     pub(crate) fn is_witness(&self) -> bool {
         self.core.witness.swap(true, Ordering::Relaxed)
+    }
+
+    /// Waits until a last word has left the process: RustDDS forgets a writer together with what it has not sent yet.
+    pub async fn spoken(&self) {
+        tokio::time::sleep(LAST_WORD).await;
     }
 
     /// The state that its services tell.

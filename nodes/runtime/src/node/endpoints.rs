@@ -123,7 +123,7 @@ impl Node {
         );
         let gate = self.gate.clone();
         server
-            .map(|server| Server::new(server, gate))
+            .map(|server| Server::new(server, gate, self.core.matches.clone(), &name))
             .map_err(|error| RuntimeError::create(format!("service {name}"), &error))
     }
 
@@ -171,7 +171,7 @@ impl Node {
             profile,
         );
         let client = client.map_err(|error| RuntimeError::create(format!("client of {name}"), &error))?;
-        Ok(Client::new(client, self.core.context.domain_participant(), name))
+        Ok(Client::new(client, self.core.matches.clone(), name))
     }
 
     /// Takes `/clock` over: the simulated printer owns it. Under `use_sim_time` the node's own clock follows the driver

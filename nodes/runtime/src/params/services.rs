@@ -63,7 +63,7 @@ impl ParameterServices {
     /// Announces the parameters and answers for ever.
     pub(crate) async fn serve(mut self, subject: Subject) {
         self.changes.parameters.send(ParameterEvent {
-            stamp: Time::from_seconds(subject.clock.now().0),
+            stamp: Time::from_seconds(subject.clock.stamp().0),
             node: subject.node.clone(),
             new_parameters: subject.store.look(|view| view.all()),
             ..ParameterEvent::default()
@@ -154,7 +154,7 @@ impl Changes {
         if changed.is_empty() {
             return;
         }
-        let now = subject.clock.now();
+        let now = subject.clock.stamp();
         for Changed { parameter, before, after } in &changed {
             tracing::info!("{} = {after}, was {before}", parameter.name);
             self.events.send(PrintEvent {

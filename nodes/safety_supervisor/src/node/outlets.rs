@@ -6,6 +6,7 @@ use models::units::Seconds;
 use runtime::wire::{permit_to_wire, schedule_to_wire};
 use runtime::{Diagnostics, Level, Node, Publisher, RuntimeError, topics};
 
+use super::journal::Journal;
 use super::latch_file::LatchFile;
 use super::operators::PATIENCE;
 use super::standing_file::StandingFile;
@@ -29,6 +30,7 @@ pub(super) struct Outlets {
     schedule: Publisher<MotionTrim>,
     states: Publisher<StateMessage>,
     events: Publisher<PrintEvent>,
+    journal: Journal,
     diagnostics: Diagnostics,
     name: String,
     session: u64,
@@ -51,6 +53,7 @@ impl Outlets {
             schedule: node.publish_on(&topics::SAFETY_SCHEDULE)?,
             states: node.publish_on(&topics::SAFETY_STATE)?,
             events: node.publish_on(&topics::EVENTS)?,
+            journal: Journal::default(),
             diagnostics: node.diagnostics(),
             name: node.name(),
             session: node.session(),
@@ -68,7 +71,7 @@ impl Outlets {
         let permit = if kept { output.permit } else { unannounced(output.permit) };
         self.permits.send(permit_to_wire(now, &permit));
         for decision in &output.events {
-            self.events.send(convert::event(now, &self.name, decision));
+            self.say(now, convert::event(now, &self.name, decision));
         }
         self.unkept = if kept { 0 } else { self.unkept.saturating_add(1) };
         if !is_announced(self.unkept, self.disk.is_some()) {
@@ -104,8 +107,13 @@ impl Outlets {
     }
 
     /// A record of the former run that was refused for this cause, and why.
-    pub(super) fn tell_refused(&self, now: Seconds, mode: Mode, cause: Cause, why: &str) {
-        self.events.send(convert::record_refused(now, &self.name, mode, cause, why));
+    pub(super) fn tell_refused(&mut self, now: Seconds, mode: Mode, cause: Cause, why: &str) {
+        self.say(now, convert::record_refused(now, &self.name, mode, cause, why));
+    }
+
+    fn say(&mut self, now: Seconds, event: PrintEvent) {
+        self.journal.write(now, &event);
+        self.events.send(event);
     }
 
     fn tell(&mut self, now: Seconds, state: &SafetyState, totals: Totals) {

@@ -49,9 +49,10 @@ impl View<'_> {
         if let Some(check) = &self.0.check {
             check(&parameters).map_err(|error| self.blame(wanted, &error))?;
         }
-        for Parameter { name, .. } in wanted {
+        for Parameter { name, value } in wanted {
             if let Some(why) = self.read_only(name, policy) {
-                return Err(format!("{name}: {why}"));
+                let bounds = &self.0.parameters.descriptions.of(name).bounds;
+                return Err(bounds.refusal(name, &text(value), &why));
             }
         }
         // What stands beside a value in its file goes on to describe it.

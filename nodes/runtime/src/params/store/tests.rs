@@ -132,7 +132,7 @@ fn what_may_change_when() {
     let refused = store.set(&one("rate_hz", 5.0), Policy::Declared).unwrap_err();
     assert_eq!(
         refused,
-        "rate_hz: read-only while the node is active: deactivate it, set it, activate it again"
+        "rate_hz = 5: read-only while the node is active: deactivate it, set it, activate it again"
     );
     assert_eq!(store.set(&one("rate_hz", 5.0), Policy::All).unwrap().len(), 1);
     assert!(store.parameters().text().contains("rate_hz: 5"));
@@ -141,7 +141,7 @@ fn what_may_change_when() {
         store
             .set(&clock, Policy::All)
             .unwrap_err()
-            .starts_with("use_sim_time: read-only while the node runs")
+            .starts_with("use_sim_time = true: read-only while the node runs")
     );
 }
 
@@ -157,8 +157,9 @@ fn what_is_wrong_is_said_with_its_range_and_what_is_right_with_its_place() {
     assert_eq!(reason(&[wanted("rate_hz", Value::Null)]), "rate_hz = nothing: must be set, and finite");
     let right = reason(&[wanted("limits.flow_max", Value::from(1.5))]);
     assert!(
-        right.starts_with("limits.flow_max: read-only while the node runs: change ")
+        right.starts_with("limits.flow_max = 1.5 (no unit): read-only while the node runs: change ")
             && right.contains(".yaml:6 ")
+            && right.ends_with("; allowed in [1, 2]")
     );
 }
 
