@@ -18,13 +18,24 @@ SUPERVISOR = ["safety_supervisor.param.yaml"]
 STATE, TRANSITION = "lifecycle_msgs/State", "lifecycle_msgs/Transition"
 
 
-def double(name: str, number: float):
+def parameter(name: str, **fields):
     value = DEFINITIONS.message("rcl_interfaces/ParameterValue")
     empty = {
         field: [] if "array" in field else "" if field == "string_value" else 0 for field in value.__annotations__
     }
-    made = value(**{**empty, "bool_value": False, "type": 3, "double_value": number})
+    made = value(**{**empty, "bool_value": False, **fields})
     return DEFINITIONS.message("rcl_interfaces/Parameter")(name=name, value=made)
+
+
+def double(name: str, number: float):
+    return parameter(name, type=3, double_value=number)
+
+
+def texts(name: str, value: str | list[str]):
+    """A text, or several."""
+    if isinstance(value, str):
+        return parameter(name, type=4, string_value=value)
+    return parameter(name, type=9, string_array_value=value)
 
 
 class Life:

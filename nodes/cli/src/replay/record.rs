@@ -5,7 +5,7 @@ use super::settings::{Recorded, Sessions};
 use crate::report::bag::Bag;
 use crate::report::decode::decode;
 use crate::report::scan::{Raw, Visitor, scan_what_is_there};
-use anyhow::bail;
+use anyhow::{Context, bail};
 use bag_recorder::file::NOTE;
 use fdm_loop_msgs::{ControlCommand, PrintEvent, PrintInfo};
 use runtime::topics;
@@ -80,6 +80,7 @@ impl Record {
         if let Some(odd) = &record.odd {
             bail!("{}: {odd}", path.display());
         }
+        record.check_begin().with_context(|| path.display().to_string())?;
         if record.parts.is_empty() {
             let of = namespace.map_or_else(String::new, |namespace| format!(" of namespace {namespace}"));
             bail!("{}: nothing{of} that a brain hears", path.display());
@@ -93,6 +94,21 @@ impl Record {
         let told = self.info.as_ref().map(|info| info.config.as_str());
         let of = |text: Option<&str>| text.map(Recorded::parse).filter(|recorded| !recorded.is_empty());
         of(told).or_else(|| of(noted)).unwrap_or_default()
+    }
+
+    /// Refuses a record whose timers would be due for years before its first message: those of virtual time begin at 0.
+    fn check_begin(&self) -> anyhow::Result<()> {
+        let late = |part: &&Vec<Kept>| part.first().is_some_and(|first| first.log_ns > GAP_NS);
+        let Some(first) = self.parts.iter().find(late).and_then(|part| part.first()) else { return Ok(()) };
+        if !self.is_virtual() {
+            return Ok(());
+        }
+        bail!(
+            "log time of {}: {} after the print's begin; at most {}",
+            first.topic,
+            hours(first.log_ns),
+            hours(GAP_NS)
+        )
     }
 
     /// Whether the log times are those of the brains' own clock, to the step.
@@ -146,6 +162,13 @@ impl Record {
     }
 }
 
+/// A length of time for people.
+fn hours(ns: u64) -> String {
+    #[allow(clippy::cast_precision_loss, reason = "a length of time for people")]
+    let hours = ns as f64 / HOUR_NS;
+    format!("{hours:.0} h")
+}
+
 /// What the record of a print in virtual time says of its clock.
 pub(crate) const VIRTUAL: &str = "virtual";
 
@@ -175,13 +198,9 @@ impl Visitor for Record {
         }
         let gap_ns = raw.log_ns.saturating_sub(self.newest_ns);
         if self.newest_ns > 0 && gap_ns > GAP_NS {
-            #[allow(clippy::cast_precision_loss, reason = "a length of time for people")]
-            let (gap_h, most_h) = (gap_ns as f64 / HOUR_NS, GAP_NS as f64 / HOUR_NS);
+            let (message, gap, most) = (self.messages, hours(gap_ns), hours(GAP_NS));
             let text = || {
-                format!(
-                    "log time of message {} ({topic}): {gap_h:.0} h after the one before; at most {most_h} h",
-                    self.messages
-                )
+                format!("log time of message {message} ({topic}): {gap} after the one before; at most {most}")
             };
             self.odd.get_or_insert_with(text);
             return;
@@ -203,6 +222,21 @@ impl Visitor for Record {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Timers of virtual time begin at 0, however late the first message is: minutes are no mistake, years are.
+    #[test]
+    fn a_begin_that_cannot_be_is_named() {
+        let virtual_note = BTreeMap::from([("clock".to_owned(), VIRTUAL.to_owned())]);
+        let begins = |log_ns, note| {
+            let kept = Kept { log_ns, topic: topics::ESTIMATE.name(), payload: Vec::new() };
+            let record = Record { parts: vec![vec![kept]], note, ..Record::default() };
+            record.check_begin().map_err(|error| error.to_string())
+        };
+        assert_eq!(begins(GAP_NS, virtual_note.clone()), Ok(()));
+        assert_eq!(begins(1 << 60, BTreeMap::new()), Ok(()), "the times of a machine");
+        let said = begins(GAP_NS * 100, virtual_note).unwrap_err();
+        assert_eq!(said, "log time of estimate/state: 2400 h after the print's begin; at most 24 h");
+    }
 
     /// One wrong stamp of a log, and timers would be due for a century.
     #[test]

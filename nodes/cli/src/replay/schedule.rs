@@ -234,10 +234,10 @@ impl Timer {
             let after_ns =
                 if step { ((after_ns - FORGIVEN_NS) / STEP_NS).ceil() * STEP_NS } else { after_ns.round() };
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "times of a bag")]
-            let due_ns = begin_ns.saturating_add(after_ns as u64);
+            let due_ns = begin_ns.checked_add(after_ns as u64);
             due_ns
         };
-        (1..u32::MAX).map(due).take_while(move |ns| *ns <= end_ns).map(of)
+        (1..u32::MAX).map_while(due).take_while(move |ns| *ns <= end_ns).map(of)
     }
 }
 
@@ -261,6 +261,16 @@ mod tests {
         assert_eq!(due(0.25, true), [250_000_000, 500_000_000, 750_000_000]);
         assert_eq!(due(0.0333, true), [34_000_000, 67_000_000, 100_000_000]);
         assert_eq!(due(0.0333, false), [33_300_000, 66_600_000, 99_900_000]);
+    }
+
+    /// A time at the end of what can be counted: a timer that stays there would be due for ever.
+    #[test]
+    fn a_timer_ends_with_the_times() {
+        for begin_ns in [u64::MAX, u64::MAX - 600_000_000] {
+            let timer = Timer { begin_ns, end_ns: u64::MAX, period_s: 0.25, step: false };
+            let wanted = if begin_ns == u64::MAX { 0 } else { 2 };
+            assert_eq!(timer.map(|ns| ns).take(9).count(), wanted);
+        }
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Drives a shell through the states of its node.
 
+mod shell;
+
 use super::life::Life;
 use super::machine::{Outcome, Step};
 use super::order::all_active;
@@ -8,15 +10,13 @@ use super::stage::Stage;
 use crate::error::chain;
 use crate::node::Node;
 use crate::shutdown::Shutdown;
+use futures::FutureExt;
+use shell::{By, Configured, End, Next, Shell, Work};
 use std::error::Error;
-use std::future::poll_fn;
-use std::pin::Pin;
+use std::future::{pending, poll_fn};
 use std::task::Poll;
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot};
-
-/// How a shell ended.
-type End = Result<(), Box<dyn Error>>;
 
 /// Time that a shell has to end when its node is deactivated; then the process is ended.
 const GRACE: Duration = Duration::from_millis(1800);
@@ -48,31 +48,6 @@ where
     driver.run(autostart).await
 }
 
-type Work<'a> = Pin<Box<dyn Future<Output = End> + 'a>>;
-
-/// A configured shell.
-struct Shell<'a> {
-    work: Work<'a>,
-    stage: Stage,
-}
-
-/// What a configuration came to.
-enum Configured<'a> {
-    Ready(Shell<'a>),
-    Ended(End),
-    /// The process is to end.
-    Interrupted,
-}
-
-/// Where the node goes from inactive.
-enum Next {
-    Active,
-    Unconfigured,
-    End(End),
-    /// Parameters changed.
-    Anew,
-}
-
 struct Driver<'n, F> {
     node: &'n Node,
     main: F,
@@ -94,16 +69,18 @@ impl<'a, F: Fn(Node) -> Work<'a>> Driver<'_, F> {
             } else {
                 match self.order().await {
                     Some(Step::Configure) => {}
-                    Some(_) => return self.finalized().await,
+                    Some(Step::Shutdown) => return self.finalized().await,
+                    Some(_) => {
+                        // Nothing is configured: an error leads back here from every step.
+                        self.settle(Outcome::Error);
+                        continue;
+                    }
                     None => return Ok(()),
                 }
             }
             match self.configure().await {
                 Configured::Ready(shell) => {
                     self.settle(Outcome::Success);
-                    if autostart && !self.others_are_there().await {
-                        return Ok(());
-                    }
                     if let Some(end) = self.configured(shell, autostart).await {
                         return end;
                     }
@@ -131,29 +108,17 @@ impl<'a, F: Fn(Node) -> Work<'a>> Driver<'_, F> {
         .await;
     }
 
-    /// Waits for those that this node is to start after; false where the process is to end before.
-    async fn others_are_there(&mut self) -> bool {
-        let names = self.node.raw_parameters().start_after();
-        tokio::select! {
-            () = all_active(self.node, names) => true,
-            () = self.shutdown.wait() => false,
-        }
-    }
-
     /// From inactive on; `None` leads back to unconfigured.
     async fn configured(&mut self, mut shell: Shell<'a>, mut autostart: bool) -> Option<End> {
         loop {
-            let next = if autostart {
-                self.life.begin(Step::Activate);
-                Next::Active
-            } else {
-                self.inactive().await
-            };
-            match next {
-                Next::Active => match self.active(shell, !autostart).await {
-                    Ok(configured) => shell = configured?,
-                    Err(end) => return Some(end),
-                },
+            match self.inactive(autostart).await {
+                Next::Active(by) => {
+                    autostart = false;
+                    match self.active(shell, by).await {
+                        Ok(configured) => shell = configured?,
+                        Err(end) => return Some(end),
+                    }
+                }
                 Next::Anew => {
                     // What it has open, the next one opens.
                     drop(shell);
@@ -161,45 +126,81 @@ impl<'a, F: Fn(Node) -> Work<'a>> Driver<'_, F> {
                         Configured::Ready(anew) => shell = anew,
                         Configured::Ended(Err(error)) => {
                             tracing::error!("not configured anew: {}", chain(error.as_ref()));
-                            self.life.begin(Step::Cleanup);
-                            self.life.finish(Outcome::Success);
-                            return None;
+                            return self.unconfigure().await;
                         }
                         Configured::Ended(end) => return Some(end),
                         Configured::Interrupted => return Some(Ok(())),
                     }
                 }
-                Next::Unconfigured => {
+                Next::Unconfigured(outcome) => {
                     drop(shell);
-                    self.settle(Outcome::Success);
+                    self.settle(outcome);
                     return None;
                 }
                 Next::End(end) => return Some(end),
             }
-            autostart = false;
         }
     }
 
-    /// Waits in inactive.
-    async fn inactive(&mut self) -> Next {
-        let changed = self.node.parameters_changed();
+    /// Back to unconfigured: there is no shell any more.
+    async fn unconfigure(&mut self) -> Option<End> {
+        if self.life.begin(Step::Cleanup) {
+            self.life.finish(Outcome::Success);
+            return None;
+        }
+        // Somebody has asked for a step while it was configured anew: that one has begun, and leads there too.
+        match self.order().await {
+            Some(Step::Cleanup) => self.settle(Outcome::Success),
+            Some(Step::Shutdown) => return Some(self.finalized().await),
+            Some(_) => self.settle(Outcome::Error),
+            None => return Some(Ok(())),
+        }
+        None
+    }
+
+    /// Waits in inactive; with `autostart` until those are active that this node is to start after.
+    async fn inactive(&mut self, autostart: bool) -> Next {
+        let (node, changed) = (self.node, self.node.parameters_changed());
+        let others = async {
+            if !autostart {
+                pending::<()>().await;
+            }
+            all_active(node, node.raw_parameters().start_after()).await;
+        };
         let step = tokio::select! {
-            step = self.order() => step,
+            biased;
+            // First: what was set before a step was asked for is in force after it.
             () = changed => return Next::Anew,
+            step = self.order() => step,
+            () = others => {
+                self.life.begin(Step::Activate);
+                return Next::Active(By::Itself);
+            }
         };
         match step {
-            Some(Step::Activate) => Next::Active,
-            Some(Step::Cleanup) => Next::Unconfigured,
-            Some(_) => Next::End(self.finalized().await),
+            Some(Step::Activate) => Next::Active(By::Request),
+            Some(Step::Cleanup) => Next::Unconfigured(Outcome::Success),
+            Some(Step::Shutdown) => Next::End(self.finalized().await),
+            Some(Step::Configure | Step::Deactivate) => Next::Unconfigured(Outcome::Error),
             None => Next::End(Ok(())),
         }
     }
 
     /// Works; then the shell that waits for the next activation, `None` where there is none, or the end.
-    async fn active(&mut self, mut shell: Shell<'a>, waited: bool) -> Result<Option<Shell<'a>>, End> {
-        self.node.gate().open(waited);
+    async fn active(&mut self, mut shell: Shell<'a>, by: By) -> Result<Option<Shell<'a>>, End> {
+        self.node.gate().open(by == By::Request);
         shell.stage.go();
-        self.settle(Outcome::Success);
+        // What it opens first belongs to the activation: whoever asked for that hears of a disk that cannot be written.
+        match poll_fn(|context| Poll::Ready(shell.work.as_mut().poll(context))).await {
+            Poll::Ready(Err(error)) if by == By::Request => {
+                self.node.gate().close();
+                tracing::error!("not activated: {}", chain(error.as_ref()));
+                self.settle(Outcome::Error);
+                return Ok(None);
+            }
+            Poll::Ready(end) => return Err(end),
+            Poll::Pending => self.settle(Outcome::Success),
+        }
         let order = tokio::select! {
             biased;
             end = &mut shell.work => return Err(end),
@@ -238,6 +239,8 @@ impl<'a, F: Fn(Node) -> Work<'a>> Driver<'_, F> {
     /// Lets the shell load and open what it needs.
     async fn configure(&mut self) -> Configured<'a> {
         let stage = Stage::new();
+        // What was set up to now it reads.
+        _ = self.node.parameters_changed().now_or_never();
         let mut work = (self.main)(self.node.staged(stage.clone()));
         tokio::select! {
             biased;
@@ -274,3 +277,6 @@ impl<'a, F: Fn(Node) -> Work<'a>> Driver<'_, F> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

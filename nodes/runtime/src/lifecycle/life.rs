@@ -63,12 +63,13 @@ impl Life {
         Some(step)
     }
 
-    /// Begins a step of the node's own.
-    pub(crate) fn begin(&self, step: Step) {
+    /// Begins a step of the node's own; false where it cannot be taken from here.
+    pub(crate) fn begin(&self, step: Step) -> bool {
         let mut inner = self.inner();
-        if let Some(way) = inner.machine.begin(step) {
-            inner.told(way);
-        }
+        let way = inner.machine.begin(step);
+        let begun = way.is_some();
+        way.into_iter().for_each(|way| inner.told(way));
+        begun
     }
 
     /// Ends the step under way. After an error the node is back at the start.

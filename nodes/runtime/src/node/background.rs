@@ -122,6 +122,12 @@ impl Node {
         async move { store.changed().await }
     }
 
+    /// The parameters that its services ask and set.
+    #[cfg(test)]
+    pub(crate) fn store(&self) -> &crate::params::store::Store {
+        &self.core.store
+    }
+
     /// Keeps the middleware while the node's tasks end.
     pub(crate) fn middleware(&self) -> Context {
         self.core.context.clone()

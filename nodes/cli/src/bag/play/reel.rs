@@ -20,6 +20,9 @@ const JUMP_NS: u64 = 1_000_000_000;
 /// Longest silence that is played `[ns]`: beyond it a time is wrong.
 const GAP_NS: u64 = 24 * 3600 * 1_000_000_000;
 
+/// Latest log time that a clock of ROS can tell `[ns]`: it counts in an i64.
+const LATEST_NS: u64 = i64::MAX.unsigned_abs();
+
 /// A message of a reel.
 pub(super) struct Frame {
     /// Log time `[ns]`.
@@ -55,6 +58,8 @@ pub(super) struct Reel {
     pub(super) stretch: usize,
     /// Messages by topic that are not of the encoding that can be sent.
     pub(super) foreign: BTreeMap<String, u64>,
+    /// A message whose time cannot be.
+    pub(super) odd: Option<String>,
     /// All topics that have a message.
     pub(super) held: BTreeSet<String>,
 }
@@ -77,6 +82,9 @@ impl Reel {
             }
         }
         reel.check_names()?;
+        if let Some(odd) = &reel.odd {
+            bail!("{}: {odd}", bag.display());
+        }
         for (topic, count) in &reel.foreign {
             reel.remarks
                 .push(format!("{topic}: {count} messages are not of little-endian CDR and are not played"));
@@ -191,6 +199,13 @@ impl Visitor for Reel {
         }
         if raw.encoding != "cdr" || !raw.payload.starts_with(&PLAYABLE) {
             *self.foreign.entry(raw.topic.to_owned()).or_default() += 1;
+            return;
+        }
+        if raw.log_ns > LATEST_NS {
+            let log_ns = raw.log_ns;
+            let text =
+                || format!("log time of a message of {}: {log_ns} ns; at most {LATEST_NS} ns", raw.topic);
+            self.odd.get_or_insert_with(text);
             return;
         }
         let channel = self.channel(raw);

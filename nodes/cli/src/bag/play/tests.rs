@@ -95,6 +95,19 @@ fn who_begins_later_hears_the_newest_word_of_each_latched_topic() {
     assert_eq!(error, "--start 11.5 s: must be in [0, 11.000], what is played of the bag");
 }
 
+/// A clock of ROS counts nanoseconds in an i64: a time beyond it is named, before anything is played.
+#[test]
+fn a_time_that_no_clock_can_tell_is_named() {
+    let mut reel = Reel::default();
+    let (type_name, encoding, offered_qos, payload) = ("std_msgs/msg/Empty", "cdr", "", &[0, 1, 0, 0][..]);
+    for log_ns in [5, i64::MAX.unsigned_abs(), u64::MAX - 3] {
+        reel.message(&Raw { topic: "/a", type_name, encoding, offered_qos, log_ns, payload });
+    }
+    assert_eq!(reel.frames.len(), 2);
+    let said = "log time of a message of /a: 18446744073709551612 ns; at most 9223372036854775807 ns";
+    assert_eq!(reel.odd.as_deref(), Some(said));
+}
+
 /// What cannot be sent is counted and told, not tried: other encodings, the other order of bytes.
 #[test]
 fn what_cannot_be_sent_is_no_part_of_the_reel() {
