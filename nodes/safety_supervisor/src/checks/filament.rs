@@ -13,8 +13,9 @@ use crate::params::FilamentParams;
 
 /// Marks kept over the window.
 const MARKS: usize = 16;
-/// Marks in a row beyond which an encoder reads too much: three windows. A state that comes late makes it lead for one.
-const TOO_MUCH: u32 = 3 * MARKS as u32;
+/// Marks in a row at which an encoder that reads too much has done so for three windows. A state that comes late makes it
+/// lead for one.
+const TOO_MUCH: u32 = 48;
 
 /// Forward way of a position with play.
 #[derive(Debug, Clone, Copy, Default)]
