@@ -1,6 +1,9 @@
 //! The catalogue of faults: each ID is shown by something that exists, and what runs in virtual time keeps its limit.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
+#[path = "faults/asked.rs"]
+mod asked;
+
 use cli::faults::catalogue::Catalogue;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -177,6 +180,42 @@ fn a_missed_limit_is_told() {
     assert!(told.contains("limits missed: S1"), "{told}");
     let table = String::from_utf8_lossy(&output.stdout);
     assert!(table.contains("missed: S1 hot end open, seed 72: 0."), "late, not absent: {table}");
+}
+
+/// At least five simulated hours of sound prints with every nuisance, in which nothing trips: all files and materials, files
+/// that change set-points, fan and filament. Those with the camera run in `test.sh --long`.
+#[test]
+fn nothing_trips_in_five_hours_of_sound_prints() {
+    let path = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    // One trial of a fraction of a second stands for the rest of the catalogue.
+    let arguments =
+        ["faults", "--only", "P13", "--seeds", "1..1", "--no-camera", "--hours", "5", "--json", "-"];
+    let output = Command::new(path).current_dir(root()).args(arguments).output().unwrap();
+    let figures: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(output.status.success(), "{}\n{figures:#}", String::from_utf8_lossy(&output.stderr));
+    assert!(figures["hours"].as_f64() >= Some(5.0), "{figures:#}");
+    assert_eq!((&figures["false_trips"], &figures["camera_hours"]), (&Value::from(0), &Value::from(0.0)));
+    assert!(figures["file_pauses"].as_u64() >= Some(3), "a file asks for three pauses: {figures:#}");
+}
+
+/// Where an ID that is not tried here is shown is told of each, never in a circle.
+#[test]
+fn an_id_that_is_not_tried_says_why_or_where() {
+    let path = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().join("fdm");
+    let told = |arguments: &[&str]| {
+        let output = Command::new(&path).current_dir(root()).arg("faults").args(arguments).output().unwrap();
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{arguments:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    for level in [&["--only", "C3, S11"][..], &["--process", "--only", "C3, S11"]] {
+        let told = told(level);
+        assert!(
+            told.contains("C3 waits (not built: ") && told.contains("S11 has the test a_wrong_unit"),
+            "{told}"
+        );
+    }
+    assert!(told(&["--process", "--only", "S1"]).contains("S1 is, without --process"));
+    assert!(told(&["--process", "--hours", "1"]).contains("--hours"));
 }
 
 /// What needs processes is no empty table of virtual time.

@@ -60,9 +60,6 @@ pub struct FaultSpec {
     /// Where the limits come from, in words and of every trial that names no other source.
     #[serde(default)]
     pub source: Option<LimitSource>,
-    /// What other firmware needs.
-    #[serde(default)]
-    pub peers: Peers,
     /// How it is shown in virtual time.
     #[serde(default)]
     pub trials: Vec<TrialSpec>,
@@ -95,6 +92,8 @@ pub struct Peers {
 pub enum Reaction {
     /// Nothing: the loop bears it, or refuses what is wrong.
     None,
+    /// `fdm` tells that a process ended or hangs; corrections may be taken back, or go on where it was not missed.
+    Told,
     /// An event says so, nothing else follows.
     Flagged,
     /// The printer is at the slicer's own values.
@@ -117,6 +116,7 @@ impl Reaction {
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
+            Self::Told => "told",
             Self::Flagged => "flagged",
             Self::Baseline => "baseline",
             Self::Observe => "observe",
@@ -140,6 +140,15 @@ pub struct SoundSpec {
     /// A scenario with nuisances only.
     #[serde(default)]
     pub scenario: Option<String>,
+    /// Only the first layers.
+    #[serde(default)]
+    pub layers: Option<u32>,
+    /// `off`, `encoder` or `mpc`.
+    #[serde(default = "trial_spec::mpc")]
+    pub control: String,
+    /// Frames are rendered and judged, accelerations sampled: slow, so only a share of the hours is of such prints.
+    #[serde(default)]
+    pub camera: bool,
 }
 
 impl Catalogue {

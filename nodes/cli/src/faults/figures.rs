@@ -2,6 +2,7 @@
 
 use super::catalogue::{FaultSpec, LimitSource, Peers, Reaction, TrialSpec};
 use super::measure::Measure;
+use super::miss::miss;
 use super::trial::Outcome;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -38,6 +39,15 @@ pub struct TrialFigures {
     /// Where its limit comes from, where it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_source: Option<LimitSource>,
+    /// Longest time until `fdm` told that the process ended, hangs or cannot write `[s]`: detection, not actuation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub told_max_s: Option<f64>,
+    /// Longest that is allowed for that `[s]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub told_limit_s: Option<f64>,
+    /// Where that limit comes from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub told_limit_source: Option<LimitSource>,
     /// Every run did what is asked for.
     pub within_limit: bool,
     /// How the supervisor called it, every name once.
@@ -50,6 +60,8 @@ pub struct TrialFigures {
     /// Longest time until corrections were back `[s]`, where it is limited.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recovered_max_s: Option<f64>,
+    /// What other firmware needs for the same.
+    pub peers: Peers,
     /// Runs in which something was found before the fault.
     pub false_trips: usize,
     /// Where a limit may be missed with an alarm: whether one was given.
@@ -97,8 +109,6 @@ pub struct FaultFigures {
     pub limit: Option<String>,
     /// Every run of every trial did what is asked for; `null` where nothing ran.
     pub within_limit: Option<bool>,
-    /// What other firmware needs.
-    pub peers: Peers,
     /// Test of the workspace that shows it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub test: Option<String>,
@@ -110,7 +120,7 @@ pub struct FaultFigures {
 }
 
 /// Everything that ran.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Figures {
     /// `virtual` or `process`.
     pub level: &'static str,
@@ -122,6 +132,12 @@ pub struct Figures {
     pub false_trip_list: Vec<String>,
     /// Simulated time of sound prints `[h]`.
     pub hours: f64,
+    /// Of it with the camera, its frames judged `[h]`.
+    pub camera_hours: f64,
+    /// Sound prints, the last ones not to their end.
+    pub sound_prints: usize,
+    /// Pauses that their files asked for, after which they went on.
+    pub file_pauses: usize,
 }
 
 impl TrialFigures {
@@ -150,16 +166,14 @@ impl TrialFigures {
             pushed_max_mm: spec.limit_mm.and_then(|_| most(|outcome| Some(outcome.pushed_mm))),
             limit_layers: spec.limit_layers,
             layers_max: spec.limit_layers.and_then(|_| outcomes.iter().map(|outcome| outcome.layers).max()),
-            limit_source: None,
             within_limit: misses.is_empty(),
             found_as,
             misses,
             overshoot_max_k: spec.overshoot_max_k.and_then(|_| most(|outcome| Some(outcome.overshoot_k))),
             recovered_max_s: spec.recover_s.and_then(|_| most(|outcome| outcome.recovered_s)),
+            peers: spec.peers,
             false_trips: outcomes.iter().filter(|outcome| outcome.early.is_some()).count(),
-            alarmed: None,
-            figures: BTreeMap::new(),
-            measures: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -192,53 +206,6 @@ impl TrialFigures {
     }
 }
 
-/// What was wrong with a run.
-fn miss((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: &Outcome) -> Option<String> {
-    let what = if let Some(early) = &outcome.early {
-        format!("{early} before the fault")
-    } else if outcome.onset_s.is_none() {
-        "the job ended before the fault".to_owned()
-    } else if let Some(worse) = &outcome.too_much {
-        format!("too much: {worse}")
-    } else if outcome.reaction_s.is_none() && reaction != Reaction::None {
-        "no reaction".to_owned()
-    } else if let Some(found) = outcome.found_as.as_ref().filter(|found| !may_be(id, spec, found)) {
-        format!("found as {found}")
-    } else if let (Some(took_s), Some(limit_s)) = (counted_s(spec, outcome), spec.limit_s)
-        && took_s > limit_s
-    {
-        let after = spec.limit_mm.map_or(String::new(), |way_mm| format!(" after {way_mm} mm"));
-        format!("{took_s:.2} s{after}")
-    } else if let Some(most) = spec.limit_layers.filter(|most| outcome.layers > *most) {
-        format!("{} layers begun, allowed {most}", outcome.layers)
-    } else if let Some(most_k) = spec.overshoot_max_k.filter(|most_k| outcome.overshoot_k > *most_k) {
-        format!("{:.1} K above the set-point, allowed {most_k}", outcome.overshoot_k)
-    } else if let Some(recover_s) = spec.recover_s
-        && outcome.recovered_s.is_none_or(|took_s| took_s > recover_s)
-    {
-        outcome
-            .recovered_s
-            .map_or("never whole again".to_owned(), |took_s| format!("whole after {took_s:.2} s"))
-    } else {
-        return None;
-    };
-    Some(format!("seed {}: {what}", outcome.seed))
-}
-
-/// The part of a reaction that its limit in seconds is about.
-fn counted_s(spec: &TrialSpec, outcome: &Outcome) -> Option<f64> {
-    let reaction_s = outcome.reaction_s?;
-    match spec.limit_mm {
-        None => Some(reaction_s),
-        Some(_) => outcome.pushed_s.map(|pushed_s| reaction_s - pushed_s),
-    }
-}
-
-/// Whether a fault may be found under this name; an empty one where the printer acted by itself.
-fn may_be(id: &str, spec: &TrialSpec, found: &str) -> bool {
-    if spec.found_as.is_empty() { found == id } else { spec.found_as.iter().any(|name| name == found) }
-}
-
 impl FaultFigures {
     /// Sums up the trials of an ID; with none, what is said of it.
     #[must_use]
@@ -258,7 +225,6 @@ impl FaultFigures {
             limit_layers: slowest.and_then(|trial| trial.limit_layers),
             limit_source: slowest.and_then(|trial| trial.limit_source).or(spec.source),
             limit: spec.limit.clone(),
-            peers: spec.peers,
             within_limit: (!trials.is_empty()).then(|| trials.iter().all(|trial| trial.within_limit)),
             test: spec.test.clone(),
             waiting: spec.waiting.clone(),
@@ -276,6 +242,13 @@ impl Figures {
         } else {
             "Simulated printer in virtual time"
         }
+    }
+
+    /// Whether detection is told apart from actuation in any trial.
+    #[must_use]
+    pub fn has_told(&self) -> bool {
+        let told = |trial: &TrialFigures| trial.told_max_s.is_some() || trial.told_limit_s.is_some();
+        self.faults.iter().flat_map(|fault| &fault.trials).any(told)
     }
 
     /// Where an ID is tried that none of these trials shows, in words.

@@ -4,6 +4,7 @@ pub mod catalogue;
 pub mod figures;
 pub mod meaning;
 pub mod measure;
+mod miss;
 pub mod page;
 pub mod process;
 pub mod sound;
@@ -46,7 +47,7 @@ pub struct FaultsArgs {
     /// Leave out the trials that render frames: they take seconds each, the others a fraction of one.
     #[arg(long, conflicts_with = "process")]
     no_camera: bool,
-    /// Simulated hours of sound prints with nuisances, in which nothing may trip.
+    /// Simulated hours of sound prints with nuisances, in which nothing may trip; a hundredth of them with the camera.
     #[arg(long, default_value_t = 0.0)]
     hours: f64,
     /// Folder with the parameter files.
@@ -79,6 +80,9 @@ pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
     let seeds = sim::seed_range(seeds)?;
     if !(0.0..=1e4).contains(&args.hours) {
         bail!("--hours {}: must be in [0, 10000] h", args.hours);
+    }
+    if args.process && args.hours > 0.0 {
+        bail!("--hours {}: sound prints are simulated, --process is not", args.hours);
     }
     if let Some(soak_s) = args.soak_s.filter(|soak_s| !(1.0..=86_400.0).contains(soak_s)) {
         bail!("--soak-s {soak_s}: must be in [1, 86400] s");
@@ -130,7 +134,8 @@ fn in_virtual_time(
     let of = |id: &str, by_id: &mut BTreeMap<&str, Vec<TrialFigures>>| by_id.remove(id).unwrap_or_default();
     let faults: Vec<FaultFigures> =
         chosen.iter().map(|fault| FaultFigures::of(fault, "virtual", of(&fault.id, &mut by_id))).collect();
-    let sound = sound::run(config, &catalogue.sound, hours)?;
+    let prints = catalogue.sound.iter().filter(|print| !(no_camera && print.camera)).cloned();
+    let sound = sound::run(config, &prints.collect::<Vec<_>>(), hours)?;
     let early: usize = faults.iter().flat_map(|fault| &fault.trials).map(|trial| trial.false_trips).sum();
     Ok(Figures {
         level: "virtual",
@@ -138,6 +143,9 @@ fn in_virtual_time(
         false_trips: early + sound.trips.len(),
         false_trip_list: sound.trips,
         hours: sound.hours,
+        camera_hours: sound.camera_hours,
+        sound_prints: sound.prints,
+        file_pauses: sound.pauses,
     })
 }
 
@@ -156,14 +164,26 @@ fn judge(figures: &Figures) -> anyhow::Result<()> {
 }
 
 fn chosen<'a>(catalogue: &'a Catalogue, only: &[String]) -> anyhow::Result<Vec<&'a FaultSpec>> {
-    for id in only {
-        if !catalogue.faults.iter().any(|fault| fault.id == *id) {
+    let only: Vec<&str> = only.iter().map(|id| id.trim()).collect();
+    for id in &only {
+        if !catalogue.faults.iter().any(|fault| fault.id == **id) {
             let known: Vec<&str> = catalogue.faults.iter().map(|fault| fault.id.as_str()).collect();
             bail!("--only {id}: no such ID; there are {}", known.join(" "));
         }
     }
-    let wanted = |fault: &&FaultSpec| only.is_empty() || only.contains(&fault.id);
+    let wanted = |fault: &&FaultSpec| only.is_empty() || only.contains(&fault.id.as_str());
     Ok(catalogue.faults.iter().filter(wanted).collect())
+}
+
+/// Where each of these IDs is shown, which are not here: `tried` names where those with trials are.
+fn elsewhere(chosen: &[&FaultSpec], tried: &str) -> String {
+    let one = |fault: &&FaultSpec| match (&fault.waiting, &fault.test) {
+        (Some(why), _) => format!("{} waits ({why})", fault.id),
+        _ if !(fault.trials.is_empty() && fault.process.is_empty()) => format!("{} is, {tried}", fault.id),
+        (None, Some(test)) => format!("{} has the test {test}", fault.id),
+        (None, None) => format!("{} is not tried", fault.id),
+    };
+    chosen.iter().map(one).collect::<Vec<_>>().join("; ")
 }
 
 /// Refuses a run in virtual time that would try nothing of what is asked for, and tells what a wish leaves out.
@@ -174,9 +194,7 @@ fn check_tried(chosen: &[&FaultSpec], args: &FaultsArgs) -> anyhow::Result<()> {
     };
     let is_tried = |fault: &&FaultSpec| !fault.trials.is_empty();
     if !args.only.is_empty() && args.hours <= 0.0 && !chosen.iter().any(is_tried) {
-        bail!(
-            "none of these IDs is tried in virtual time: with --process real processes are, and `fdm faults` names the tests"
-        );
+        bail!("none of these IDs is tried in virtual time: {}", elsewhere(chosen, "with --process"));
     }
     let blind = named(|fault| !fault.trials.is_empty() && fault.trials.iter().all(|trial| trial.camera));
     if !args.no_camera || blind.is_empty() {

@@ -32,12 +32,14 @@ pub fn page(figures: &Figures) -> String {
                 h1 { "From fault to reaction" }
                 p {
                     (figures.title()) ": " (figures.faults.len()) " faults, " (trials) " trials, "
-                    (runs) " runs. Bar: median to worst; black line: limit (none is drawn where it counts filament or "
+                    (runs) " runs. Times run from injection to actuation; told: until fdm says that a process ended, "
+                    "hangs or cannot write. Bar: median to worst; black line: limit (none is drawn where it counts filament or "
                     "layers: it stands beside the worst time then); "
                     span style="color:#c77700" { "K" } " and " span style="color:#6a3fa0" { "M" }
                     ": what Klipper and Marlin need by their sources or as measured, no run of this table "
                     "(peers in config/faults.yaml). False trips: " (figures.false_trips) " (sound prints: "
-                    (format!("{:.1}", figures.hours)) " h)."
+                    (format!("{:.1}", figures.hours)) " h, " (format!("{:.1}", figures.camera_hours))
+                    " h of them with the camera)."
                 }
                 div class="wide" { table {
                     tr { th { "ID" } th { "fault" } th { "reaction" } th { "worst / limit" } th { (axis()) } }
@@ -64,8 +66,11 @@ fn row(fault: &FaultFigures, trial: &TrialFigures) -> Markup {
             td { (trial.action) " " small { (trial.detected) "/" (trial.runs) } }
             td class=[(!trial.within_limit).then_some("missed")] title=[source] {
                 (time(trial.reaction_max_s)) " / " (limit)
+                @if let Some(limit_s) = trial.told_limit_s {
+                    br; small { "told " (time(trial.told_max_s)) " / " (limit_s) " s" }
+                }
             }
-            td { (bar(fault, trial)) }
+            td { (bar(trial)) }
         }
         @if !trial.figures.is_empty() {
             @let figures = trial.figures.iter().map(|(name, figure)| format!("{name} {figure:.2}"));
@@ -94,7 +99,7 @@ fn axis() -> Markup {
     })
 }
 
-fn bar(fault: &FaultFigures, trial: &TrialFigures) -> Markup {
+fn bar(trial: &TrialFigures) -> Markup {
     let (middle, worst) = (trial.reaction_p50_s.map(place), trial.reaction_max_s.map(place));
     let colour = if trial.within_limit { "#2f7d4f" } else { "#b3261e" };
     drawing(&html! {
@@ -108,7 +113,7 @@ fn bar(fault: &FaultFigures, trial: &TrialFigures) -> Markup {
             line x1=(place(limit_s)) x2=(place(limit_s)) y1="2" y2="20" stroke="#1b2430" stroke-width="2" {}
         }
         @for (letter, seconds, fill) in
-            [("K", fault.peers.klipper_s, "#c77700"), ("M", fault.peers.marlin_s, "#6a3fa0")]
+            [("K", trial.peers.klipper_s, "#c77700"), ("M", trial.peers.marlin_s, "#6a3fa0")]
         {
             @if let Some(seconds) = seconds {
                 text x=(place(seconds)) y="15" font-size="12" text-anchor="middle" fill=(fill) { (letter) }

@@ -243,7 +243,7 @@ impl Trial<'_> {
         let simulator = printing.simulator();
         let in_force = simulator.in_force();
         match self.reaction {
-            Reaction::None => false,
+            Reaction::None | Reaction::Told => false,
             Reaction::Flagged => printing.noticed.iter().any(|found| found.action == "flagged"),
             // Neutral by the dead-man: the slicer's values may have been in force before.
             Reaction::Baseline => in_force.lapsed && in_force.trims == Trims::NEUTRAL,
@@ -270,7 +270,7 @@ fn taken_from_a_rival(printing: &Printing) -> Option<String> {
 fn worse_than(most: Reaction, printing: &Printing) -> Option<String> {
     let state = printing.safety?;
     let allowed = match most {
-        Reaction::None | Reaction::Flagged | Reaction::Observe => Mode::Act,
+        Reaction::None | Reaction::Told | Reaction::Flagged | Reaction::Observe => Mode::Act,
         Reaction::Baseline | Reaction::Degraded => Mode::Degraded,
         Reaction::Paused => Mode::Paused,
         Reaction::SafeOff => Mode::SafeOff,

@@ -23,10 +23,14 @@ pub struct ProcessSpec {
     /// Worst that may follow; where it is missing, the reaction itself.
     #[serde(default)]
     pub at_most: Option<Reaction>,
-    /// Longest time until the reaction, or until it is told where none has to follow `[s]`.
+    /// Longest time from the fault until `fdm` tells that the process ended, hangs or cannot write `[s]`; its source is
+    /// the entry's.
+    #[serde(default)]
+    pub told_s: Option<f64>,
+    /// Longest time from the fault until the reaction is carried out `[s]`; of `told`, where the supervisor acts at all.
     #[serde(default)]
     pub limit_s: Option<f64>,
-    /// Where its limit comes from, instead of the entry's.
+    /// Where `limit_s` or `bounds` come from, instead of the entry's.
     #[serde(default)]
     pub source: Option<LimitSource>,
     /// The reaction must not come before `[s]`.
@@ -204,7 +208,14 @@ impl ProcessSpec {
         {
             bail!("there is no node {node}");
         }
-        let times = [self.limit_s, self.earliest_s, self.neutral_s, self.recover_s, self.act.duration_s()];
+        let times = [
+            self.told_s,
+            self.limit_s,
+            self.earliest_s,
+            self.neutral_s,
+            self.recover_s,
+            self.act.duration_s(),
+        ];
         for time_s in times.into_iter().flatten() {
             if !(1e-3..=LONGEST_S).contains(&time_s) {
                 bail!("{time_s} s: must be in [0.001, {LONGEST_S}]");

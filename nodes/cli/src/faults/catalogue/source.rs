@@ -55,6 +55,12 @@ pub(super) fn check(fault: &FaultSpec) -> anyhow::Result<()> {
         (&trial.name, limited, trial.source)
     });
     let mut limited_at_all = fault.limit.is_some();
+    for trial in fault.process.iter().filter(|trial| trial.told_s.is_some()) {
+        limited_at_all = true;
+        if fault.source.is_none() {
+            bail!("{}, trial '{}': told_s has the source of its ID, which has none", fault.id, trial.name);
+        }
+    }
     for (name, limited, source) in trials.chain(process) {
         limited_at_all |= limited;
         if limited && source.or(fault.source).is_none() {

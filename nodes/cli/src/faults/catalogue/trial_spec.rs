@@ -1,6 +1,6 @@
 //! One way to bring a fault about, as the catalogue writes it.
 
-use super::{LimitSource, Reaction};
+use super::{LimitSource, Peers, Reaction};
 use crate::sim::relay::Tampering;
 use anyhow::bail;
 use printer_sim::faults::{Component, Kind};
@@ -74,6 +74,9 @@ pub struct TrialSpec {
     /// A person's request.
     #[serde(default)]
     pub person: Option<Person>,
+    /// What other firmware needs for the same.
+    #[serde(default)]
+    pub peers: Peers,
     /// Parameters of nodes from the start, by node and name, each as YAML.
     #[serde(default)]
     pub set: BTreeMap<String, BTreeMap<String, String>>,
@@ -83,7 +86,7 @@ fn watch() -> f64 {
     2.0
 }
 
-fn mpc() -> String {
+pub(super) fn mpc() -> String {
     "mpc".to_owned()
 }
 

@@ -62,6 +62,18 @@ impl Graph {
         Ok((Self { fleets: Vec::new(), hearing: Hearing::default(), folder, plan, shim }, recipes))
     }
 
+    /// Refuses parameters that no node takes and programs that are not there, before anything is called a miss.
+    pub(super) fn check(setting: &Setting) -> anyhow::Result<()> {
+        for gcode in [&setting.gcode, &setting.long_gcode] {
+            let material = crate::job::GcodeFile::read(gcode, &setting.config.motion()?, None)?.material();
+            let args = arguments(gcode, Path::new("."), 1);
+            let plan = Plan::new(&args, &setting.config, &material, "mpc")?;
+            plan.check()?;
+            _ = plan.recipes()?;
+        }
+        Ok(())
+    }
+
     /// Starts a node.
     pub(super) fn launch(&mut self, recipe: Recipe) -> anyhow::Result<()> {
         let name = recipe.name;

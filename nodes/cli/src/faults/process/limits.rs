@@ -46,7 +46,7 @@ pub(super) async fn memory(session: &mut Session, node: &str, for_s: f64) -> any
     let begin = session.observer.now();
     session.whole().await?;
     let mut observed = Observed::of(&watcher);
-    observed.reaction_s = told.filter(|_| died);
+    observed.told_s = told.filter(|_| died);
     observed.recovered_s = Some((session.observer.now() - begin).0);
     observed.figures.insert("died", f64::from(u8::from(died)));
     if !beats {

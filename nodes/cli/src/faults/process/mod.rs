@@ -20,12 +20,12 @@ mod storage;
 mod watcher;
 
 use super::catalogue::{Act, Bench, Catalogue, FaultSpec, ProcessSpec, Reaction};
-use super::figures::{FaultFigures, Figures};
+use super::figures::{FaultFigures, Figures, TrialFigures};
 use super::trial::share_of;
 use crate::config::ConfigDir;
 use crate::output;
 use anyhow::{Context, bail};
-use graph::Setting;
+use graph::{Graph, Setting};
 use machine::Machine;
 use outcome::Observed;
 use session::Session;
@@ -89,8 +89,10 @@ pub fn run(
         dues.extend(fault.process.iter().map(|spec| Due { fault, spec, runs: Vec::new() }));
     }
     if dues.is_empty() {
-        bail!("none of these IDs is tried with processes: without --process they run in virtual time");
+        let where_else = super::elsewhere(chosen, "without --process");
+        bail!("none of these IDs is tried with processes: {where_else}");
     }
+    Graph::check(&setting)?;
     // What can share a graph comes first, what ends its print last.
     dues.sort_by_key(|due| (wish.bench(due.spec), due.spec.ends_print()));
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
@@ -111,7 +113,9 @@ fn figures(chosen: &[&FaultSpec], dues: &[Due<'_>]) -> Figures {
             let ours = dues.iter().find(|due| std::ptr::eq(due.spec, spec));
             let summed = ours.map(|due| {
                 let figures = outcome::sum_up(spec, reaction(due), &due.runs);
-                figures.limited_by(spec.source.or(fault.source))
+                let told_limit_source = fault.source.filter(|_| spec.told_s.is_some());
+                let figures = figures.limited_by(spec.source.or(fault.source));
+                TrialFigures { told_limit_source, ..figures }
             });
             by_id.entry(&fault.id).or_default().extend(summed);
         }
@@ -121,7 +125,7 @@ fn figures(chosen: &[&FaultSpec], dues: &[Due<'_>]) -> Figures {
         .filter_map(|fault| Some(FaultFigures::of(fault, "process", by_id.remove(fault.id.as_str())?)))
         .collect();
     let false_trips = faults.iter().flat_map(|fault| &fault.trials).map(|trial| trial.false_trips).sum();
-    Figures { level: "process", faults, false_trips, false_trip_list: Vec::new(), hours: 0.0 }
+    Figures { level: "process", faults, false_trips, ..Figures::default() }
 }
 
 fn reaction(due: &Due<'_>) -> Reaction {
@@ -170,7 +174,10 @@ fn blame(dues: &mut [Due<'_>], newest: Option<usize>, complaints: Vec<String>) {
 }
 
 fn tell(due: &Due<'_>, observed: &Observed) {
-    let took = observed.reaction_s.map_or("-".to_owned(), |took_s| format!("{took_s:.2} s"));
+    let time = |name: &str, time: Option<f64>| time.map(|time_s| format!("{name} {time_s:.2} s"));
+    let times = [time("told", observed.told_s), time("reaction", observed.reaction_s)];
+    let took = times.into_iter().flatten().collect::<Vec<_>>().join(", ");
+    let took = if took.is_empty() { "-" } else { &took };
     let wrong =
         if observed.wrong.is_empty() { String::new() } else { format!("; {}", observed.wrong.join("; ")) };
     output::note(&format!("{} {}, seed {}: {took}{wrong}", due.fault.id, due.spec.name, observed.seed));

@@ -111,17 +111,17 @@ impl Trial<'_> {
 
     fn observed(&self, spec: &ProcessSpec, reaction: Reaction) -> Observed {
         let (times, watcher) = (&self.times, &self.watcher);
-        let seen = [times.told, watcher.acted].into_iter().flatten().reduce(f64::min);
         let reaction_s = match reaction {
             Reaction::Baseline => watcher.neutral,
             Reaction::Paused => watcher.paused,
             Reaction::SafeOff => watcher.safe_off,
-            _ => seen,
+            Reaction::None => None,
+            _ => watcher.acted,
         };
         let recovered_s = times.whole.zip(times.back).map(|(whole, back)| whole - back);
         // A process that is replaced before anybody had to miss it changes nothing.
         let missed = self.continued_s.is_some() || watcher.acted.is_some();
-        let mut observed = Observed { reaction_s, recovered_s, ..Observed::of(watcher) };
+        let mut observed = Observed { told_s: times.told, reaction_s, recovered_s, ..Observed::of(watcher) };
         observed.neutral_s = spec.neutral_s.filter(|_| missed).map(|_| watcher.neutral);
         let named = [
             ("told_s", times.told),

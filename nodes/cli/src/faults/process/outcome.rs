@@ -13,6 +13,8 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(super) struct Observed {
     /// Decided the moment of the fault.
     pub(super) seed: u64,
+    /// From the fault until `fdm` told of it `[s]`.
+    pub(super) told_s: Option<f64>,
     /// From the fault to the reaction `[s]`.
     pub(super) reaction_s: Option<f64>,
     /// From the end of the fault until all was whole again `[s]`.
@@ -40,7 +42,7 @@ pub(super) struct Observed {
 impl Observed {
     /// What a watcher saw of supervisor and printer.
     pub(super) fn of(watcher: &Watcher) -> Self {
-        let cause = watcher.worst.1.split_whitespace().next().map(str::to_owned);
+        let cause = watcher.worst.1.split_whitespace().next().map(|id| id.trim_end_matches(':').to_owned());
         Self {
             worst: watcher.worst.0,
             affected: watcher.affected(),
@@ -60,8 +62,14 @@ impl Observed {
         let mut wrong = self.wrong.clone();
         let time = |time: Option<f64>| time.map_or("never".to_owned(), |time| format!("after {time:.2} s"));
         let late = |took: Option<f64>, limit_s: f64| took.is_none_or(|took| took > limit_s);
-        if let Some(limit_s) = spec.limit_s.filter(|limit_s| late(self.reaction_s, *limit_s)) {
-            wrong.push(format!("{} {}, limit {limit_s} s", reaction.name(), time(self.reaction_s)));
+        if let Some(limit_s) = spec.told_s.filter(|limit_s| late(self.told_s, *limit_s)) {
+            wrong.push(format!("told {}, limit {limit_s} s", time(self.told_s)));
+        }
+        // Nobody has to act where a process is there again before it was missed.
+        let due = reaction != Reaction::Told || self.reaction_s.is_some();
+        if let Some(limit_s) = spec.limit_s.filter(|limit_s| due && late(self.reaction_s, *limit_s)) {
+            let reaction = followed(reaction, due);
+            wrong.push(format!("{reaction} {}, limit {limit_s} s", time(self.reaction_s)));
         }
         if let Some(earliest_s) = spec.earliest_s.filter(|limit_s| !late(self.reaction_s, *limit_s)) {
             wrong.push(format!("{} {}, before {earliest_s} s", reaction.name(), time(self.reaction_s)));
@@ -98,10 +106,16 @@ impl Observed {
     }
 }
 
+/// The reaction as it is named: `told` only where the supervisor had no cause to act.
+fn followed(reaction: Reaction, acted: bool) -> &'static str {
+    let degraded = reaction == Reaction::Told && acted;
+    if degraded { Reaction::Degraded.name() } else { reaction.name() }
+}
+
 /// Highest mode that a reaction allows.
 fn highest(most: Reaction) -> u8 {
     match most {
-        Reaction::None | Reaction::Flagged | Reaction::Observe => SafetyState::MODE_ACT,
+        Reaction::None | Reaction::Told | Reaction::Flagged | Reaction::Observe => SafetyState::MODE_ACT,
         Reaction::Baseline | Reaction::Degraded => SafetyState::MODE_DEGRADED,
         Reaction::Paused => SafetyState::MODE_PAUSED,
         Reaction::SafeOff => SafetyState::MODE_SAFE_OFF,
@@ -113,6 +127,8 @@ fn highest(most: Reaction) -> u8 {
 pub(super) fn sum_up(spec: &ProcessSpec, reaction: Reaction, runs: &[Observed]) -> TrialFigures {
     let mut times: Vec<f64> = runs.iter().filter_map(|run| run.reaction_s).collect();
     times.sort_by(f64::total_cmp);
+    let told: Vec<f64> = runs.iter().filter_map(|run| run.told_s).collect();
+    let due = reaction != Reaction::Told || !times.is_empty();
     let misses: Vec<String> = runs.iter().filter_map(|run| run.miss(spec, reaction)).collect();
     let found_as: BTreeSet<String> = runs.iter().filter_map(|run| run.found_as.clone()).collect();
     let recovered = runs.iter().filter_map(|run| run.recovered_s).max_by(f64::total_cmp);
@@ -133,12 +149,14 @@ pub(super) fn sum_up(spec: &ProcessSpec, reaction: Reaction, runs: &[Observed]) 
     let bound = |name: &str| spec.bounds.get(name).copied().unwrap_or(Bound::default());
     TrialFigures {
         name: spec.name.clone(),
-        action: reaction.name(),
+        action: followed(reaction, due),
         runs: runs.len(),
-        detected: times.len(),
+        detected: if due && reaction != Reaction::None { times.len() } else { told.len().max(times.len()) },
         reaction_p50_s: times.get(times.len().saturating_sub(1) / 2).copied(),
         reaction_max_s: times.last().copied(),
-        limit_s: spec.limit_s,
+        limit_s: spec.limit_s.filter(|_| due),
+        told_max_s: told.into_iter().max_by(f64::total_cmp),
+        told_limit_s: spec.told_s,
         within_limit: misses.is_empty(),
         found_as: found_as.into_iter().collect(),
         misses,

@@ -57,7 +57,7 @@ pub(super) async fn full(
         })
         .await?;
     let mut observed = Observed::of(&watcher);
-    observed.reaction_s = told;
+    observed.told_s = told;
     observed.recovered_s = again.then(|| (session.observer.now() - room).0);
     Ok(observed)
 }
