@@ -80,6 +80,9 @@ pub enum RecorderError {
         /// What it names.
         name: String,
     },
+    /// `topics` and `leave_out` leave nothing.
+    #[error("topics, leave_out: they leave no topic to record")]
+    NothingLeft,
     /// A thread cannot be started, or ended before it should.
     #[error("{0}")]
     Thread(&'static str),

@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 
 /// Name of the metadata records that say what was printed, by what software, with what configuration.
 pub const NOTE: &str = "fdm_loop";
+/// What the head of our files says of who wrote them, before the version.
+pub(crate) const LIBRARY: &str = "fdm_loop bag_recorder";
 /// Key of a channel's metadata that holds the quality of service.
 pub const QOS_KEY: &str = "offered_qos_profiles";
 /// Encoding of the schemas.
@@ -73,7 +75,7 @@ impl BagFile {
             .map_err(RecorderError::file("create", path))?;
         let options = WriteOptions::new()
             .profile("ros2")
-            .library(concat!("fdm_loop bag_recorder ", env!("CARGO_PKG_VERSION")))
+            .library(format!("{LIBRARY} {}", env!("CARGO_PKG_VERSION")))
             .use_chunks(form == Form::Indexed)
             .compression(Some(Compression::Zstd))
             .compression_threads(0);

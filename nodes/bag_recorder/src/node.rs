@@ -36,7 +36,12 @@ const REPORT: Duration = Duration::from_secs(1);
 /// [`RecorderError`]
 pub async fn run(mut node: Node) -> Result<(), RecorderError> {
     let params: Params = node.parameters()?;
-    let (recorded, subscriptions) = subscribe(&mut node, &params)?;
+    let subscribed = subscribe(&mut node, &params);
+    let (recorded, subscriptions) = subscribed.inspect_err(|error| {
+        if matches!(error, RecorderError::NoTopic { .. } | RecorderError::NothingLeft) {
+            node.refuse();
+        }
+    })?;
     node.activated().await;
     let tally = Arc::new(Tally::new(recorded.len()));
     let folder = Folder::open(&params.bag_dir, params.bag_name(), Arc::clone(&tally))?;
@@ -103,6 +108,9 @@ fn subscribe(
             recorded.push(convert::recorded(subscription.topic().to_owned(), topic));
             subscriptions.push(subscription);
         }
+    }
+    if recorded.is_empty() {
+        return Err(RecorderError::NothingLeft);
     }
     Ok((recorded, subscriptions))
 }

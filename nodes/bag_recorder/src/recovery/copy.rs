@@ -3,11 +3,11 @@
 use super::channel_of;
 use crate::contents::Channel;
 use crate::error::RecorderError;
-use crate::file::{BagFile, Described, MESSAGE_ENCODING, Stamp};
+use crate::file::{BagFile, Described, LIBRARY, MESSAGE_ENCODING, NOTE, Stamp};
 use crate::walk::{Walk, Walked};
 use mcap::records::Record;
 use mcap::{Attachment, McapError};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -48,13 +48,15 @@ fn open(path: &Path) -> Result<Walk, RecorderError> {
     walk.ok_or(McapError::BadMagic).map_err(RecorderError::mcap("read", path))
 }
 
-/// Goes through every record of a file.
+/// Goes through every record of a file. What a copy would not take counts as damage.
 ///
 /// # Errors
 /// A file that cannot be read, or is none of a bag; one that holds what could not be copied: [`RecorderError::Foreign`].
+/// A recorder of ours writes no records of private use: in its files they are damaged ones.
 pub fn look(path: &Path) -> Result<Walked, RecorderError> {
     let mut walk = open(path)?;
     let foreign = |what: String| RecorderError::Foreign { path: path.to_path_buf(), what };
+    let (mut channels, mut private, mut is_ours) = (BTreeSet::new(), None, false);
     loop {
         let unsound = match walk.next_record().map_err(RecorderError::file("read", path))? {
             None => break,
@@ -63,20 +65,42 @@ pub fn look(path: &Path) -> Result<Walked, RecorderError> {
                     let (topic, encoding) = (channel.topic, channel.message_encoding);
                     return Err(foreign(format!("messages of {topic} of encoding '{encoding}'")));
                 }
-                Ok(Record::Unknown { opcode, .. }) => {
-                    return Err(foreign(format!("records of private use, with operation {opcode:#04x}")));
+                Ok(Record::Channel(channel)) => {
+                    channels.insert(channel.id);
+                    false
                 }
-                parsed => parsed.is_err(),
+                Ok(Record::Message { header, .. }) => !channels.contains(&header.channel_id),
+                Ok(Record::Unknown { opcode, .. }) => {
+                    private.get_or_insert(opcode);
+                    true
+                }
+                Ok(record) => {
+                    is_ours |= is_of_ours(&record);
+                    false
+                }
+                Err(_broken) => true,
             },
         };
         if unsound {
             walk.reject();
         }
     }
+    if let Some(opcode) = private.filter(|_| !is_ours) {
+        return Err(foreign(format!("records of private use, with operation {opcode:#04x}")));
+    }
     let walked = walk.finish();
     match &walked.compression {
         Some(name) => Err(foreign(format!("chunks compressed by '{name}'"))),
         None => Ok(walked),
+    }
+}
+
+/// Whether a record tells that a recorder of ours wrote the file: its head, or the note behind it.
+fn is_of_ours(record: &Record<'_>) -> bool {
+    match record {
+        Record::Header(header) => header.library.starts_with(LIBRARY),
+        Record::Metadata(note) => note.name == NOTE,
+        _ => false,
     }
 }
 
@@ -133,6 +157,8 @@ fn copy_record(record: Record<'_>, seen: &mut Seen, copy: &mut BagFile) -> Resul
             media_type: header.media_type,
             data,
         })?,
+        // One of ours that was damaged: a file with others is not copied.
+        Record::Unknown { .. } => return Ok(false),
         _ => {}
     }
     Ok(true)

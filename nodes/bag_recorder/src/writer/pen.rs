@@ -20,6 +20,17 @@ struct Placed {
     payload: Vec<u8>,
 }
 
+/// What events ask for while nothing is written: a kept file each would fill the disk with what cannot be dropped.
+#[derive(Default)]
+struct Events {
+    /// Newest message in memory `[ns]`.
+    newest_ns: u64,
+    /// Newest message of the last snapshot `[ns]`.
+    taken_ns: Option<u64>,
+    /// An event came since, and has to wait until all that is in memory is new.
+    is_owed: bool,
+}
+
 /// The one that writes.
 pub(super) struct Pen {
     folder: Folder,
@@ -32,6 +43,7 @@ pub(super) struct Pen {
     order: Order,
     /// The last seconds, where nothing is written and some are wanted.
     ring: Option<Ring<Placed>>,
+    events: Events,
     /// Messages of each topic that the system does not have yet.
     unflushed: Vec<u64>,
 }
@@ -47,7 +59,8 @@ impl Pen {
         let file = begin_file(&folder, number, &settings.note, &opened)?;
         let (order, topics) = (Order::new(settings.late_max), settings.topics.len());
         let ring = (settings.snapshot.span_ns > 0).then(|| Ring::new(settings.snapshot));
-        Ok(Self { folder, settings, opened, ended, file, number, order, ring, unflushed: vec![0; topics] })
+        let (events, unflushed) = (Events::default(), vec![0; topics]);
+        Ok(Self { folder, settings, opened, ended, file, number, order, ring, events, unflushed })
     }
 
     /// Writes until every other end of the queue is gone.
@@ -60,6 +73,7 @@ impl Pen {
             }
             self.flush()?;
         }
+        self.settle()?;
         // Where the other end is gone the file stays as a kill leaves it: the next start recovers it.
         _ = self.ended.send(self.file);
         Ok(())
@@ -89,6 +103,8 @@ impl Pen {
             }
             Place::NewFile(log_ns) => {
                 // What is in memory is of another time.
+                self.settle()?;
+                self.events = Events::default();
                 self.ring.iter_mut().for_each(|ring| drop(ring.take()));
                 self.next_file()?;
                 log_ns
@@ -101,6 +117,10 @@ impl Pen {
             return self.write(&placed);
         }
         self.settings.tally.passed_over.add(1);
+        if self.events.is_owed && !self.is_soon(log_ns) {
+            self.snapshot()?;
+        }
+        self.events.newest_ns = log_ns;
         if let Some(ring) = &mut self.ring {
             ring.push(log_ns, placed.payload.len() + std::mem::size_of::<Placed>(), placed);
         }
@@ -129,12 +149,16 @@ impl Pen {
         match wish {
             Wish::Pause => self.settings.tally.paused.store(true, Ordering::Relaxed),
             Wish::Resume => {
-                // What came before was not asked for.
+                self.settle()?;
+                // What else came before was not asked for.
                 self.ring.iter_mut().for_each(|ring| drop(ring.take()));
                 self.settings.tally.paused.store(false, Ordering::Relaxed);
             }
             Wish::Split => self.split()?,
             Wish::SplitBy(split) => self.settings.split = split,
+            Wish::Keep if self.is_paused() && self.is_soon(self.events.newest_ns) => {
+                self.events.is_owed = true;
+            }
             Wish::Snapshot | Wish::Keep if self.is_paused() => self.snapshot()?,
             Wish::Snapshot => {
                 self.keep(self.number)?;
@@ -150,13 +174,26 @@ impl Pen {
         Ok(())
     }
 
+    /// Whether the last snapshot is so new that one at this time would hold nothing that the next one does not.
+    fn is_soon(&self, now_ns: u64) -> bool {
+        let span_ns = self.settings.snapshot.span_ns;
+        self.events.taken_ns.is_some_and(|taken_ns| now_ns.saturating_sub(taken_ns) <= span_ns)
+    }
+
+    /// Writes what an event has asked for and nobody could wait for any longer.
+    fn settle(&mut self) -> Result<(), RecorderError> {
+        if self.events.is_owed { self.snapshot() } else { Ok(()) }
+    }
+
     /// Writes what is in memory to a file of its own, which is kept.
     fn snapshot(&mut self) -> Result<(), RecorderError> {
         let Some(ring) = &mut self.ring else { return Ok(()) };
         let placed: Vec<Placed> = ring.take().collect();
+        self.events.is_owed = false;
         if placed.is_empty() {
             return Ok(());
         }
+        self.events.taken_ns = Some(self.events.newest_ns);
         self.split()?;
         let first = self.number;
         for placed in &placed {

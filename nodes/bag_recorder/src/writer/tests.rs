@@ -147,6 +147,38 @@ fn a_snapshot_holds_the_last_seconds() {
     assert_eq!((tally.passed_over.get(), tally.written()), (105, 28));
 }
 
+/// Paused, with an event behind every message for 12 s: one kept file for each 2 s at most, and none of what they are about
+/// is missing. What the last events asked for is written before a resume, and before the end.
+#[test]
+fn many_events_make_few_snapshots() {
+    for resumed in [true, false] {
+        let folder = scratch("events");
+        let (recorder, tally) = start(&folder.0, |settings| settings.snapshot.span_ns = 2_000_000_000);
+        wish(&recorder, Wish::Pause);
+        send(&recorder, 10, 100);
+        wish(&recorder, Wish::Keep);
+        for number in 0..12 {
+            for tenth in 0..10 {
+                let received = Seconds(f64::from(20 + number) + f64::from(tenth) * 0.1);
+                let sample =
+                    Sample { topic: 0, received, publish_ns: None, sequence: 0, payload: vec![0; 1000] };
+                assert!(recorder.queue().offer(Item::Message(sample)));
+                wish(&recorder, Wish::Keep);
+            }
+        }
+        if resumed {
+            wish(&recorder, Wish::Resume);
+        }
+        recorder.finish().unwrap();
+        // Behind a snapshot an empty file begins.
+        let files: Vec<_> = files(&folder.0).into_iter().filter(|(_, messages)| *messages > 0).collect();
+        // The first 21 messages, and 120 in files of 2 s.
+        assert!((6..=8).contains(&files.len()), "{files:?}");
+        assert_eq!(files.iter().map(|(_, messages)| messages).sum::<u64>(), 21 + 120, "{files:?}");
+        assert_eq!(tally.kept.get(), files.len() as u64);
+    }
+}
+
 /// With room for little the oldest files go, those with an event and the one before it stay, and what is written goes on.
 #[test]
 fn the_oldest_file_goes_and_what_an_event_marks_stays() {

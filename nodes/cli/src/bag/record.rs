@@ -73,7 +73,7 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
     if !program.is_file() {
         bail!("{} is missing: build all nodes with `cargo build --release`", program.display());
     }
-    check_topics(args)?;
+    check(args)?;
     if args.dry_run {
         let arguments = arguments(args, args.use_sim_time, (&config, &bag_of(args)));
         return output::line(&format!("{} {}", program.display(), arguments.join(" ")));
@@ -91,17 +91,31 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
     super::kept::run(&program, &arguments, &bag)
 }
 
-/// Names are told before anything is started.
-fn check_topics(args: &RecordArgs) -> anyhow::Result<()> {
-    let base = args.namespace.trim_end_matches('/');
-    let known = |name: &String| {
-        let is = |topic: &str| *name == topic || *name == format!("{base}/{topic}");
-        topics::ALL.iter().any(|topic| is(topic.name)) || *name == clock_of(&args.namespace)
+/// What cannot be recorded so is told before anything is started.
+fn check(args: &RecordArgs) -> anyhow::Result<()> {
+    let (base, clock) = (args.namespace.trim_end_matches('/'), clock_of(&args.namespace));
+    let is = |name: &String, topic: &str| {
+        *name == topic
+            || *name == format!("{base}/{topic}")
+            || topic == topics::CLOCK.name() && *name == clock
     };
     for (option, names) in [("--topics", &args.topics), ("--leave-out", &args.leave_out)] {
-        if let Some(unknown) = names.iter().find(|name| !known(name)) {
+        let is_known = |name: &&String| topics::ALL.iter().any(|topic| is(name, topic.name));
+        if let Some(unknown) = names.iter().find(|name| !is_known(name)) {
             let all: Vec<&str> = topics::ALL.iter().map(|topic| topic.name).collect();
             bail!("{option} {unknown}: no topic of this system; there are {}", all.join(", "));
+        }
+    }
+    let named = |names: &[String], topic: &str| names.iter().any(|name| is(name, topic));
+    let is_left = |topic: &str| {
+        !named(&args.leave_out, topic) && (args.topics.is_empty() || named(&args.topics, topic))
+    };
+    if !topics::ALL.iter().any(|topic| is_left(topic.name)) {
+        bail!("--topics, --leave-out: they leave no topic to record");
+    }
+    for (option, span_s) in [("--split-s", args.split_s), ("--snapshot-s", args.snapshot_s)] {
+        if let Some(wrong) = span_s.filter(|span_s| !(span_s.is_finite() && *span_s >= 0.0)) {
+            bail!("{option} {wrong} s: must be 0 (none) or more, and finite");
         }
     }
     Ok(())
@@ -177,4 +191,37 @@ fn arguments(args: &RecordArgs, simulated: Option<bool>, (config, bag): (&Config
     }
     arguments.extend(values.into_iter().flat_map(|value| ["-p".to_owned(), value]));
     arguments
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Words {
+        #[command(flatten)]
+        args: RecordArgs,
+    }
+
+    /// Why these options are refused; nothing where they are taken.
+    fn refusal(words: &str) -> String {
+        let words = Words::parse_from(std::iter::once("record").chain(words.split_whitespace()));
+        check(&words.args).map_or_else(|error| error.to_string(), |()| String::new())
+    }
+
+    /// A bag without a topic, and a length of time that is none, are told before a recorder starts.
+    #[test]
+    fn what_cannot_be_recorded_is_refused() {
+        let none = "--topics, --leave-out: they leave no topic to record";
+        assert_eq!(refusal("--topics events --leave-out events"), none);
+        assert_eq!(refusal("--topics /a/events,/a/clock --leave-out events,/clock --namespace /a"), none);
+        assert!(refusal("--topics nix").starts_with("--topics nix: no topic of this system; there are "));
+        assert_eq!(refusal("--split-s nan"), "--split-s NaN s: must be 0 (none) or more, and finite");
+        assert!(refusal("--snapshot-s=-1").starts_with("--snapshot-s -1 s: "));
+        for fine in ["", "--topics events", "--topics /clock --leave-out events", "--split-s 0", "--all"] {
+            assert_eq!(refusal(fine), "", "{fine}");
+        }
+        assert_eq!(refusal("--topics /a/clock --namespace /a"), "");
+    }
 }

@@ -100,10 +100,9 @@ fn recover(bag: &Path) -> anyhow::Result<Figures> {
     numbers.extend(survey.leftover.iter().map(|number| (*number, true)));
     numbers.sort_unstable();
     // Everything is looked at before anything is changed.
-    let found: Vec<Found> =
-        numbers.into_iter().map(|(number, left)| look(&folder, number, left)).collect::<Result<_, _>>()?;
+    let found: Vec<Found> = numbers.into_iter().map(|(number, left)| look(&folder, number, left)).collect();
     let mut figures = Figures { bag: bag.display().to_string(), ..Figures::default() };
-    let changes = found.iter().any(|found| !matches!(found.state, State::Sound(_)));
+    let changes = found.iter().any(|found| !matches!(found.state, State::Sound(_) | State::Foreign(_)));
     if changes {
         folder.keep_description()?;
     }
@@ -144,29 +143,32 @@ enum State {
     Unsound,
     /// What a kill left.
     Leftover,
+    /// It holds what mending would lose: it stays as it is.
+    Foreign(RecorderError),
 }
 
 /// Looks at every record of a file: a summary knows nothing of what has become of the data since.
-///
-/// # Errors
-/// A file that holds what mending would lose.
-fn look(folder: &Folder, number: u32, left: bool) -> Result<Found, RecorderError> {
+fn look(folder: &Folder, number: u32, left: bool) -> Found {
     let layout = folder.layout();
     let path = folder.path(&if left { layout.active(number) } else { layout.finished(number) });
     let is_sound = match recovery::look(&path) {
-        Err(foreign @ RecorderError::Foreign { .. }) => return Err(foreign),
+        Err(foreign @ RecorderError::Foreign { .. }) => {
+            // The bag is described with it.
+            recovery::read_finished(folder, number).into_iter().for_each(|read| folder.know(read.contents));
+            return Found { number, state: State::Foreign(foreign) };
+        }
         looked => looked.is_ok_and(|walked| walked.is_sound()),
     };
     if left {
-        return Ok(Found { number, state: State::Leftover });
+        return Found { number, state: State::Leftover };
     }
     let read = recovery::read_finished(folder, number).ok().filter(|_| is_sound);
     let Some(Finished { contents, indexed }) = read else {
-        return Ok(Found { number, state: State::Unsound });
+        return Found { number, state: State::Unsound };
     };
     let messages = contents.total();
     folder.know(contents);
-    Ok(Found { number, state: if indexed { State::Sound(messages) } else { State::Plain(messages) } })
+    Found { number, state: if indexed { State::Sound(messages) } else { State::Plain(messages) } }
 }
 
 /// Mends one file.
@@ -184,6 +186,7 @@ fn mend(folder: &Folder, number: u32, state: State) -> Result<File, RecorderErro
             Ok(saved(made.as_ref(), Walked::is_damaged))
         }
         State::Unsound => Ok(saved(recovery::salvage(folder, number, &go_on)?.as_ref(), |_| true)),
+        State::Foreign(error) => Err(error),
         State::Sound(messages) => Ok(whole("sound", messages)),
         State::Plain(messages) => {
             recovery::compact(folder, number, &go_on)?;

@@ -2,6 +2,7 @@
 
 use super::super::{Recovered, recover, salvage};
 use super::*;
+use crate::file::Form;
 use crate::folder::Folder;
 use crate::tally::Tally;
 use mcap::records::{MessageHeader, Metadata};
@@ -129,6 +130,48 @@ fn what_a_copy_would_lose_is_refused() {
     assert!(json.contains("messages of /a of encoding 'json', which would be lost"), "{json}");
     let private = told("cdr", true).unwrap_err();
     assert!(private.contains("records of private use, with operation 0x90"), "{private}");
+}
+
+/// A file of ours in the plain form: 50 messages.
+fn ours(path: &Path) {
+    let mut file =
+        BagFile::create(&path.with_extension("made"), Form::Plain, 0, "bag_0.mcap".into()).unwrap();
+    file.note(&Metadata { name: NOTE.to_owned(), metadata: metadata() }).unwrap();
+    let (topic, type_name) = ("/a".to_owned(), "a/msg/T".to_owned());
+    let channel = Channel { topic, type_name, offered_qos: String::new() };
+    for number in 0..50 {
+        let stamp = Stamp { log_ns: number, publish_ns: number, sequence: 0 };
+        file.write(&channel, "", stamp, &[7; 40]).unwrap();
+    }
+    file.finish().unwrap();
+    std::fs::rename(path.with_file_name("bag_0.mcap"), path).unwrap();
+}
+
+/// Where the messages of a file of [`ours`] begin: operation, and a length of 22 and 40 bytes.
+fn places(bytes: &[u8]) -> Vec<usize> {
+    let head = [5, 62, 0, 0, 0, 0, 0, 0, 0];
+    (0..bytes.len()).filter(|at| bytes[*at..].starts_with(&head)).collect()
+}
+
+/// One bit of a file of ours that makes a message a record of private use, or one of a channel that there is not: all
+/// others are saved, and the damage is seen before anything is done.
+#[test]
+fn a_flipped_bit_costs_a_message_and_not_the_file() {
+    let scratch = Scratch::new("bit");
+    let file = scratch.file("bag_0.mcap");
+    for (offset, bit) in [(0, 0x80), (10, 0x40)] {
+        ours(&file);
+        let mut bytes = std::fs::read(&file).unwrap();
+        let messages = places(&bytes);
+        assert_eq!(messages.len(), 50);
+        bytes[messages[20] + offset] ^= bit;
+        std::fs::write(&file, &bytes).unwrap();
+        let walked = look(&file).unwrap();
+        assert!(!walked.is_sound() && walked.damages == 1 && walked.messages == 49, "{walked:?}");
+        let made = salvage(&scratch.folder(), 0, &AtomicBool::new(false)).unwrap().unwrap();
+        assert_eq!((made.messages, made.walked.lost_messages()), (49, Some(1)), "{:?}", made.walked);
+        std::fs::remove_file(scratch.file("bag_0.mcap.torn")).unwrap();
+    }
 }
 
 /// Both compressions that files have are read; another one is named, and is no damage.

@@ -103,10 +103,10 @@ impl<'a> Progress<'a> {
         while clock_ns <= frame.log_ns {
             self.reach(frame.at_ns.saturating_sub(frame.log_ns - clock_ns)).await;
             driver.set(seconds(clock_ns));
-            // What is waited for may lie in the past for long: who wants to end the play is heard all the same.
-            tokio::task::consume_budget().await;
             clock_ns = clock_ns.saturating_add(CLOCK_NS);
             self.clock = Some((frame.stretch, clock_ns));
+            // What is waited for may lie in the past for long: who wants to end the play is heard all the same.
+            tokio::task::consume_budget().await;
         }
     }
 

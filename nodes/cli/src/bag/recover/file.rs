@@ -15,7 +15,8 @@ pub(super) struct File {
     pub(super) lost_bytes: u64,
     /// Places before the file's end that could not be read.
     pub(super) damages: u64,
-    /// `recovered`, `compacted`, `sound`, `unreadable`, or `unwritten`: what was to take its place could not be written.
+    /// `recovered`, `compacted`, `sound`, `unreadable`, `foreign`: mending would lose something of it, or `unwritten`: what
+    /// was to take its place could not be written.
     pub(super) outcome: &'static str,
     pub(super) why: String,
 }
@@ -23,7 +24,7 @@ pub(super) struct File {
 impl File {
     /// Whether it is whole now.
     pub(super) fn is_mended(&self) -> bool {
-        self.outcome != "unreadable" && self.outcome != "unwritten"
+        !["unreadable", "foreign", "unwritten"].contains(&self.outcome)
     }
 
     /// Beside what the bag's description says that it had: a file that was cut off says nothing of it itself.
@@ -42,6 +43,9 @@ impl File {
 /// A file that is as it was: it cannot be read, or the disk refused what was to take its place.
 pub(super) fn failed_of(error: &RecorderError, folder: &Folder, sources: &[PathBuf]) -> File {
     let mut why = error.in_words();
+    if let RecorderError::Foreign { .. } = error {
+        return File { outcome: "foreign", why: why + "; it is as it was", ..File::default() };
+    }
     if error.is_of_source() {
         return File { outcome: "unreadable", why, ..File::default() };
     }

@@ -77,9 +77,9 @@ fn what_another_program_says_of_its_bag_is_kept() {
     assert_eq!(after["a_0.mcap"], before["a_0.mcap"]);
 }
 
-/// One file of encoding json among the others: the whole bag stays as it is, the damaged file of ours too.
+/// One file of encoding json among the others: it stays as it is and is named, and the damaged file of ours is mended.
 #[test]
-fn a_bag_with_what_mending_would_lose_is_left_as_it_is() {
+fn a_file_with_what_mending_would_lose_is_left_as_it_is() {
     let scratch = Scratch::new("json", &["a_0.mcap"]);
     let file = scratch.0.join("a_0.mcap");
     let length = std::fs::metadata(&file).unwrap().len();
@@ -91,12 +91,16 @@ fn a_bag_with_what_mending_would_lose_is_left_as_it_is() {
     writer.write_to_known_channel(&header, b"{}").unwrap();
     writer.finish().unwrap();
     let before = scratch.all();
-    let error = recover(&scratch.0).unwrap_err().to_string();
-    assert!(
-        error.contains("a_1.mcap: holds messages of /j of encoding 'json', which would be lost"),
-        "{error}"
-    );
-    assert_eq!(scratch.all(), before);
+    let figures = recover(&scratch.0).unwrap();
+    let [ours, other] = &figures.files[..] else { panic!("{figures:?}") };
+    assert_eq!((ours.outcome, other.outcome, other.is_mended()), ("recovered", "foreign", false));
+    let holds = "a_1.mcap: holds messages of /j of encoding 'json', which would be lost";
+    assert!(other.why.contains(holds), "{}", other.why);
+    let after = scratch.all();
+    assert_eq!((&after["a_1.mcap"], &after["a_0.mcap.torn"]), (&before["a_1.mcap"], &before["a_0.mcap"]));
+    let told = String::from_utf8_lossy(&after["metadata.yaml"]);
+    assert!(told.contains("a_0.mcap") && told.contains("a_1.mcap"), "{told}");
+    assert!(messages(&scratch.0).is_err(), "who asks for the bag hears of it");
 }
 
 /// A bag's counts: of the run that wrote it, and of each file.

@@ -20,7 +20,11 @@ impl View<'_> {
     ) -> Result<(Parameters, Vec<Changed>), String> {
         let mut parameters = self.0.parameters.clone();
         let mut changes = Vec::new();
-        for Parameter { name, value } in wanted {
+        for (place, Parameter { name, value }) in wanted.iter().enumerate() {
+            if wanted[..place].iter().any(|earlier| earlier.name == *name) {
+                // The first would be told as a change, and never hold.
+                return Err(format!("{}: is asked to be set twice at once", short(name)));
+            }
             let Some(before) = self.value(name) else {
                 return Err(format!("{}: there is no such parameter", short(name)));
             };

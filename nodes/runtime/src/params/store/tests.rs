@@ -179,6 +179,17 @@ fn a_whole_number_is_refused_with_its_range() {
     );
 }
 
+/// The first of two values would be told as a change, on `events` and `/parameter_events`, and never hold.
+#[test]
+fn a_name_that_is_asked_for_twice_is_refused() {
+    let one = |value: f64| wanted("limits.flow_max", Value::from(value));
+    assert_eq!(reason(&[one(1.5), one(1.7)]), "limits.flow_max: is asked to be set twice at once");
+    assert_eq!(
+        store().set(&[one(1.5), wanted("rate_hz", Value::from(5.0)), one(1.5)], Policy::All).unwrap_err(),
+        "limits.flow_max: is asked to be set twice at once"
+    );
+}
+
 /// The answer begins with what was asked for, also where two do not go together.
 #[test]
 fn a_refusal_begins_with_what_was_asked_for() {
