@@ -4,8 +4,8 @@ use super::fleet::Happening;
 use super::recipes::NODES;
 use models::units::Seconds;
 
-/// Silence that is told `[s]`: five beats of 10 Hz (C4).
-const SILENT_S: f64 = 0.5;
+/// Silence that is told `[s]`: four beats of 10 Hz, to be told within the 0.5 s of C4.
+const SILENT_S: f64 = 0.42;
 
 #[derive(Debug)]
 struct Heart {
@@ -72,8 +72,8 @@ mod tests {
         let mut hearing = Hearing::default();
         assert_eq!(hearing.look(Seconds(9.0)), [], "never heard, never missed");
         hearing.beat(Seconds(10.0), "thermistor", 1);
-        assert_eq!(hearing.look(Seconds(10.5)), []);
-        assert_eq!(hearing.look(Seconds(10.51)), [Happening::Silent { name: "thermistor" }]);
+        assert_eq!(hearing.look(Seconds(10.42)), []);
+        assert_eq!(hearing.look(Seconds(10.43)), [Happening::Silent { name: "thermistor" }]);
         assert_eq!(hearing.look(Seconds(11.0)), []);
         let again = hearing.beat(Seconds(11.0), "thermistor", 1);
         assert_eq!(again, Some(Happening::HeardAgain { name: "thermistor" }));
