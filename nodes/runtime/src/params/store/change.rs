@@ -41,7 +41,7 @@ impl View<'_> {
             if OWN.contains(&name.as_str()) {
                 return Err(self
                     .read_only(name, policy)
-                    .map_or_else(String::new, |why| format!("{name}: {why}")));
+                    .map_or_else(String::new, |why| bounds.refusal(name, &text(value), &why)));
             }
             // A double stays one, also where a whole number is asked for.
             let after =
