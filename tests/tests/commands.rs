@@ -220,7 +220,7 @@ fn every_shipped_scenario_runs() {
         let run = json(&["sim", &file, "--layers", "3", "--scenario", scenario, "--control", "mpc"]);
         let expected = match scenario {
             "heater_dead" | "heater_loose" | "heater_weak" | "heater_stuck_on" | "stop_pressed" => "failed",
-            "thermistor_open" | "thermistor_short" | "thermistor_out" => "failed",
+            "thermistor_open" | "thermistor_short" | "thermistor_out" | "thermistor_loose" => "failed",
             "thermistor_stuck" | "thermistor_step" | "thermistor_drift" | "thermistor_drift_down" => "failed",
             name if name.starts_with("bed_") => "failed",
             "run_out" => "paused",
