@@ -213,3 +213,14 @@ fn an_installed_node_takes_what_ros2_run_passes_and_ends_on_sigint() {
         "{said}"
     );
 }
+
+/// A node that joins before the loopback carries multicast finds nobody: each waits for it, also where it is started alone.
+#[test]
+fn every_unit_comes_behind_the_loopback() {
+    let template = root().join("launch_scripts/systemd/fdm_loop@.service");
+    let template = std::fs::read_to_string(template).unwrap();
+    for key in ["Wants", "After"] {
+        let line = format!("{key}=fdm_loop-loopback.service");
+        assert!(template.lines().any(|found| found == line), "{line}");
+    }
+}

@@ -293,14 +293,3 @@ fn what_is_wrong_is_told_before_anything_starts() {
     }
     assert!(!Path::new("/tmp/fdm_never_logs").exists(), "nothing is left of what was not started");
 }
-
-/// A node that joins before the loopback carries multicast finds nobody: each waits for it, also where it is started alone.
-#[test]
-fn every_unit_comes_behind_the_loopback() {
-    let template = root().join("launch_scripts/systemd/fdm_loop@.service");
-    let template = std::fs::read_to_string(template).unwrap();
-    for key in ["Wants", "After"] {
-        let line = format!("{key}=fdm_loop-loopback.service");
-        assert!(template.lines().any(|found| found == line), "{line}");
-    }
-}

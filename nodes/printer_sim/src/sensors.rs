@@ -131,7 +131,7 @@ impl Thermometer {
         self.of_loose.as_mut().unwrap_or(&mut self.noise).between((0.0, 1.0)) < share
     }
 
-    /// What is random set in that are drawn from a seed of their own, or from the run's; the newest fault of a kind counts.
+    /// A fault set in whose random part is drawn from a seed of its own, or from the run's; the newest fault of a kind counts.
     pub fn draw_from(&mut self, kind: Kind, seed: Option<u64>) {
         match kind {
             Kind::Noise => self.of_noise = seed.map(|seed| Noise::new(seed, FAULT_STREAM)),

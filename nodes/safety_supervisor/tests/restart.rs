@@ -3,14 +3,16 @@
 //! The node is a process with its shipped parameters, in act; a peer is its printer and the person, over DDS.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
+#[path = "restart/printer.rs"]
+mod printer;
+
 use fdm_loop_msgs::{
-    Header, Log, PrintEvent, PrinterState, RosService, SafetyState, SetMode, SetModeRequest, Temperature,
-    Trigger, TriggerRequest,
+    Log, PrintEvent, PrinterState, RosService, SafetyState, SetMode, SetModeRequest, Trigger, TriggerRequest,
 };
 use models::units::Seconds;
-use runtime::{Args, Client, Node, Publisher, Subscription, Timer, topics};
+use printer::Printer;
+use runtime::{Args, Client, Node, Subscription, topics};
 use std::path::{Path, PathBuf};
-use std::pin::pin;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -152,14 +154,8 @@ struct Peer {
 impl Peer {
     fn join() -> Self {
         let mut node = Node::start_with("peer", Args::default()).unwrap();
-        let printer = Printer {
-            phase: PrinterState::PHASE_PRINTING,
-            states: node.publish_on(&topics::PRINTER_STATE).unwrap(),
-            hotend: node.publish_on(&topics::HOTEND_TEMPERATURE).unwrap(),
-            ticks: node.timer(Seconds(0.05)),
-        };
         Self {
-            printer,
+            printer: Printer::at(&mut node),
             run: 0,
             states: node.subscribe(&topics::SAFETY_STATE).unwrap(),
             events: node.subscribe(&topics::EVENTS).unwrap(),
@@ -267,41 +263,5 @@ where
         if let Ok(answer) = client.call(request.clone(), Seconds(2.0)).await {
             return answer;
         }
-    }
-}
-
-/// A cold printer that says that it prints: no heater is on, so that none is judged.
-struct Printer {
-    phase: u8,
-    states: Publisher<PrinterState>,
-    hotend: Publisher<Temperature>,
-    ticks: Timer,
-}
-
-impl Printer {
-    /// Goes on until there is `what`.
-    async fn during<V>(&mut self, what: &str, awaited: impl Future<Output = V>) -> V {
-        let mut awaited = pin!(tokio::time::timeout(PATIENCE, awaited));
-        loop {
-            tokio::select! {
-                value = &mut awaited => return value.unwrap_or_else(|_| panic!("no {what}")),
-                now = self.ticks.next() => self.tell(now),
-            }
-        }
-    }
-
-    fn tell(&self, now: Seconds) {
-        let header = Header::at(now.0);
-        let temperature = Temperature { header: header.clone(), temperature: 25.0, ..Temperature::default() };
-        self.hotend.send(temperature);
-        self.states.send(PrinterState {
-            header,
-            phase: self.phase,
-            flow_factor: 1.0,
-            speed_factor: 1.0,
-            homed: true,
-            mains_on: true,
-            ..PrinterState::default()
-        });
     }
 }
