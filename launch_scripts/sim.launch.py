@@ -44,6 +44,7 @@ ARGUMENTS = [
     ("advance", "planned", "source of the pressure advance; predicted starts advance_predictor", fdm_launch.ADVANCES),
     ("material", "", "PLA, PETG or ABS with its set-points; empty: the file's own", None),
     ("speed", "1.0", "simulated over wall time, 0.1 to 20", None),
+    ("host_clock", "false", "run on the host's clock, as beside a real printer; at speed 1 alone", ["true", "false"]),
     ("layers", "0", "print only the first layers; 0: all", None),
     ("warm", "false", "start with hot end and bed at the file's set-points", ["true", "false"]),
     ("seed", "1", "seed of all noise", None),
@@ -80,6 +81,7 @@ def values_of(node, chosen, bag):
             "run.scenario": scenario_path(chosen["scenario"], chosen["config"]),
             "run.seed": fdm_launch.number(chosen, "seed", 0, 10**18, int),
             "run.speed": fdm_launch.number(chosen, "speed", 0.1, 20.0),
+            "run.host_clock": chosen["host_clock"] == "true",
             "run.layers": fdm_launch.number(chosen, "layers", 0, 10**6, int),
             "run.warm": chosen["warm"] == "true",
             "run.material_set_points": bool(chosen["material"]),
@@ -93,8 +95,9 @@ def values_of(node, chosen, bag):
             "simulator.width_period_s": 0.0,
         },
     }.get(node, {})
-    # The simulated printer makes the time that the others follow.
-    return values if node == "printer_sim" else {**values, "use_sim_time": True}
+    # The simulated printer makes the time that the others follow, unless all have the host's.
+    follows = node != "printer_sim" and chosen["host_clock"] != "true"
+    return {**values, "use_sim_time": True} if follows else values
 
 
 def scenario_path(name, config):
@@ -112,6 +115,8 @@ def nodes(context):
         raise RuntimeError(f"gcode:={chosen['gcode']}: no such file")
     material = chosen["material"] or material_of(chosen["gcode"])
     fdm_launch.check_material(material, chosen["config"])
+    if chosen["host_clock"] == "true" and fdm_launch.number(chosen, "speed", 0.1, 20.0) != 1.0:
+        raise RuntimeError(f"speed:={chosen['speed']} beside host_clock:=true: must be 1, the host's clock goes no faster")
     scenario_path(chosen["scenario"], chosen["config"])
     stem = os.path.splitext(os.path.basename(chosen["gcode"]))[0]
     bag = fdm_launch.new_bag(chosen, stem, chosen["control"])

@@ -14,7 +14,7 @@ from cyclonedds import _clayer
 from cyclonedds.core import InstanceState, SampleState, ViewState
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from graph import DEFINITIONS, LATCHED, RELIABLE, Node, Peer, check, matched, run, until
+from graph import BEST_EFFORT, DEFINITIONS, LATCHED, RELIABLE, Node, Peer, check, matched, run, until
 from ros_types import value
 
 SAMPLES = 3
@@ -81,16 +81,20 @@ def reflected(domain: int, process) -> str:
         words = line.split()
         if words[-2:] == ["mirror", "end"]:
             break
-        if "mirror" in words[:-3]:
+        if "mirror" in words[:-4]:
             words = words[words.index("mirror"):]
-        if len(words) == 4 and words[0] == "mirror":
+        if len(words) == 5 and words[0] == "mirror":
             pairs.append(words[1:])
-    kinds = {kind for *_, kind in pairs}
+    kinds = {kind for _, _, kind, _ in pairs}
+    # Who subscribes as ROS does by default hears all but beats and simulated time.
+    unreliable = {heard for heard, _, _, offered in pairs if offered != "Reliable"}
+    check(unreliable == {"/clock", "/in/heartbeat"}, f"offered best effort: {unreliable}")
     own = {name for name in DEFINITIONS.texts if name.startswith("fdm_loop_msgs/")}
     check(own <= kinds, f"no topic carries {own - kinds}")
     compared = 0
-    for heard, said, kind in pairs:
-        reader, writer = peer.reader(said, kind), peer.writer(heard, kind, LATCHED)
+    for heard, said, kind, offered in pairs:
+        qos = RELIABLE if offered == "Reliable" else BEST_EFFORT
+        reader, writer = peer.reader(said, kind, qos), peer.writer(heard, kind, LATCHED)
         until(lambda: matched(writer) and matched(reader), f"both ends of {heard}")
         for sample in range(SAMPLES):
             message = value(DEFINITIONS.message(kind), [1000 * sample])

@@ -100,6 +100,7 @@ fn the_launch_file_starts_what_fdm_up_starts() {
         &[&petg, "advance:=predicted", "namespace:=/left"],
     );
     same_as_fdm_up("material", &["--gcode", PETG, "--material", "ABS"], &[&petg, "material:=ABS"]);
+    same_as_fdm_up("host_clock", &["--gcode", PETG, "--host-clock"], &[&petg, "host_clock:=true"]);
 }
 
 /// Arguments of a node as its unit has them: drop-ins read in, variables filled in, `/usr` and `/etc` of the package.
@@ -280,6 +281,7 @@ fn what_is_wrong_is_told_before_anything_starts() {
             &[&gcode, "bag:=/tmp/fdm_never", "speed:=abc"],
             "speed:=abc: must be a number in [0.1, 20.0]",
         ),
+        ("sim", &[&gcode, "speed:=2", "host_clock:=true"], "speed:=2 beside host_clock:=true: must be 1"),
         ("sim", &[&gcode, "bag:=/tmp/fdm_never", "seed:=1.5"], "seed:=1.5: must be a whole number in [0, "),
         ("sim", &[&gcode, "namespace:=left"], "namespace:=left: begins with no /: write /left"),
         ("replay", &["bag:=config", "namespace:=/a b/1"], "begins with no digit: write /a_b/_1"),

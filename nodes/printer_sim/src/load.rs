@@ -54,6 +54,8 @@ pub struct Loaded {
     pub info: PrintInfo,
     /// Simulated over wall time `[-]`.
     pub speed: f64,
+    /// Stamps are of the host's clock.
+    pub host_clock: bool,
     /// Filament per count of the encoder `[m]`.
     pub quantum_m: f64,
     /// Faults may be injected by service.
@@ -118,6 +120,7 @@ pub fn load(parameters: &Parameters) -> Result<Loaded, LoadError> {
         simulator,
         info: info(&run, parameters, &bytes)?,
         speed: run.speed,
+        host_clock: run.host_clock,
         quantum_m,
         allow_fault_injection: run.allow_fault_injection,
     })

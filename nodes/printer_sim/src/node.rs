@@ -1,4 +1,5 @@
-//! Shell of the simulated printer: paces the simulation by wall time, owns `/clock`, passes outputs on.
+//! Shell of the simulated printer: paces the simulation by wall time, owns `/clock` unless the host's is asked for, passes
+//! outputs on.
 
 use crate::convert;
 use crate::load::{self, LoadError, Loaded};
@@ -12,14 +13,14 @@ use fdm_loop_msgs::{
 use models::command::{Permit, Scheduled};
 use models::units::Seconds;
 use runtime::{
-    Asked, ClockDriver, Diagnostics, Frames, Node, Publisher, Reason, Received, Refused, Server, Sessions,
-    Subscription, topics, wire,
+    Asked, Diagnostics, Frames, Node, Publisher, Reason, Received, Refused, Server, Sessions, Subscription,
+    topics, wire,
 };
-use std::time::Duration;
-use tokio::time::{Interval, MissedTickBehavior, interval};
+use time::TimeBase;
 
 pub(crate) mod darkroom;
 mod injection;
+mod time;
 mod wall;
 
 /// Step of the plant `[s]`.
@@ -34,7 +35,6 @@ const LOOKS_PER_CLOCK: u32 = 2;
 
 /// Everything that the printer says.
 struct Outlets {
-    clock: ClockDriver,
     temperatures: Publisher<TemperatureReport>,
     filament: Publisher<FilamentReport>,
     width: Publisher<BeadWidth>,
@@ -52,6 +52,7 @@ struct Outlets {
 /// The printer and its connections.
 struct Shell {
     simulator: Simulator,
+    time: TimeBase,
     outlets: Outlets,
     frames: Option<Frames>,
     refused: Refused,
@@ -77,17 +78,19 @@ pub async fn run(node: Node) -> Result<(), LoadError> {
 }
 
 async fn extrude(mut node: Node) -> Result<(), LoadError> {
-    let Loaded { simulator, info, speed, quantum_m, allow_fault_injection } =
+    let Loaded { simulator, info, speed, host_clock, quantum_m, allow_fault_injection } =
         load::load(node.raw_parameters())?;
     let mut permits = node.subscribe(&topics::SAFETY_COMMAND)?;
     let mut schedule = node.subscribe(&topics::SAFETY_SCHEDULE)?;
     let mut faults = if allow_fault_injection { Some(node.serve(&topics::INJECT_FAULT)?) } else { None };
+    let time = TimeBase::of(&mut node, host_clock)?;
     let outlets = Outlets::new(&mut node)?;
     let frames = node.raw_parameters().optional("frames")?;
     let frames = frames.map(|params| node.frames(params)).transpose()?;
     let work = node.work();
     let mut shell = Shell {
         simulator,
+        time,
         outlets,
         frames,
         refused: Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name()),
@@ -101,10 +104,11 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
     };
     node.activated().await;
     shell.outlets.info.send(info);
+    shell.time.begin(shell.simulator.now());
     if let Some(frames) = &shell.frames {
-        frames.tell(shell.simulator.now());
+        frames.tell(shell.now());
     }
-    let mut pace = pace(speed);
+    let mut pace = shell.time.pace(LOOK_PERIOD_S, speed);
     loop {
         tokio::select! {
             _ = pace.tick() => {
@@ -151,14 +155,6 @@ fn of_now(now: Seconds, header: &Header) -> Result<(), Reason> {
     Ok(())
 }
 
-/// Wall time of one look. What was missed is not made up for in a burst: the other nodes would see
-/// simulated seconds pass in which they had no chance to act.
-fn pace(speed: f64) -> Interval {
-    let mut pace = interval(Duration::from_secs_f64(LOOK_PERIOD_S / speed));
-    pace.set_missed_tick_behavior(MissedTickBehavior::Delay);
-    pace
-}
-
 async fn next_fault(faults: &mut Option<Server<InjectFault>>) -> Asked<InjectFault> {
     match faults {
         Some(server) => server.next().await,
@@ -169,7 +165,6 @@ async fn next_fault(faults: &mut Option<Server<InjectFault>>) -> Asked<InjectFau
 impl Outlets {
     fn new(node: &mut Node) -> Result<Self, runtime::RuntimeError> {
         Ok(Self {
-            clock: node.drive_clock()?,
             temperatures: node.publish_on(&topics::TEMPERATURE_REPORT)?,
             filament: node.publish_on(&topics::FILAMENT_REPORT)?,
             width: node.publish_on(&topics::BEAD_WIDTH)?,
@@ -186,6 +181,11 @@ impl Outlets {
 }
 
 impl Shell {
+    /// Time now as stamps have it.
+    fn now(&self) -> Seconds {
+        self.simulator.now() + self.time.epoch()
+    }
+
     fn take_permits(&mut self, permits: &mut Subscription<ControlCommand>) {
         while let Some(received) = permits.try_recv() {
             if let Err(reason) = self.take_permit(&received) {
@@ -195,14 +195,14 @@ impl Shell {
     }
 
     fn take_permit(&mut self, received: &Received<ControlCommand>) -> Result<(), Reason> {
-        let permit = permit(self.simulator.now(), received, &self.sessions)?;
+        let permit = permit(self.now(), received, &self.sessions)?;
         self.simulator.on_permit(permit).map_err(|_| Reason::Gate)
     }
 
     /// Those of the permits that have just been taken.
     fn take_schedule(&mut self, schedule: &mut Subscription<MotionTrim>) {
         while let Some(received) = schedule.try_recv() {
-            let taken = scheduled(self.simulator.now(), &received, &self.sessions)
+            let taken = scheduled(self.now(), &received, &self.sessions)
                 .map(|scheduled| self.simulator.on_scheduled(&scheduled));
             match taken {
                 Ok(Ok(())) => self.diagnostics.add("scheduled", 1),
@@ -221,16 +221,23 @@ impl Shell {
         self.looks += 1;
         let reads = self.looks.is_multiple_of(LOOKS_PER_CLOCK);
         if reads {
-            self.outlets.clock.set(self.simulator.now());
+            self.time.tell(self.simulator.now());
         }
         while let Some(output) = self.simulator.poll() {
-            self.pass_on(output);
+            self.pass_on(output.after(self.time.epoch()));
         }
         if reads {
-            let motor_m = self.simulator.status().motor_position_m;
-            let truth = convert::truth(self.simulator.truth(), motor_m, self.simulator.first_onset());
-            self.outlets.truth.send(truth);
+            self.tell_truth();
         }
+    }
+
+    fn tell_truth(&self) {
+        let epoch = self.time.epoch();
+        let mut truth = *self.simulator.truth();
+        truth.stamp_s += epoch.0;
+        let first_onset = self.simulator.first_onset().map(|onset| onset + epoch);
+        let motor_m = self.simulator.status().motor_position_m;
+        self.outlets.truth.send(convert::truth(&truth, motor_m, first_onset));
     }
 
     fn pass_on(&mut self, output: Output) {

@@ -72,6 +72,25 @@ pub enum Output {
     },
 }
 
+impl Output {
+    /// The same with its stamp `epoch` later.
+    #[must_use]
+    pub fn after(mut self, epoch: Seconds) -> Self {
+        let stamp = match &mut self {
+            Self::Temperatures { stamp, .. }
+            | Self::Encoder { stamp, .. }
+            | Self::Coming { stamp, .. }
+            | Self::Note { stamp, .. } => stamp,
+            Self::Width { exposed, .. } | Self::Frame { exposed, .. } => exposed,
+            Self::Imu(batch) => &mut batch.first,
+            Self::Status(status) => &mut status.stamp,
+            Self::Motion { start, .. } => start,
+        };
+        *stamp = *stamp + epoch;
+        self
+    }
+}
+
 /// What is really so. No node but reports and tests may read it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Truth {
@@ -126,4 +145,41 @@ pub struct Truth {
     pub detached: bool,
     /// Score of the print so far.
     pub integrals: Integrals,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A stamp that is forgotten would be refused as hours old on the host's clock.
+    #[test]
+    fn what_leaves_is_dated_by_the_epoch_whatever_it_is() {
+        let at = Seconds(2.0);
+        let batch = crate::imu::Batch {
+            first: at,
+            first_sequence: 0,
+            period: Seconds(1e-3),
+            range_m_s2: 160.0,
+            samples: vec![[0.0; 3]],
+        };
+        let all = [
+            Output::Temperatures { stamp: at, hotend: Celsius(210.0), bed: Celsius(60.0) },
+            Output::Encoder { stamp: at, counts: 1 },
+            Output::Width { exposed: at, width_m: 5e-4, sigma_m: 1e-5 },
+            Output::Imu(Box::new(batch)),
+            Output::Frame { exposed: at, sequence: 0, jpeg: Vec::new() },
+            Output::Note { stamp: at, text: String::new() },
+        ];
+        for output in all {
+            let stamp = match output.after(Seconds(1e6)) {
+                Output::Temperatures { stamp, .. }
+                | Output::Encoder { stamp, .. }
+                | Output::Note { stamp, .. } => stamp,
+                Output::Width { exposed, .. } | Output::Frame { exposed, .. } => exposed,
+                Output::Imu(batch) => batch.first,
+                other => unreachable!("{other:?}"),
+            };
+            assert_eq!(stamp, Seconds(1_000_002.0));
+        }
+    }
 }

@@ -54,6 +54,8 @@ pub struct RawRun {
     pub seed: u64,
     /// Simulated over wall time `[-]`.
     pub speed: f64,
+    /// Stamps are of the host's clock, as a real printer's, and nothing is told on `/clock`; needs a speed of 1.
+    pub host_clock: bool,
     /// The material file's set-points instead of the G-code file's.
     pub material_set_points: bool,
     /// Text of the configuration of the whole graph; empty for this node's own.
@@ -66,6 +68,9 @@ impl TryFrom<RawRun> for RunParams {
     type Error = ParamError;
     fn try_from(raw: RawRun) -> Result<Self, ParamError> {
         in_range("speed", raw.speed, "-", (0.1, 20.0))?;
+        if raw.host_clock {
+            in_range("speed beside host_clock", raw.speed, "-", (1.0, 1.0))?;
+        }
         Ok(Self(raw))
     }
 }

@@ -81,9 +81,10 @@ const fn transient_local(depth: usize) -> End {
 /// is away for 0.1 s at 100 Hz.
 pub const SENSOR: Qos = Qos { offered: reliable(10), requested: best_effort(10) };
 
-/// Beats: four of five may be lost before anybody is missed, so nobody acknowledges them; offered reliably for whoever
-/// subscribes with the defaults of ROS. The depth covers ten nodes for 1 s.
-pub const BEAT: Qos = Qos { offered: reliable(10), requested: best_effort(100) };
+/// Beats: four of five may be lost before anybody is missed, so nobody acknowledges them, and nobody can: a reliable
+/// publisher of RustDDS 0.15.1 asks every subscriber ten times a second for an acknowledgement that one of best effort
+/// never sends, and ten nodes that beat were asked for more than they said. The depth covers ten nodes for 1 s.
+pub const BEAT: Qos = Qos { offered: best_effort(100), requested: best_effort(100) };
 
 /// Results of which none may be lost; the depth covers 1 s of short moves at 500 Hz and two times real time.
 pub const RELIABLE: Qos = Qos { offered: reliable(1000), requested: reliable(1000) };
@@ -99,8 +100,8 @@ pub const SCHEDULE: Qos = Qos { offered: reliable(1000), requested: best_effort(
 /// States that a late joiner must know. The client replays old samples too, oldest first: keep the highest sequence.
 pub const LATCHED: Qos = Qos { offered: transient_local(1), requested: transient_local(1) };
 
-/// Simulated time: subscribers of the ROS tools request best effort.
-pub const CLOCK: Qos = Qos { offered: reliable(10), requested: best_effort(10) };
+/// Simulated time, both ends as `rclcpp::ClockQoS` has them.
+pub const CLOCK: Qos = Qos { offered: best_effort(10), requested: best_effort(10) };
 
 /// Diagnostics and log lines, as the ROS tools expect them.
 pub const STANDARD: Qos = Qos { offered: reliable(100), requested: reliable(100) };

@@ -27,7 +27,14 @@ impl Mirror {
         let mut heard = self.ears.subscribe(topic).unwrap();
         let said = self.mouth.publish_on(topic).unwrap();
         let names = (self.ears.resolve(topic.name()), self.mouth.resolve(topic.name()));
-        println!("mirror {} {} {}/{}", names.0, names.1, T::DEFINITION.package, T::DEFINITION.name);
+        let offered = topic.qos().offered.reliability;
+        println!(
+            "mirror {} {} {}/{} {offered:?}",
+            names.0,
+            names.1,
+            T::DEFINITION.package,
+            T::DEFINITION.name
+        );
         self.tasks.spawn_local(async move {
             loop {
                 said.send(heard.recv().await.message);

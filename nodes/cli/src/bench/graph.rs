@@ -2,7 +2,8 @@
 //!
 //! A temperature of the hot end is answered at once by estimator, controller and supervisor; a sample of the filament
 //! encoder waits for the estimator's next turn (20 Hz). The times are the senders' own, so that the one who looks on delays
-//! nothing.
+//! nothing. The graph runs on the host's clock, as beside a real printer: `/clock`, which wakes every node 50 times a second,
+//! is a simulator's.
 
 use super::proc;
 use super::{Benchmark, GraphArgs};
@@ -98,7 +99,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 pub(super) fn run(args: &GraphArgs) -> anyhow::Result<Vec<Benchmark>> {
     let folder = proc::scratch("graph")?;
     let mut graph = Command::new(std::env::current_exe()?)
-        .args(["up", "--warm", "--stay", "--gcode"])
+        .args(["up", "--host-clock", "--warm", "--stay", "--gcode"])
         .arg(&args.gcode)
         .arg("--bag")
         .arg(folder.join("bag"))

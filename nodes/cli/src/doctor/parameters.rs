@@ -64,6 +64,7 @@ fn print(material: &str) -> UpArgs {
         seed: 1,
         namespace: "/printer".to_owned(),
         allow_fault_injection: false,
+        host_clock: false,
         dry_run: true,
         stay: false,
         json: None,

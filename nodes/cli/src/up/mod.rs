@@ -39,6 +39,9 @@ pub struct UpArgs {
     /// Simulated over wall time.
     #[arg(long, default_value_t = 1.0)]
     pub speed: f64,
+    /// Run on the host's clock, as beside a real printer, instead of /clock; at --speed 1 alone.
+    #[arg(long)]
+    pub host_clock: bool,
     /// Control levels, one print each: off, encoder, mpc.
     #[arg(long, default_value = "mpc", value_delimiter = ',')]
     pub control: Vec<String>,
@@ -94,6 +97,9 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
     }
     if !(0.1..=20.0).contains(&args.speed) {
         bail!("--speed {}: must be in [0.1, 20]; `fdm sim` is faster", args.speed);
+    }
+    if args.host_clock && (args.speed - 1.0).abs() > f64::EPSILON {
+        bail!("--speed {} beside --host-clock: must be 1, the host's clock goes no faster", args.speed);
     }
     let config = ConfigDir::find(args.config.as_deref())?;
     let mut file = GcodeFile::read(&args.gcode, &config.motion()?, args.layers)?;

@@ -58,6 +58,8 @@ pub struct Plan {
     pub seed: u64,
     /// Simulated over wall time.
     pub speed: f64,
+    /// Stamps are of the host's clock, nothing follows `/clock`.
+    pub host_clock: bool,
     /// Namespace of the printer.
     pub namespace: String,
     /// The graph runs on after the print.
@@ -90,6 +92,7 @@ impl Plan {
             material: material.to_owned(),
             seed: args.seed,
             speed: args.speed,
+            host_clock: args.host_clock,
             namespace: args.namespace.clone(),
             stay: args.stay,
             config: config.clone(),
@@ -114,6 +117,7 @@ impl Plan {
             ("printer_sim", "run.scenario".into(), quoted(&scenario)),
             ("printer_sim", "run.seed".into(), self.seed.to_string()),
             ("printer_sim", "run.speed".into(), format!("{:?}", self.speed)),
+            ("printer_sim", "run.host_clock".into(), self.host_clock.to_string()),
             ("printer_sim", "run.layers".into(), args.layers.unwrap_or(0).to_string()),
             ("printer_sim", "run.warm".into(), args.warm.to_string()),
             ("printer_sim", "run.material_set_points".into(), args.material.is_some().to_string()),
@@ -240,7 +244,10 @@ impl Plan {
                 .iter()
                 .filter(|(node, ..)| *node == name)
                 .map(|(_, key, value)| (key.clone(), value.clone()))
-                .chain((name != "printer_sim").then(|| ("use_sim_time".to_owned(), "true".to_owned())))
+                .chain(
+                    (name != "printer_sim" && !self.host_clock)
+                        .then(|| ("use_sim_time".to_owned(), "true".to_owned())),
+                )
                 .collect();
             let path = NodePath {
                 qualified: format!("{}/{name}", self.namespace.trim_end_matches('/')),

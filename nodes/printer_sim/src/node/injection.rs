@@ -13,7 +13,7 @@ impl Shell {
             Ok(entry) => {
                 self.simulator.inject(entry);
                 self.diagnostics.add("faults_injected", 1);
-                self.outlets.events.send(convert::injected(&self.name, now, &entry));
+                self.outlets.events.send(convert::injected(&self.name, self.now(), &entry));
                 tracing::info!("injected: {entry}");
                 InjectFaultResponse { accepted: true, message: entry.to_string() }
             }

@@ -1,19 +1,17 @@
 //! Shell of the wire machine: the same pace, clock and permits as a printer that extrudes.
 
-use super::{LOOK_PERIOD_S, LOOKS_PER_CLOCK, pace, permit};
+use super::time::TimeBase;
+use super::{LOOK_PERIOD_S, LOOKS_PER_CLOCK, permit};
 use crate::convert;
 use crate::load::LoadError;
 use crate::load::wall::{LoadedWall, load};
 use crate::wire::{Machine, MachineOutput};
 use fdm_loop_msgs::{ControlCommand, LayerHeight, PrintEvent, PrintInfo, PrinterState, SimWire};
 use models::units::Seconds;
-use runtime::{
-    ClockDriver, Node, Publisher, Reason, Refused, RuntimeError, Sessions, Subscription, topics, wire,
-};
+use runtime::{Node, Publisher, Reason, Refused, RuntimeError, Sessions, Subscription, topics, wire};
 
 /// Everything that the machine says.
 struct Outlets {
-    clock: ClockDriver,
     height: Publisher<LayerHeight>,
     state: Publisher<PrinterState>,
     truth: Publisher<SimWire>,
@@ -24,6 +22,7 @@ struct Outlets {
 
 struct Shell {
     machine: Machine,
+    time: TimeBase,
     outlets: Outlets,
     refused: Refused,
     sessions: Sessions,
@@ -35,13 +34,14 @@ struct Shell {
 pub(super) async fn run(mut node: Node) -> Result<(), LoadError> {
     let LoadedWall { machine, info, speed } = load(node.raw_parameters())?;
     let mut permits = node.subscribe(&topics::SAFETY_COMMAND)?;
+    let time = TimeBase::of(&mut node, false)?;
     let outlets = Outlets::new(&mut node)?;
     let refused = Refused::new(node.diagnostics(), topics::SAFETY_COMMAND.name());
     let (work, diagnostics, name) = (node.work(), node.diagnostics(), node.name());
-    let mut shell = Shell { machine, outlets, refused, sessions: Sessions::default(), name, looks: 0 };
+    let mut shell = Shell { machine, time, outlets, refused, sessions: Sessions::default(), name, looks: 0 };
     node.activated().await;
     shell.outlets.info.send(info);
-    let mut pace = pace(speed);
+    let mut pace = shell.time.pace(LOOK_PERIOD_S, speed);
     loop {
         tokio::select! {
             _ = pace.tick() => {
@@ -58,7 +58,6 @@ pub(super) async fn run(mut node: Node) -> Result<(), LoadError> {
 impl Outlets {
     fn new(node: &mut Node) -> Result<Self, RuntimeError> {
         Ok(Self {
-            clock: node.drive_clock()?,
             height: node.publish_on(&topics::LAYER_HEIGHT)?,
             state: node.publish_on(&topics::PRINTER_STATE)?,
             truth: node.publish_on(&topics::SIM_WIRE)?,
@@ -84,7 +83,7 @@ impl Shell {
         self.looks += 1;
         let reads = self.looks.is_multiple_of(LOOKS_PER_CLOCK);
         if reads {
-            self.outlets.clock.set(self.machine.now());
+            self.time.tell(self.machine.now());
         }
         while let Some(output) = self.machine.poll() {
             self.pass_on(output);

@@ -177,6 +177,7 @@ fn arguments(gcode: &Path, folder: &Path, seed: u64) -> UpArgs {
         seed,
         namespace: super::NAMESPACE.to_owned(),
         allow_fault_injection: false,
+        host_clock: false,
         dry_run: false,
         stay: true,
         json: None,
