@@ -21,7 +21,7 @@ pub fn arguments(bytes: &[u8]) {
             // What stands behind -p is YAML.
             match Parameters::read(&[], &args.parameters, &shipped::node("thermistor")) {
                 Err(error) => is_one_line(&error.to_string()),
-                Ok(read) => assert_eq!(read.text().lines().filter(|line| line.is_empty()).count(), 0),
+                Ok(read) => assert!(read.text().lines().all(|line| line.contains(": ")), "{}", read.text()),
             }
         }
     }

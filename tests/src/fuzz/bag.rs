@@ -6,6 +6,7 @@ use bag_recorder::error::RecorderError;
 use bag_recorder::file::{BagFile, Form, Stamp};
 use bag_recorder::folder::Folder;
 use bag_recorder::layout::Layout;
+use bag_recorder::record;
 use bag_recorder::recovery::{compact, look, read_finished, recover, salvage};
 use bag_recorder::tally::Tally;
 use bag_recorder::walk::{Walk, Walked};
@@ -68,7 +69,7 @@ fn walk(file: &Path, bytes: usize) -> Option<Walked> {
     while let Some((opcode, fields)) = walk.next_record().unwrap() {
         records += 1;
         messages += u64::from(opcode == op::MESSAGE);
-        _ = mcap::parse_record(opcode, fields);
+        _ = record::parse(opcode, fields);
         assert!(records <= 2 * bytes.max(1) * 1100, "{records} records in {bytes} bytes");
     }
     let walked = walk.finish();
@@ -113,8 +114,9 @@ pub(super) fn seeds() -> Vec<Vec<u8>> {
             file.write(&channel, "", stamp, &[number; 8]).unwrap();
         }
         file.finish().unwrap();
-        let bytes = std::fs::read(&path).unwrap();
-        std::fs::remove_file(&path).unwrap();
+        let finished = folder.path("bag_0.mcap");
+        let bytes = std::fs::read(&finished).unwrap();
+        std::fs::remove_file(&finished).unwrap();
         // One byte less or more stands for the other kind of file.
         seeds.extend([bytes.clone(), bytes[..bytes.len() - 1].to_vec(), bytes[..bytes.len() / 2].to_vec()]);
     }

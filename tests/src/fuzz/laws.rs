@@ -13,5 +13,5 @@ pub(crate) fn is_finite(value: &impl Debug) {
 /// Text for a log or a line: one line, and not without end.
 pub(crate) fn is_one_line(text: &str) {
     assert!(!text.contains(char::is_control), "{text:?}");
-    assert!(text.len() <= 16_384, "{} bytes: {:.200?}", text.len(), text);
+    assert!(text.len() <= 4096, "{} bytes: {:.200?}", text.len(), text);
 }

@@ -4,6 +4,7 @@ use super::channel_of;
 use crate::contents::Channel;
 use crate::error::RecorderError;
 use crate::file::{BagFile, Described, LIBRARY, MESSAGE_ENCODING, NOTE, Stamp};
+use crate::record;
 use crate::walk::{Walk, Walked};
 use mcap::records::Record;
 use mcap::{Attachment, McapError};
@@ -60,7 +61,7 @@ pub fn look(path: &Path) -> Result<Walked, RecorderError> {
     loop {
         let unsound = match walk.next_record().map_err(RecorderError::file("read", path))? {
             None => break,
-            Some((opcode, fields)) => match mcap::parse_record(opcode, fields) {
+            Some((opcode, fields)) => match record::parse(opcode, fields) {
                 Ok(Record::Channel(channel)) if channel.message_encoding != MESSAGE_ENCODING => {
                     let (topic, encoding) = (channel.topic, channel.message_encoding);
                     return Err(foreign(format!("messages of {topic} of encoding '{encoding}'")));
@@ -118,7 +119,7 @@ pub(super) fn copy_records(
         }
         let taken = match walk.next_record().map_err(RecorderError::file("read", source))? {
             None => return Ok(Copied::All(walk.finish())),
-            Some((opcode, fields)) => match mcap::parse_record(opcode, fields) {
+            Some((opcode, fields)) => match record::parse(opcode, fields) {
                 Ok(record) => copy_record(record, &mut seen, copy)?,
                 Err(_broken) => false,
             },
