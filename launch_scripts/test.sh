@@ -71,7 +71,8 @@ if [ -n "$long" ]; then
   if command -v cargo-fuzz >/dev/null; then
     tests/fuzz/run.sh 300
   else
-    echo "cargo-fuzz is not installed: skipped (cargo install cargo-fuzz --locked)"
+    echo "cargo-fuzz is not installed: mutations of the seeds alone (cargo install cargo-fuzz --locked)"
+    FDM_FUZZ_CASES=50 cargo test -p system_tests --locked --test fuzz
   fi
 
   step "long: lines of the supervisor's brain that are covered, 95 % at least"
