@@ -1,6 +1,7 @@
 //! The summary at the end of a file.
 
 use crate::record;
+use mcap::records::op;
 use mcap::sans_io::{SummaryReadEvent, SummaryReader};
 use mcap::{MAGIC, McapError, Summary};
 use runtime::input;
@@ -32,17 +33,10 @@ pub(super) fn read(path: &Path) -> Result<Summary, McapError> {
     reader.finish().ok_or(McapError::UnexpectedEof)
 }
 
-/// Every length in the summary lies inside of its record: the reader would believe it.
+/// Every length in the summary lies inside of its record: the reader would believe it. What else may be wrong with the end
+/// of a file the reader says itself, before it comes to a record.
 fn check(file: &mut File) -> Result<(), McapError> {
-    let tail = HEAD + FOOTER + MAGIC.len();
-    let size = file.seek(SeekFrom::End(0))?;
-    let footer = size.checked_sub(tail as u64).ok_or(McapError::UnexpectedEof)?;
-    file.seek(SeekFrom::Start(footer + HEAD as u64))?;
-    let mut start = [0; 8];
-    file.read_exact(&mut start)?;
-    let start = u64::from_le_bytes(start);
-    // Without a summary there is nothing to believe.
-    if start > 0 {
+    if let Some((start, footer)) = place(file)? {
         let length = footer.checked_sub(start).filter(|length| *length <= SUMMARY_MAX);
         let length = length.ok_or(McapError::UnexpectedEof)?;
         file.seek(SeekFrom::Start(start))?;
@@ -54,6 +48,18 @@ fn check(file: &mut File) -> Result<(), McapError> {
     }
     file.seek(SeekFrom::Start(0))?;
     Ok(())
+}
+
+/// Where the summary begins, and where the footer behind it; `None` of a file without either.
+fn place(file: &mut File) -> Result<Option<(u64, u64)>, McapError> {
+    let mut tail = [0; HEAD + FOOTER + MAGIC.len()];
+    let size = file.seek(SeekFrom::End(0))?;
+    let Some(footer) = size.checked_sub(tail.len() as u64) else { return Ok(None) };
+    file.seek(SeekFrom::Start(footer))?;
+    file.read_exact(&mut tail)?;
+    let start = tail[HEAD..].first_chunk().copied().map_or(0, u64::from_le_bytes);
+    let is_one = tail[0] == op::FOOTER && tail.ends_with(MAGIC) && start > 0;
+    Ok(is_one.then_some((start, footer)))
 }
 
 /// Records follow each other to the end, each whole.
