@@ -48,13 +48,13 @@ pub struct Target {
 
 /// All of them.
 pub const TARGETS: [Target; 9] = [
-    Target { name: "arguments", run: arguments, seeds: arguments::seeds, cases: 50_000 },
-    Target { name: "bag", run: bag, seeds: bag::seeds, cases: 1000 },
-    Target { name: "cdr", run: cdr, seeds: cdr_seeds::seeds, cases: 50_000 },
-    Target { name: "gcode", run: gcode, seeds: gcode::seeds, cases: 10_000 },
+    Target { name: "arguments", run: arguments, seeds: arguments::seeds, cases: 20_000 },
+    Target { name: "bag", run: bag, seeds: bag::seeds, cases: 600 },
+    Target { name: "cdr", run: cdr, seeds: cdr_seeds::seeds, cases: 25_000 },
+    Target { name: "gcode", run: gcode, seeds: gcode::seeds, cases: 4000 },
     Target { name: "gcode_order", run: gcode_order, seeds: gcode_order::seeds, cases: 50_000 },
-    Target { name: "jpeg", run: jpeg, seeds: jpeg::seeds, cases: 50_000 },
-    Target { name: "parameters", run: parameters, seeds: parameters::seeds, cases: 3000 },
-    Target { name: "serial_line", run: serial_line, seeds: serial_line::seeds, cases: 50_000 },
-    Target { name: "supervisor", run: supervisor, seeds: supervisor::seeds, cases: 3000 },
+    Target { name: "jpeg", run: jpeg, seeds: jpeg::seeds, cases: 30_000 },
+    Target { name: "parameters", run: parameters, seeds: parameters::seeds, cases: 1500 },
+    Target { name: "serial_line", run: serial_line, seeds: serial_line::seeds, cases: 30_000 },
+    Target { name: "supervisor", run: supervisor, seeds: supervisor::seeds, cases: 1200 },
 ];

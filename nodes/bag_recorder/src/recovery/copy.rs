@@ -56,7 +56,8 @@ fn open(path: &Path) -> Result<Walk, RecorderError> {
 /// A recorder of ours writes no records of private use: in its files they are damaged ones.
 pub fn look(path: &Path) -> Result<Walked, RecorderError> {
     let mut walk = open(path)?;
-    let foreign = |what: String| RecorderError::Foreign { path: path.to_path_buf(), what };
+    let foreign =
+        |what: String| RecorderError::Foreign { path: path.to_path_buf(), what: in_one_line(&what) };
     let (mut channels, mut private, mut is_ours) = (BTreeSet::new(), None, false);
     loop {
         let unsound = match walk.next_record().map_err(RecorderError::file("read", path))? {
@@ -94,6 +95,14 @@ pub fn look(path: &Path) -> Result<Walked, RecorderError> {
         Some(name) => Err(foreign(format!("chunks compressed by '{name}'"))),
         None => Ok(walked),
     }
+}
+
+/// Longest text out of a file that is said again `[character]`.
+const SAID: usize = 200;
+
+/// A text out of a file, as a line of a log may hold it.
+fn in_one_line(text: &str) -> String {
+    text.chars().take(SAID).map(|letter| if letter.is_control() { '?' } else { letter }).collect()
 }
 
 /// Whether a record tells that a recorder of ours wrote the file: its head, or the note behind it.
