@@ -1,8 +1,7 @@
 //! The functions that libFuzzer calls, with their seeds and with mutations of them: bounded, the same in every run.
 //!
 //! `FDM_FUZZ_CASES` multiplies the cases of a target; `FDM_FUZZ_CORPUS` names a folder to write the seeds to, for libFuzzer.
-#![allow(clippy::print_stdout, reason = "a test says what it did")]
-#![allow(clippy::cast_possible_truncation, reason = "random bytes are the low ones of random numbers")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic and says what it did")]
 
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};

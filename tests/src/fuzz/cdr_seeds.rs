@@ -34,7 +34,8 @@ pub(super) fn seeds() -> Vec<Vec<u8>> {
 fn seed<T: Serialize>(message: &T) -> Vec<u8> {
     let name = std::any::type_name::<T>().rsplit("::").next().unwrap_or_default();
     let index = KINDS.iter().position(|(kind, _)| *kind == name).unwrap();
-    [vec![index as u8, 0], cdr_encoding::to_vec::<T, LittleEndian>(message).unwrap()].concat()
+    [vec![u8::try_from(index).unwrap(), 0], cdr_encoding::to_vec::<T, LittleEndian>(message).unwrap()]
+        .concat()
 }
 
 fn header() -> Header {

@@ -63,6 +63,9 @@ pub(super) fn seeds() -> Vec<Vec<u8>> {
         "M25",
         "RESUME",
     ];
-    let front = |kind: usize| [vec![kind as u8 & 1, kind as u8, 1], 1.05_f64.to_le_bytes().to_vec()].concat();
+    let front = |kind: usize| {
+        let kind = u8::try_from(kind).unwrap();
+        [vec![kind & 1, kind, 1], 1.05_f64.to_le_bytes().to_vec()].concat()
+    };
     lines.iter().enumerate().map(|(kind, line)| [front(kind), line.as_bytes().to_vec()].concat()).collect()
 }

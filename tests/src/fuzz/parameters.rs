@@ -56,7 +56,11 @@ fn file() -> PathBuf {
 pub(super) fn seeds() -> Vec<Vec<u8>> {
     let seed = |(index, (name, check)): (usize, &(&str, Check))| {
         check(&shipped::parameters(name)).unwrap();
-        [vec![index as u8], std::fs::read(shipped::file(&format!("{name}.param.yaml"))).unwrap()].concat()
+        [
+            vec![u8::try_from(index).unwrap()],
+            std::fs::read(shipped::file(&format!("{name}.param.yaml"))).unwrap(),
+        ]
+        .concat()
     };
     NODES.iter().enumerate().map(seed).collect()
 }
