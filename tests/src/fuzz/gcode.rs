@@ -13,7 +13,7 @@ static PARAMS: LazyLock<MotionParams> =
 
 /// A file; whether the planner knows all moves ahead or four of them, the number of bytes says.
 pub fn gcode(bytes: &[u8]) {
-    let params = if bytes.len() % 2 == 0 { *PARAMS } else { PARAMS.with_buffer(4) };
+    let params = if bytes.len().is_multiple_of(2) { *PARAMS } else { PARAMS.with_buffer(4) };
     let (mut steps, mut time_s) = (0_u64, 0.0);
     let mut job = Job::from_bytes(bytes, &params);
     for step in &mut job {

@@ -66,7 +66,7 @@ impl Print {
             part_fan_speed_1_s: None,
             stop_input: None,
         };
-        let supervisor = Supervisor::new(PARAMS.clone(), 1, latch);
+        let supervisor = Supervisor::new(*PARAMS, 1, latch);
         let (latch, mode) = (supervisor.latch(), Mode::Init);
         let mut print = Self {
             supervisor,
