@@ -67,6 +67,14 @@ if [ -n "$long" ]; then
   FDM_GCODE_CASES=1000000 cargo test -p models --locked --lib gcode::order
   FDM_POISON_CASES=5000 cargo test -p safety_supervisor --locked --no-default-features --test poison
 
+  step "long: every way in under libFuzzer and the address sanitizer, five minutes each"
+  if command -v cargo-fuzz >/dev/null; then
+    tests/fuzz/run.sh 300
+  else
+    echo "cargo-fuzz is not installed: mutations of the seeds alone (cargo install cargo-fuzz --locked)"
+    FDM_FUZZ_CASES=50 cargo test -p system_tests --locked --test fuzz
+  fi
+
   step "long: lines of the supervisor's brain that are covered, 95 % at least"
   if command -v cargo-llvm-cov >/dev/null; then
     cargo llvm-cov --locked -p safety_supervisor --no-default-features --lib --tests --fail-under-lines 95 \

@@ -1,5 +1,7 @@
 //! What several test targets share; the tests themselves live in these.
 
+pub mod fuzz;
+
 use std::path::Path;
 use std::process::{Command, ExitStatus};
 

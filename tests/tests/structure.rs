@@ -169,7 +169,7 @@ fn the_supervisor_sees_commands_params_units_and_job_phases_alone() {
 fn scripts_can_be_run() {
     use std::os::unix::fs::PermissionsExt;
     let scripts = ["demo.sh", "test.sh", "debian/build.sh"].map(|script| format!("launch_scripts/{script}"));
-    for script in scripts.iter().map(String::as_str).chain([".ci/run"]) {
+    for script in scripts.iter().map(String::as_str).chain([".ci/run", "tests/fuzz/run.sh"]) {
         let mode = std::fs::metadata(root().join(script)).unwrap().permissions().mode();
         assert_eq!(mode & 0o111, 0o111, "{script} has mode {mode:o}");
     }

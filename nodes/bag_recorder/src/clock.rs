@@ -4,6 +4,7 @@ use crate::error::RecorderError;
 use crate::file::NOTE;
 use crate::folder::Folder;
 use crate::layout::Survey;
+use crate::record;
 use crate::walk::Walk;
 use mcap::records::{Record, op};
 use std::collections::BTreeMap;
@@ -42,7 +43,7 @@ fn clock_of(path: &Path) -> std::io::Result<Option<String>> {
         if opcode == op::MESSAGE {
             break;
         }
-        match mcap::parse_record(opcode, fields) {
+        match record::parse(opcode, fields) {
             Ok(Record::Metadata(mut note)) if note.name == NOTE => return Ok(note.metadata.remove(CLOCK)),
             Ok(_) => {}
             Err(_) => walk.reject(),

@@ -44,6 +44,8 @@ pub mod offered_qos;
 pub mod order;
 pub mod params;
 #[cfg(feature = "ros")]
+pub mod record;
+#[cfg(feature = "ros")]
 pub mod recovery;
 pub mod retention;
 pub mod ring;

@@ -6,16 +6,16 @@ use crate::file::{BagFile, Form, QOS_KEY};
 use crate::folder::Folder;
 use crate::tally::Tally;
 use crate::walk::Walked;
-use mcap::sans_io::{SummaryReadEvent, SummaryReader};
-use mcap::{McapError, Summary};
+use mcap::McapError;
 use runtime::input;
 use std::collections::BTreeMap;
-use std::io::{Read, Seek};
+use std::io::Read;
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 mod copy;
+mod summary;
 
 pub use copy::look;
 use copy::{Copied, copy_records};
@@ -33,7 +33,7 @@ pub struct Finished {
 pub fn read_finished(folder: &Folder, number: u32) -> Result<Finished, RecorderError> {
     let name = folder.layout().finished(number);
     let path = folder.path(&name);
-    let summary = read_summary(&path).map_err(RecorderError::mcap("read", &path))?;
+    let summary = summary::read(&path).map_err(RecorderError::mcap("read", &path))?;
     let mut contents = FileContents { number, name, ..FileContents::default() };
     let Some(stats) = summary.stats else {
         return Err(RecorderError::mcap("read", &path)(McapError::UnexpectedEof));
@@ -49,22 +49,6 @@ pub fn read_finished(folder: &Folder, number: u32) -> Result<Finished, RecorderE
     }
     let indexed = !summary.chunk_indexes.is_empty() || stats.message_count == 0;
     Ok(Finished { contents, indexed })
-}
-
-/// The summary at the end of a file.
-fn read_summary(path: &Path) -> Result<Summary, McapError> {
-    let mut file = input::open(path)?;
-    let mut reader = SummaryReader::new();
-    while let Some(event) = reader.next_event() {
-        match event? {
-            SummaryReadEvent::ReadRequest(wanted) => {
-                let read = file.read(reader.insert(wanted))?;
-                reader.notify_read(read);
-            }
-            SummaryReadEvent::SeekRequest(to) => reader.notify_seeked(file.seek(to)?),
-        }
-    }
-    reader.finish().ok_or(McapError::UnexpectedEof)
 }
 
 /// The key of a channel.

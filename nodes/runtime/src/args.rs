@@ -109,7 +109,7 @@ pub enum ArgsError {
 }
 
 /// Longest name of a parameter `[byte]`.
-const NAME_MAX: usize = 255;
+pub(crate) const NAME_MAX: usize = 255;
 
 impl Args {
     /// Arguments of this process.
@@ -213,7 +213,7 @@ impl Args {
 const SAID: usize = 120;
 
 /// A text in one line: whatever would move the cursor is written as its escape.
-fn one_line(text: &str) -> Cow<'_, str> {
+pub(crate) fn one_line(text: &str) -> Cow<'_, str> {
     let written = |letter: char| match letter.is_control() {
         true => letter.escape_default().to_string(),
         false => letter.to_string(),

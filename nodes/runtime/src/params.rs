@@ -39,7 +39,7 @@ use tree::Tree;
 #[non_exhaustive]
 pub enum ParamFileError {
     /// A file cannot be read.
-    #[error("{}: {reason}", file.display())]
+    #[error("{}", ends(&format!("{}: {reason}", file.display())))]
     Unreadable {
         /// The file.
         file: PathBuf,
@@ -47,7 +47,7 @@ pub enum ParamFileError {
         reason: String,
     },
     /// Text that is not YAML, or not a ROS 2 parameter file.
-    #[error("{at}: {reason}")]
+    #[error("{}", ends(&format!("{at}: {reason}")))]
     Malformed {
         /// File and line, or the option `-p`.
         at: String,
@@ -55,7 +55,7 @@ pub enum ParamFileError {
         reason: String,
     },
     /// A value, or a set of them, was refused.
-    #[error("{at}: {message}")]
+    #[error("{}", ends(&format!("{at}: {message}")))]
     Refused {
         /// File and line, or the option `-p`.
         at: String,

@@ -4,6 +4,7 @@ use super::channel_of;
 use crate::contents::Channel;
 use crate::error::RecorderError;
 use crate::file::{BagFile, Described, LIBRARY, MESSAGE_ENCODING, NOTE, Stamp};
+use crate::record;
 use crate::walk::{Walk, Walked};
 use mcap::records::Record;
 use mcap::{Attachment, McapError};
@@ -55,12 +56,13 @@ fn open(path: &Path) -> Result<Walk, RecorderError> {
 /// A recorder of ours writes no records of private use: in its files they are damaged ones.
 pub fn look(path: &Path) -> Result<Walked, RecorderError> {
     let mut walk = open(path)?;
-    let foreign = |what: String| RecorderError::Foreign { path: path.to_path_buf(), what };
+    let foreign =
+        |what: String| RecorderError::Foreign { path: path.to_path_buf(), what: in_one_line(&what) };
     let (mut channels, mut private, mut is_ours) = (BTreeSet::new(), None, false);
     loop {
         let unsound = match walk.next_record().map_err(RecorderError::file("read", path))? {
             None => break,
-            Some((opcode, fields)) => match mcap::parse_record(opcode, fields) {
+            Some((opcode, fields)) => match record::parse(opcode, fields) {
                 Ok(Record::Channel(channel)) if channel.message_encoding != MESSAGE_ENCODING => {
                     let (topic, encoding) = (channel.topic, channel.message_encoding);
                     return Err(foreign(format!("messages of {topic} of encoding '{encoding}'")));
@@ -95,6 +97,14 @@ pub fn look(path: &Path) -> Result<Walked, RecorderError> {
     }
 }
 
+/// Longest text out of a file that is said again `[character]`.
+const SAID: usize = 200;
+
+/// A text out of a file, as a line of a log may hold it.
+fn in_one_line(text: &str) -> String {
+    text.chars().take(SAID).map(|letter| if letter.is_control() { '?' } else { letter }).collect()
+}
+
 /// Whether a record tells that a recorder of ours wrote the file: its head, or the note behind it.
 fn is_of_ours(record: &Record<'_>) -> bool {
     match record {
@@ -118,7 +128,7 @@ pub(super) fn copy_records(
         }
         let taken = match walk.next_record().map_err(RecorderError::file("read", source))? {
             None => return Ok(Copied::All(walk.finish())),
-            Some((opcode, fields)) => match mcap::parse_record(opcode, fields) {
+            Some((opcode, fields)) => match record::parse(opcode, fields) {
                 Ok(record) => copy_record(record, &mut seen, copy)?,
                 Err(_broken) => false,
             },

@@ -122,11 +122,12 @@ pub fn is_allowed(line: &str) -> bool {
 }
 
 impl Field {
-    /// Digits with a point before the decimals, no sign, no exponent, and a value in the bounds.
+    /// Digits with a point before the decimals, no sign, no exponent, no zeros in front, and a value in the bounds.
     fn fits(&self, text: &str) -> bool {
         let (whole, rest) = text.split_once('.').unwrap_or((text, ""));
         let digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
-        let written = !whole.is_empty() && digits(whole) && digits(rest) && rest.len() == self.decimals;
+        let begun = whole == "0" || !(whole.is_empty() || whole.starts_with('0'));
+        let written = begun && digits(whole) && digits(rest) && rest.len() == self.decimals;
         let pointed = text.contains('.') == (self.decimals > 0);
         let inside = text.parse().is_ok_and(|value: f64| (self.low..=self.high).contains(&value));
         written && pointed && inside

@@ -251,9 +251,16 @@ fn a_refusal_of_a_long_value_is_short() {
 
 /// A line of a log stays one, whatever a name holds.
 #[test]
-fn a_refusal_of_a_name_with_a_newline_is_one_line() {
+fn a_refusal_of_any_name_is_one_line() {
     for name in ["rate\n_hz", "limits.flow\u{1b}[31m", "other.a\nb"] {
         let text = parse(&[GOOD], &[(name, "9")]).unwrap_err().to_string();
         assert!(!text.contains(char::is_control) && text.contains("\\"), "{text:?}");
     }
+    let long = "k".repeat(1 << 20);
+    for key in ["a\t", "\"a\\e[2J\"", "\"a\\nb\"", &long] {
+        let text = parse(&[&format!("{key}: 1\n")], &[]).unwrap_err().to_string();
+        assert!(!text.contains(char::is_control) && text.len() < 1500, "{text:.2000?}");
+    }
+    let found = read(&[], &[("a\nuse_sim_time", "true")]).unwrap();
+    assert_eq!(found.text(), "a\\nuse_sim_time: true\nuse_sim_time: false\n");
 }

@@ -2,7 +2,7 @@
 
 use super::yaml::{Parsed, read_yaml, reason};
 use super::{NodePath, ParamFileError, join};
-use crate::args::{of_node, short};
+use crate::args::{of_node, one_line, short};
 use serde_json::{Map, Value};
 use std::fmt;
 use std::path::Path;
@@ -117,7 +117,8 @@ impl Tree {
                     tree.collect_lines(&join(path, key), lines);
                 }
             }
-            leaf => lines.extend(leaf.leaf_text().map(|text| format!("{path}: {text}"))),
+            // A name may hold a line end, which would begin a line of its own.
+            leaf => lines.extend(leaf.leaf_text().map(|text| format!("{}: {text}", one_line(path)))),
         }
     }
 

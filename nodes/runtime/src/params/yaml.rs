@@ -1,7 +1,7 @@
 //! YAML with the line of each name.
 
 use super::tree::{Origin, Tree};
-use crate::args::short;
+use crate::args::{NAME_MAX, short};
 use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 use serde_saphyr::{DuplicateKeyPolicy, NonFiniteFloatPolicy, Spanned};
@@ -139,6 +139,13 @@ impl<'de> Visitor<'de> for ParsedVisitor {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Parsed, A::Error> {
         let mut entries: Vec<(Spanned<String>, Parsed)> = Vec::new();
         while let Some(key) = map.next_key::<Spanned<String>>()? {
+            // Each dot of a name is a block, and each block a step down the stack.
+            if key.value.len() > NAME_MAX {
+                return Err(de::Error::custom(format!(
+                    "'{}': a name has 255 bytes at most",
+                    short(&key.value)
+                )));
+            }
             if let Some((first, _)) = entries.iter().find(|(known, _)| known.value == key.value) {
                 let (name, lines) = (short(&key.value), [first.referenced.line(), key.referenced.line()]);
                 let reason =

@@ -51,6 +51,8 @@ fn parameter_files_made_to_exhaust_the_reader() {
     assert!(!scratch.read(format!("{head}{}", "[".repeat(100_000)).as_bytes()));
     assert!(!scratch.read(format!("{head}{}{}", "[".repeat(20_000), "]".repeat(20_000)).as_bytes()));
     assert!(!scratch.read(format!("{head}{}", "{a: ".repeat(100_000)).as_bytes()));
+    let parts = format!("/**:\n  ros__parameters:\n    {}a: 1\n", "a.".repeat(500_000));
+    assert!(!scratch.read(parts.as_bytes()), "a name of 500000 parts");
     let mut laughs = format!("{head}&x0 [0, 0]\n");
     for level in 1..40 {
         laughs += &format!("    a{level}: &x{level} [*x{0}, *x{0}]\n", level - 1);
