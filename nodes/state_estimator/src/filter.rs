@@ -206,12 +206,7 @@ impl Filter {
     fn drive(&self, status: &PrinterStatus, motor_speed_m_s: f64, filament_speed_m_s: Option<f64>) -> Drive {
         let duty = if status.mains_on { status.hotend_duty } else { 0.0 };
         let heater_power_w = duty * self.model.heater_power_w();
-        Drive {
-            heater_power_w,
-            motor_speed_m_s,
-            filament_speed_m_s,
-            fan: self.params.telemetry.part_fan(status),
-        }
+        Drive { heater_power_w, motor_speed_m_s, filament_speed_m_s, fan: status.fan }
     }
 
     /// Goes from report to report: a stroke back and a stroke forth do not cancel, since only one of them slips.

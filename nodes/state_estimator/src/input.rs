@@ -132,9 +132,6 @@ pub(crate) fn check_status(status: &PrinterStatus) -> Result<(), Reason> {
     within(status.path_speed_m_s, (0.0, f64::MAX))?;
     within(status.hotend_duty, (0.0, 1.0))?;
     within(status.fan, (0.0, 1.0))?;
-    if let Some(speed_1_s) = status.part_fan_speed_1_s {
-        within(speed_1_s, (0.0, f64::MAX))?;
-    }
     if let Some(height_m) = status.layer_height_m {
         within(height_m, (f64::MIN_POSITIVE, f64::MAX))?;
     }

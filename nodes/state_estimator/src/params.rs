@@ -206,6 +206,20 @@ pub struct RawWidth {
     pub trust: RawTrust,
 }
 
+/// The printer's own telemetry.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawTelemetry {
+    /// Beyond this age of the newest status nothing is estimated `[s]`.
+    pub age_limit_s: f64,
+    /// A gap longer than this starts the filter anew `[s]`.
+    pub restart_s: f64,
+    /// Samples may be stamped this far ahead of the tick `[s]`.
+    pub lead_limit_s: f64,
+    /// Fastest credible motor `[m/s]`; a faster jump is a new count.
+    pub motor_speed_max_m_s: f64,
+}
+
 /// States outside of these bounds reset the filter.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -242,7 +256,10 @@ impl TryFrom<RawParams> for Params {
         check_thermistor(&raw.thermistor)?;
         check_encoder(&raw.encoder)?;
         check_width(&raw.width)?;
-        check_telemetry(&raw.telemetry)?;
+        in_range("telemetry.age_limit_s", raw.telemetry.age_limit_s, "s", (0.02, 5.0))?;
+        in_range("telemetry.restart_s", raw.telemetry.restart_s, "s", (0.1, 60.0))?;
+        in_range("telemetry.lead_limit_s", raw.telemetry.lead_limit_s, "s", (0.0, 5.0))?;
+        in_range("telemetry.motor_speed_max_m_s", raw.telemetry.motor_speed_max_m_s, "m/s", (0.01, 2.0))?;
         check_bounds(&raw.bounds)?;
         raw.health.check()?;
         Ok(Self(raw))
@@ -277,9 +294,6 @@ fn check_prior(raw: &RawPrior) -> Result<(), ParamError> {
 
 mod adaptive;
 mod channel;
-mod telemetry;
 
 pub use adaptive::{RawAdaptation, RawHealth};
 use channel::{check_bounds, check_encoder, check_thermistor, check_width};
-pub use telemetry::RawTelemetry;
-use telemetry::check_telemetry;

@@ -23,7 +23,6 @@ mod health;
 mod live;
 mod strokes;
 mod unseen;
-mod weak_fan;
 
 const SHIPPED: &str = include_str!("../../../../config/state_estimator.param.yaml");
 
@@ -104,8 +103,6 @@ struct Rig {
     encoder: bool,
     /// The motor goes back and forth by so much, 5 times a second, as with pressure advance in an infill.
     stroke_m: f64,
-    /// Revolutions that the part fan's tachometer shows `[1/s]`.
-    part_fan_1_s: Option<f64>,
     /// Scatter of the widths beside what the road is, evenly over plus and minus so much.
     width_noise_m: f64,
 }
@@ -133,7 +130,6 @@ impl Rig {
             status_steps: 2,
             encoder: true,
             stroke_m: 0.0,
-            part_fan_1_s: None,
             width_noise_m: 0.0,
         }
     }
@@ -162,9 +158,7 @@ impl Rig {
             self.flow_m_s = self.law.flow_after(self.flow_m_s, fed_m_s, Seconds(0.01), Seconds(0.63));
             let stamp = Seconds(now_s);
             if self.step.is_multiple_of(self.status_steps) {
-                let part_fan_speed_1_s = self.part_fan_1_s;
-                let status = PrinterStatus { part_fan_speed_1_s, ..status(now_s, self.motor_m) };
-                self.estimator.on_event(Event::Printer(status));
+                self.estimator.on_event(Event::Printer(status(now_s, self.motor_m)));
             }
             let position_m = (self.fed_m / 1e-5).floor() * 1e-5;
             if self.encoder {
