@@ -54,9 +54,10 @@ pub struct PrinterStatus {
     pub position_m: [f64; 3],
     /// Executed path speed `[m/s]`, speed trim included.
     pub path_speed_m_s: f64,
-    /// The slicer's own path speed at this point `[m/s]`, before the speed trim.
+    /// The planned path speed at this point `[m/s]`, before the speed trim: the slicer's own, or what a trim attached to the
+    /// move has made of it.
     pub planned_speed_m_s: f64,
-    /// The slicer's own filament feed at this point `[m/s]`, before every trim; negative in a retraction.
+    /// The filament feed at this point at the planned speed `[m/s]`, before every trim in force; negative in a retraction.
     pub planned_feed_m_s: f64,
     /// Filament the extruder motor was told to push since start `[m]`: every trim and compensation included.
     pub motor_position_m: f64,

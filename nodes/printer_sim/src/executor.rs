@@ -74,6 +74,8 @@ pub struct Executor {
     coming: Vec<Coming>,
     /// Trims of coming moves, each with the time at which it lapses unless its move has begun.
     schedule: VecDeque<(MotionTrim, Seconds)>,
+    /// What is attached to moves acts.
+    attached_act: bool,
 }
 
 impl Executor {
@@ -103,6 +105,7 @@ impl Executor {
             entered: 0,
             coming: Vec::new(),
             schedule: VecDeque::new(),
+            attached_act: false,
         }
     }
 
@@ -114,6 +117,7 @@ impl Executor {
         mut begun: impl FnMut(&Segment, Seconds),
     ) -> Motion {
         self.set_pace(dt, around);
+        self.attached_act = around.attached_act;
         let mut motion = Motion::default();
         let mut spent_s = 0.0;
         while spent_s < dt.0 && self.pace > 0.0 {
@@ -224,11 +228,13 @@ impl Executor {
 
     /// Moves on for at most `left_s`; returns the time used.
     fn advance(&mut self, left_s: f64, around: &Surroundings, motion: &mut Motion) -> f64 {
+        let planned = self.planned_pace();
         let Some(active) = &mut self.active else { return left_s };
         if self.settings.host != HostProfile::Serial {
             active.trims = Some(around.trims);
         }
-        let speed = active.trims.map_or(1.0, |trims| trims.speed) * self.pace * self.sliced.speed_factor;
+        let planned = planned * self.sliced.speed_factor;
+        let speed = active.trims.map_or(1.0, |trims| trims.speed) * self.pace * planned;
         let duration_s = active.segment.profile.duration().0;
         let plan_left_s = duration_s - active.elapsed_s;
         let plan_used_s = (left_s * speed).min(plan_left_s);
@@ -249,7 +255,7 @@ impl Executor {
         }
         if segment.length_m > 0.0 {
             motion.path_speed_m_s += covered_m;
-            motion.planned_speed_m_s = at.speed_m_s * self.sliced.speed_factor;
+            motion.planned_speed_m_s = at.speed_m_s * planned;
         }
         self.fed_m += filament_m.max(0.0);
         let along = if path_m > 0.0 { (at.distance_m / path_m).min(1.0) } else { 1.0 };

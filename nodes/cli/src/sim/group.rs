@@ -48,7 +48,7 @@ pub struct Comparison {
 type Figure = (&'static str, fn(&Run) -> Option<f64>);
 
 /// Figures that are averaged.
-const FIGURES: [Figure; 11] = [
+const FIGURES: [Figure; 14] = [
     ("quality_mean", |run| run.quality_mean),
     ("width_rms_rel", |run| run.width_rms_rel),
     ("corner_width_rms_rel", |run| run.corner_width_rms_rel),
@@ -58,6 +58,9 @@ const FIGURES: [Figure; 11] = [
     ("feed_error_after_8s_rel", |run| run.feed_error_after_8s_rel),
     ("recovery_time_s", |run| run.recovery_time_s),
     ("recovery_5s_s", |run| run.recovery_5s_s),
+    ("trimmed_share", |run| run.trimmed_share),
+    ("feedback_share", |run| run.feedback_share),
+    ("slowed_share", |run| run.slowed_share),
     ("nees_median", |run| run.nees_median),
     ("realtime_factor", |run| Some(run.realtime_factor)),
 ];

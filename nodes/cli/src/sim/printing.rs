@@ -240,7 +240,8 @@ impl Printing {
 
     fn note_extremes(&mut self, trims: &Trims) {
         if self.simulator.truth().depositing {
-            self.trimmed.add(trims, self.controller.report().base);
+            let pace = self.simulator.planned_pace();
+            self.trimmed.add(trims, self.controller.report().base, pace);
         }
         let most = &mut self.extremes;
         most.flow = most.flow.max((trims.flow - 1.0).abs());

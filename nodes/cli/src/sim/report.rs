@@ -123,6 +123,9 @@ pub struct Run {
     pub trimmed_share: Option<f64>,
     /// The same of feedback alone: the spool's calibration is taken out.
     pub feedback_share: Option<f64>,
+    /// Share of the time of deposition in moves that are planned more than 1 % slower than the file's, since the drive's force
+    /// would not suffice.
+    pub slowed_share: Option<f64>,
     /// What the loop noticed after the onset.
     pub detections: Vec<Detection>,
     /// How often it noticed something with nothing wrong.

@@ -92,6 +92,9 @@ impl Task {
         let whole = truth.integrals.since(&Default::default());
         let [settled, late] = printing.settled.map(|at| at.and_then(|at| truth.integrals.since(&at)));
         let [states_not_observed, states_held] = printing.consistency.blind();
+        let shares = printing.trimmed.shares();
+        let (detections, alarms) =
+            printing.noticed.iter().cloned().partition::<Vec<_>, _>(|found| found.onset_s.is_some());
         let channels = ["thermistor", "encoder", "width"];
         let ended = stuck.unwrap_or_else(|| match printing.simulator().phase() {
             JobPhase::Done => "done".to_owned(),
@@ -132,16 +135,12 @@ impl Task {
             nees_median: printing.consistency.median(),
             coverage: printing.consistency.coverage(),
             coverage_states: STATE_NAMES,
-            trimmed_share: printing.trimmed.shares().map(|shares| shares.0),
-            feedback_share: printing.trimmed.shares().map(|shares| shares.1),
-            detections: printing.noticed.iter().filter(|found| found.onset_s.is_some()).cloned().collect(),
-            false_alarm_list: printing
-                .noticed
-                .iter()
-                .filter(|found| found.onset_s.is_none())
-                .cloned()
-                .collect(),
-            false_alarms: printing.noticed.iter().filter(|found| found.onset_s.is_none()).count(),
+            trimmed_share: shares.map(|shares| shares.trimmed),
+            feedback_share: shares.map(|shares| shares.fed_back),
+            slowed_share: shares.map(|shares| shares.slowed),
+            detections,
+            false_alarms: alarms.len(),
+            false_alarm_list: alarms,
             max_command: printing.extremes,
             file_pauses: printing.file_pauses.clone(),
             advance_control: printing.foresight.figures(&printing.controller().report().advance),

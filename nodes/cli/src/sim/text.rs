@@ -1,8 +1,11 @@
 //! The figures of `fdm sim` for people.
 
+mod corrected;
+
 use super::consistency::TRUE_MEDIAN;
 use super::group::Group;
 use super::report::{AdvanceFigures, Run};
+use corrected::corrected;
 use std::fmt::Write;
 
 const COLUMNS: usize = 9;
@@ -40,6 +43,7 @@ pub fn table(groups: &[Group]) -> String {
         covered(&mut text, group);
         blind(&mut text, group);
         advance(&mut text, group);
+        corrected(&mut text, group);
         seen(&mut text, group);
         asked_for(&mut text, group);
         noticed(&mut text, group);

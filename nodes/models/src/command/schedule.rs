@@ -8,9 +8,10 @@ use crate::units::Seconds;
 pub struct MotionTrim {
     /// The move, as the printer counts them from the start of the print.
     pub sequence: u64,
-    /// Filament per path length relative to the slicer's `[-]`.
+    /// Filament per path length relative to the slicer's `[-]` that the advance was planned for; what is fed is the permit's.
     pub flow: f64,
-    /// Path speed relative to the slicer's `[-]`.
+    /// Path speed that the move is planned at, relative to the slicer's `[-]`: above one counts as one. The permit's speed
+    /// acts about it.
     pub speed: f64,
     /// Pressure advance over the move's speed.
     pub advance: AdvanceLaw,

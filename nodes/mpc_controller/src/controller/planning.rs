@@ -88,8 +88,7 @@ impl Controller {
         if self.params.control != Level::Mpc {
             return;
         }
-        let recent = self.estimate.filter(|made| now.0 - made.stamp.0 <= self.params.estimate_age_limit_s);
-        let (Some(estimate), Some(status)) = (recent, self.fresh_status(now)) else {
+        let (Some(estimate), Some(status)) = (self.recent(now), self.fresh_status(now)) else {
             self.report.starved += 1;
             return;
         };
@@ -128,12 +127,10 @@ impl Controller {
         let flow_error = self.flow_error.mean();
         let planned_m_s = status.planned_feed_m_s * self.base.feed();
         let ambient = Kelvin(self.params.ambient_k);
-        let Printer { hotend, material, melt, .. } = &self.printer;
+        let Printer { hotend, material, .. } = &self.printer;
         let block: Kelvin = status.hotend_sliced_target.into();
         let reference = nozzle_reference(hotend, material, block, (self.params.reference.flow_m3_s, ambient));
-        let stiffer = self.advance.stiffness().max(1.0);
-        let margin = self.params.limits.force_margin / stiffer;
-        let flow_max = melt.flow_max_m3_s(estimate.nozzle, ambient, margin);
+        let most_m_s = self.feed_max_m_s(estimate);
         self.report.flow_error = flow_error;
         self.report.gain_error = estimate.gain * self.base.feed() - 1.0;
         self.report.temperature_error_k = estimate.nozzle.0 - reference.0;
@@ -143,9 +140,17 @@ impl Controller {
             temperature_k: band.temperature_k(self.report.temperature_error_k),
             gain: band.relative(self.report.gain_error),
             last: self.held,
-            feed_cap: Some(flow_max / (planned_m_s * melt.filament_area_m2()) - 1.0),
+            feed_cap: Some(most_m_s / planned_m_s - 1.0),
             width_ratio: 1.0 / ratio,
         })
+    }
+
+    /// Highest feed that the drive's force allows `[m/s]`: what widths tell of the melt's force lowers it.
+    pub(super) fn feed_max_m_s(&self, estimate: &Estimate) -> f64 {
+        let melt = &self.printer.melt;
+        let margin = self.params.limits.force_margin / self.advance.stiffness().max(1.0);
+        let ambient = Kelvin(self.params.ambient_k);
+        melt.flow_max_m3_s(estimate.nozzle, ambient, margin) / melt.filament_area_m2()
     }
 
     /// Follows the flow error slowly: a road's transients are over before a correction could act on them.

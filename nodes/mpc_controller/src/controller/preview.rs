@@ -14,15 +14,18 @@ const CORNER: f64 = 0.3;
 
 impl Controller {
     /// The trim of a coming move, number `sequence`, that became known at `now`; `None` where corrections or preview are
-    /// off, nothing is laid, or its law of the advance is not known; flow and speed are the plan's.
+    /// off, nothing is laid, or its law of the advance is not known; the flow is the plan's, the speed the drive's force's.
     #[must_use]
     pub fn on_coming(&mut self, now: Seconds, sequence: u64, segment: &Segment) -> Option<MotionTrim> {
         if self.params.control == Level::Off || segment.kind != MoveKind::Deposit {
             return None;
         }
-        let (flow, speed) = self.scheduled();
+        let (flow, in_force) = self.scheduled();
+        let speed = self.pace_of(now, segment);
         let advance = match self.params.advance.source {
-            AdvanceSource::Planned => self.advance.with_learnt(self.melt_law(now, segment, flow * speed)?),
+            AdvanceSource::Planned => {
+                self.advance.with_learnt(self.melt_law(now, segment, flow * in_force * speed)?)
+            }
             AdvanceSource::Predicted => self.advance.law(now.0)?,
             AdvanceSource::None | AdvanceSource::File | AdvanceSource::Material => return None,
         };
@@ -33,15 +36,29 @@ impl Controller {
         })
     }
 
+    /// Speed of a coming move relative to the slicer's at which the drive's force suffices for its fastest feed `[-]`. With
+    /// its advance the melt's force follows each move at once: a plan over seconds could only chase it.
+    fn pace_of(&self, now: Seconds, segment: &Segment) -> f64 {
+        let Some(estimate) = self.recent(now).filter(|_| self.params.control == Level::Mpc) else {
+            return 1.0;
+        };
+        let fastest_m_s = segment.filament_per_path() * segment.profile.cruise_m_s * self.base.feed();
+        let most = self.feed_max_m_s(&estimate) / fastest_m_s;
+        if most.is_finite() { most.clamp(1.0 + self.params.limits.speed_low, 1.0) } else { 1.0 }
+    }
+
     /// The nominal law of the filament held compressed up to a move's cruise; `None` where no recent estimate tells the
     /// nozzle's temperature, or that is colder than at the lowest set-point of the material: a law of a melt that nothing
     /// drives says nothing of the one that is going to be laid.
     fn melt_law(&self, now: Seconds, segment: &Segment, feed: f64) -> Option<AdvanceLaw> {
-        let limit_s = self.params.estimate_age_limit_s;
-        let recent = self.estimate.filter(|made| now.0 - made.stamp.0 <= limit_s)?;
-        let estimate = Some(recent).filter(|made| made.nozzle.0 >= self.least_nozzle().0)?;
+        let estimate = self.recent(now).filter(|made| made.nozzle.0 >= self.least_nozzle().0)?;
         let cruise_m_s = segment.filament_per_path() * segment.profile.cruise_m_s * feed;
         (cruise_m_s > 0.0).then(|| self.outlet_law(&estimate, cruise_m_s))?.map(|law| law.advance())
+    }
+
+    /// The estimate, where it is not too old to act on.
+    pub(super) fn recent(&self, now: Seconds) -> Option<Estimate> {
+        self.estimate.filter(|made| now.0 - made.stamp.0 <= self.params.estimate_age_limit_s)
     }
 
     /// Temperature of a nozzle whose block is at the lowest set-point of the material, while the material is laid.

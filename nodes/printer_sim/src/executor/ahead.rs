@@ -28,8 +28,12 @@ impl Executor {
             _ => (self.settings.plan_moves, self.settings.plan_s),
         };
         // nothing is planned across a halt: what comes after it is not known before; nor while a temperature is waited for,
-        // whose wait has left the queue
-        if matches!(self.wait, Wait::Hotend | Wait::Bed) {
+        // whose wait has left the queue, nor longer before the end of a dwell than ahead of any move: its trim would lapse
+        if match self.wait {
+            Wait::None => false,
+            Wait::Until { left_s } => left_s > span_s,
+            Wait::Hotend | Wait::Bed => true,
+        } {
             return;
         }
         let halts = |queued: &Queued| matches!(queued, Queued::Act(action, _) if action.stops());
@@ -85,6 +89,18 @@ impl Executor {
         self.schedule.retain(|(trim, lapse)| now <= *lapse || Some(trim.sequence) == begun);
     }
 
+    /// Speed that the move under way is planned at, relative to the file's `[-]`.
+    #[must_use]
+    pub fn planned_pace(&self) -> f64 {
+        self.active.as_ref().map_or(1.0, |active| self.own_pace(active.sequence))
+    }
+
+    /// Speed that a move's own trim plans it at, about which the trims in force count; never above the file's `[-]`.
+    fn own_pace(&self, sequence: u64) -> f64 {
+        let own = self.schedule.iter().find(|(trim, _)| trim.sequence == sequence && self.attached_act);
+        own.map_or(1.0, |(trim, _)| trim.speed.min(1.0))
+    }
+
     /// What the schedule says of `ahead_s` from now, under the trims in force.
     #[must_use]
     pub fn ahead(&self, ahead_s: f64, trims: &Trims) -> Ahead {
@@ -93,19 +109,22 @@ impl Executor {
         let scale = trims.flow * pace * self.sliced.flow_factor;
         if let Some(active) = &self.active {
             let remains_s = active.segment.profile.duration().0 - active.elapsed_s;
-            if left_s <= remains_s {
-                return self.held(active.sequence, &active.segment, (active.elapsed_s + left_s, scale));
+            let own = self.own_pace(active.sequence);
+            if own * left_s <= remains_s {
+                let at_s = active.elapsed_s + own * left_s;
+                return self.held(active.sequence, &active.segment, (at_s, own * scale));
             }
-            left_s -= remains_s;
+            left_s -= remains_s / own;
         }
         for queued in &self.queue {
             match queued {
                 Queued::Move(Coming { sequence, segment }, _) => {
                     let duration_s = segment.profile.duration().0;
-                    if left_s <= duration_s {
-                        return self.held(*sequence, segment, (left_s, scale));
+                    let own = self.own_pace(*sequence);
+                    if own * left_s <= duration_s {
+                        return self.held(*sequence, segment, (own * left_s, own * scale));
                     }
-                    left_s -= duration_s;
+                    left_s -= duration_s / own;
                 }
                 Queued::Act(action, _) if action.stops() => return Ahead::NoRoad,
                 Queued::Act(..) => {}

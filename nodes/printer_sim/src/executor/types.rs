@@ -64,6 +64,8 @@ impl Sliced {
 pub struct Surroundings {
     /// Trims in force.
     pub trims: Trims,
+    /// What is attached to moves acts: a permit to act is in force.
+    pub attached_act: bool,
     /// A pause is asked for.
     pub hold: bool,
     /// Hot end as the firmware reads it.

@@ -59,6 +59,17 @@ impl Simulator {
         if taken { Ok(()) } else { Err(Unscheduled::Late) }
     }
 
+    /// What is attached to moves acts while a permit to act is in force.
+    pub(super) fn attached_act(&self) -> bool {
+        self.in_force.mode == Mode::Act && !self.in_force.lapsed
+    }
+
+    /// Speed that the move under way is planned at, relative to the file's `[-]`: below one where its own trim slows it.
+    #[must_use]
+    pub fn planned_pace(&self) -> f64 {
+        self.executor.planned_pace()
+    }
+
     /// Trims that are attached to the move under way and to coming ones, and have not lapsed.
     #[must_use]
     pub fn attached(&self) -> usize {
@@ -68,7 +79,7 @@ impl Simulator {
     /// What the drive's advance follows: the schedule while a permit to act is in force, else `K_A` of now. Between file,
     /// permit and schedule it is handed over without a jump.
     pub(super) fn advance_goal(&mut self, trims: &Trims, dt: Seconds) -> Goal {
-        let acts = self.in_force.mode == Mode::Act && !self.in_force.lapsed;
+        let acts = self.attached_act();
         self.executor.lapse(self.now);
         let ahead = self.executor.ahead(self.params.simulator.drive.advance_smooth_s, trims);
         self.scheduled = match ahead {

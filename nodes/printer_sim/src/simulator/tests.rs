@@ -156,7 +156,11 @@ fn run_for(simulator: &mut Simulator, time_s: f64) {
 
 /// Warm, so that the first line begins at once.
 fn warm(job: JobSource, faults: &Scenario) -> Simulator {
-    let mut simulator = Simulator::new(params(), job, faults, 1).unwrap();
+    warm_of(params(), job, faults)
+}
+
+fn warm_of(params: Params, job: JobSource, faults: &Scenario) -> Simulator {
+    let mut simulator = Simulator::new(params, job, faults, 1).unwrap();
     simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: Some(Celsius(60.0)) });
     simulator
 }

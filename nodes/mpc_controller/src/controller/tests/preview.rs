@@ -37,3 +37,31 @@ fn a_nozzle_too_cold_to_lay_anything_has_no_law() {
         }
     }
 }
+
+/// What the force does not suffice for is planned slower, by as much as it lacks and no more than a speed trim may: 80 mm of
+/// 2.6 mm filament want 0.975 mm/s at 30 mm/s, and as many times more at as many times the speed.
+#[test]
+fn a_move_beyond_the_drives_force_is_planned_slower() {
+    let mut controller = controller(Level::Mpc);
+    controller.on_event(Event::Estimate(estimate(1.0)));
+    let most_m_s = controller.feed_max_m_s(&estimate(1.0));
+    let speed_for = |times: f64| times * most_m_s / (2.6e-3 / 0.08);
+    for (times, pace) in [(0.5, 1.0), (0.99, 1.0), (1.25, 0.8), (3.0, 0.7)] {
+        let profile = Trapezoid::new(0.08, (0.0, 0.0), speed_for(times), 1e3);
+        let trim = controller.on_coming(Seconds(1.1), 1, &Segment { profile, ..line() }).unwrap();
+        assert!((trim.speed - pace).abs() < 1e-9, "{times} of what the force allows: {trim:?}");
+    }
+}
+
+/// Who corrects nothing slows nothing, and a plan that is too old says nothing.
+#[test]
+fn only_the_plan_slows() {
+    let profile = Trapezoid::new(0.08, (0.0, 0.0), 1.0, 1e4);
+    let mut encoder = controller(Level::Encoder);
+    encoder.on_event(Event::Estimate(estimate(1.0)));
+    let trim = encoder.on_coming(Seconds(1.1), 1, &Segment { profile, ..line() }).unwrap();
+    assert!((trim.speed - 1.0).abs() < 1e-15, "{trim:?}");
+    let mut plan = controller(Level::Mpc);
+    plan.on_event(Event::Estimate(estimate(1.0)));
+    assert_eq!(plan.on_coming(Seconds(2.0), 1, &Segment { profile, ..line() }), None);
+}

@@ -3,6 +3,7 @@
 use super::*;
 use crate::output::Output;
 use models::command::{AdvanceLaw, MotionTrim, Scheduled};
+use models::status::{HostProfile, PrinterStatus};
 
 /// `K_A` that no permit and no file has `[s]`.
 const ADVANCE_S: f64 = 0.4;
@@ -106,4 +107,87 @@ fn no_move_is_told_before_the_hot_end_is_warm() {
     assert!(hotend_c >= 226.0 - params().simulator.executor.reached_band_k, "{hotend_c} degC");
     run_to_end(&mut simulator);
     assert!(simulator.truth().integrals.deposit_s > 2.9, "all is laid: {:?}", simulator.truth().integrals);
+}
+
+/// How far along the plan a printer is after 10 s of road, whose moves are planned at a speed each; and what it says then.
+fn planned_at(mode: Mode, speed: f64, host: HostProfile) -> (f64, PrinterStatus) {
+    let mut params = params();
+    params.simulator.executor.host = host;
+    let mut simulator = warm_of(params, straight_job(26), &Scenario::default());
+    let mut sequence = 0;
+    for step in 1_u64.. {
+        simulator.on_permit(permit(step, mode)).unwrap();
+        simulator.step(Seconds(1e-3));
+        while let Some(output) = simulator.poll() {
+            if let Output::Coming { sequence: number, .. } = output {
+                sequence += 1;
+                let mut sent = scheduled(sequence, number);
+                sent.trim.speed = speed;
+                _ = simulator.on_scheduled(&sent);
+            }
+        }
+        if simulator.truth().integrals.deposit_s >= 10.0 {
+            break;
+        }
+    }
+    let status = simulator.status();
+    (status.path_time_s, status)
+}
+
+/// The first line of 1 s begins before it can have a trim, the 9 s after it take 0.8 of a second each of the plan. What is
+/// planned faster than the file is not, and where corrections do not act the file's own speed holds.
+#[test]
+fn a_move_is_laid_at_the_speed_that_it_is_planned_at() {
+    for host in [HostProfile::Native, HostProfile::Serial] {
+        for (mode, speed, path_s, pace) in
+            [(Mode::Act, 0.8, 8.2, 0.8), (Mode::Act, 1.1, 10.0, 1.0), (Mode::Degraded, 0.8, 10.0, 1.0)]
+        {
+            let (along_s, status) = planned_at(mode, speed, host);
+            assert!((along_s - path_s).abs() < 0.02, "{host:?} {mode:?} {speed}: {along_s} s along the plan");
+            assert!((status.planned_speed_m_s / SPEED_M_S - pace).abs() < 1e-9, "{status:?}");
+            assert!((status.path_speed_m_s / SPEED_M_S - pace).abs() < 1e-6, "{status:?}");
+            assert!(
+                (status.trims.speed - 1.0).abs() < 1e-15,
+                "the trim in force is the permit's: {status:?}"
+            );
+        }
+    }
+}
+
+/// Warm, a dwell of this many seconds, then two lines.
+fn after_dwell(dwell_s: f64) -> JobSource {
+    let job = straight_job(2);
+    let mut steps: Vec<Step> = job.steps.collect();
+    let lines = steps.iter().position(|step| matches!(step, Step::Move(_))).unwrap();
+    steps.insert(lines, Step::Action(Action::Dwell(Seconds(dwell_s)), 4));
+    JobSource { steps: Box::new(steps.into_iter()), ..straight_job(2) }
+}
+
+/// What follows a dwell is told a second ahead as anywhere, however long the dwell lasts: told before it, the trim of the first
+/// road would lapse meanwhile. Halfway along that road the motor is ahead by all that the road holds compressed.
+#[test]
+fn the_first_road_after_a_dwell_has_its_trim() {
+    let moved_m = |dwell_s: f64, mode: Mode| {
+        let mut simulator = warm(after_dwell(dwell_s), &Scenario::default());
+        let mut sequence = 0;
+        for step in 1_u64.. {
+            simulator.on_permit(permit(step, mode)).unwrap();
+            simulator.step(Seconds(1e-3));
+            while let Some(output) = simulator.poll() {
+                if let Output::Coming { sequence: number, .. } = output {
+                    sequence += 1;
+                    assert_eq!(simulator.on_scheduled(&scheduled(sequence, number)), Ok(()), "{dwell_s} s");
+                }
+            }
+            if simulator.truth().integrals.deposit_s >= 0.5 {
+                break;
+            }
+        }
+        simulator.status().motor_position_m
+    };
+    let held_m = ADVANCE_S * straight_job(1).filament_m;
+    for dwell_s in [3.0, 8.0] {
+        let ahead_m = moved_m(dwell_s, Mode::Act) - moved_m(dwell_s, Mode::Observe);
+        assert!((ahead_m / held_m - 1.0).abs() < 0.02, "{dwell_s} s: {ahead_m} of {held_m} m");
+    }
 }
