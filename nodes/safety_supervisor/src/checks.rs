@@ -7,6 +7,7 @@ pub mod drift;
 pub mod drive_history;
 pub mod filament;
 pub mod frozen;
+pub mod hearts;
 pub mod heater;
 mod heater_observer;
 pub mod heater_start;

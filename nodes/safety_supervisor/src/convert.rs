@@ -10,7 +10,7 @@ use runtime::wire::{self, WireError};
 
 use crate::cause::Cause;
 use crate::event::{
-    Decision, Defect, Event, Evidence, Operator, PrinterReport, SafetyState, VisionReport, What,
+    Decision, Defect, Event, Evidence, Operator, PrinterReport, SafetyState, VisionReport, What, Worker,
 };
 
 pub fn hotend(message: &Temperature) -> Result<(Seconds, Event), WireError> {
@@ -68,6 +68,17 @@ pub fn vision(message: &DefectReport) -> Result<(Seconds, Event), WireError> {
         offset_m: read.offset_m,
     };
     Ok((read.exposed, Event::Vision(report)))
+}
+
+/// The node of a process whose heart is listened to.
+pub fn node_of(worker: Worker) -> &'static str {
+    match worker {
+        Worker::Encoder => "filament_encoder",
+        Worker::Estimator => "state_estimator",
+        Worker::Controller => "mpc_controller",
+        Worker::Camera => "camera",
+        Worker::Judge => "defect_classifier",
+    }
 }
 
 /// A mode that a person may set.

@@ -8,46 +8,12 @@ use crate::attention::Level;
 use crate::cause::Cause;
 
 mod evidence;
+mod stream;
 mod vision;
 
 pub use evidence::Evidence;
+pub use stream::{Stream, Worker};
 pub use vision::{Defect, VisionReport};
-
-/// A stream the supervisor listens to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Stream {
-    /// Hot end temperature.
-    Hotend,
-    /// Bed temperature.
-    Bed,
-    /// Filament encoder.
-    Encoder,
-    /// Printer state.
-    Printer,
-    /// Controller commands.
-    Command,
-    /// State estimate.
-    Estimate,
-    /// Accelerations of the tool.
-    Imu,
-    /// What the camera's judge says.
-    Vision,
-}
-
-impl Stream {
-    /// Every stream.
-    pub const ALL: [Self; 8] = [
-        Self::Hotend,
-        Self::Bed,
-        Self::Encoder,
-        Self::Printer,
-        Self::Command,
-        Self::Estimate,
-        Self::Imu,
-        Self::Vision,
-    ];
-}
 
 /// What a person asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -186,6 +152,10 @@ pub enum Event {
     Operator(Operator),
     /// Somebody else publishes permits; the printer believes one alone, which may not be this one.
     RivalPermit,
+    /// The heart of a process was heard.
+    Beat(Worker),
+    /// All hearts that could be heard were told, as every [`LOOK_S`](crate::checks::hearts::LOOK_S).
+    Look,
     /// The shell refused a value of this stream: NaN, out of range or stale.
     Refused {
         /// Whose value it was.

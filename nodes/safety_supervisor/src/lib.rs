@@ -47,7 +47,7 @@ pub mod supervisor;
 pub use cause::{Cause, Reaction};
 pub use event::{
     Decision, Defect, Event, Evidence, Operator, Output, PrinterReport, SafetyState, Stream, VisionReport,
-    What,
+    What, Worker,
 };
 pub use modes::{Latch, Standing};
 pub use params::Params;

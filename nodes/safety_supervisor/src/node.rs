@@ -1,5 +1,6 @@
 //! The shell: streams and requests in, a permit every 20 ms out, and one at once for what may not wait.
 
+mod hearts;
 mod inlets;
 mod journal;
 mod latch_file;
@@ -19,6 +20,7 @@ use crate::cause::Cause;
 use crate::event::{Event, Output, What};
 use crate::params::Params;
 use crate::supervisor::Supervisor;
+use hearts::Hearts;
 use inlets::{Heard, Inlets};
 use latch_file::{LATCH_FILE, LatchFile, Latched};
 use operators::Operators;
@@ -44,6 +46,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
         node.timer(topics::PERMIT_PERIOD).tell_irregular(node.diagnostics(), topics::PERMIT_JITTER);
     let (clock, work) = (node.clock(), node.work());
     node.witness(&[])?;
+    let mut hearts = Hearts::open(&mut node)?;
     let mut looks = interval(rivals::LOOK);
     looks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     node.activated().await;
@@ -69,6 +72,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 operators.take(ask, output);
                 operators.answer_waiting(shell.kept, shell.standing.failed.as_deref());
             }
+            () = hearts.next_look() => hearts.look(|event| _ = shell.take(clock.now(), event)),
             _ = looks.tick() => inlets.look_for_rivals(&mut node),
             heard = inlets.next() => {
                 let now = clock.now();

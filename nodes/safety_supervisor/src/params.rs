@@ -117,6 +117,8 @@ pub struct Stales {
     pub imu: StaleParams,
     /// Reports of the camera's judge.
     pub vision: StaleParams,
+    /// C4: silence of a process's heart that degrades `[s]`, of real time.
+    pub hang_s: f64,
 }
 
 /// All parameters. Built only from valid [`RawParams`].
@@ -206,6 +208,7 @@ impl TryFrom<RawParams> for Params {
         in_range("envelope.period_s", raw.envelope.period_s, "s", (0.01, 2.0))?;
         in_range("envelope.rival_hold_s", raw.envelope.rival_hold_s, "s", (0.1, 60.0))?;
         raw.envelope.schedule.check()?;
+        in_range("stale.hang_s", raw.stale.hang_s, "s", (0.2, 10.0))?;
         raw.hotend_step.check()?;
         raw.noise.check()?;
         raw.drift.check()?;

@@ -128,6 +128,8 @@ impl Supervisor {
             }
             Event::RivalPermit => self.envelope.note_foreign_permit(now),
             Event::Refused { .. } => self.checks.bad_values.note(now),
+            Event::Beat(worker) => self.ages.hearts.beat(worker),
+            Event::Look => self.ages.hearts.look(),
             Event::Imu { first, period, samples } => self.on_imu(now, (first, period), &samples),
             Event::Vision(report) => self.on_vision(now, &report),
             Event::Hotend { stamp, temp } => self.on_hotend(now, stamp, temp),

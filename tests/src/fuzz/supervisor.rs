@@ -7,7 +7,7 @@ use models::command::{
 };
 use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
-use safety_supervisor::{Cause, Defect, Event, Latch, Operator, PrinterReport, Stream, VisionReport};
+use safety_supervisor::{Cause, Defect, Event, Latch, Operator, PrinterReport, Stream, VisionReport, Worker};
 
 /// Steps of a print; more of them say nothing new and take their time.
 const STEPS: usize = 400;
@@ -62,7 +62,7 @@ fn take(print: &mut Print, values: &mut Values<'_>) {
 
 fn event(print: &mut Print, values: &mut Values<'_>) -> Event {
     let stamp = if values.flag() { print.now() } else { Seconds(values.number()) };
-    match values.below(14) {
+    match values.below(16) {
         0 => Event::Hotend { stamp, temp: Celsius(values.number()) },
         1 => Event::Bed { stamp, temp: Celsius(values.number()) },
         2 => Event::Encoder { stamp, position_m: values.number() },
@@ -79,6 +79,8 @@ fn event(print: &mut Print, values: &mut Values<'_>) -> Event {
         11 => Event::Operator(operator(values)),
         12 if values.flag() => Event::RivalPermit,
         12 => Event::Refused { stream: values.pick(&Stream::ALL) },
+        13 => Event::Beat(values.pick(&Worker::ALL)),
+        14 => Event::Look,
         _ => Event::Tick { now: Seconds(values.number()) },
     }
 }

@@ -55,18 +55,11 @@ impl Supervisor {
     }
 
     fn of_silence(&self, now: Seconds, cause: Cause) -> Option<Number> {
-        let age = match cause {
-            Cause::StaleHotend => &self.ages.hotend,
-            Cause::StaleBed => &self.ages.bed,
-            Cause::StaleEncoder => &self.ages.encoder,
-            Cause::StalePrinter => &self.ages.printer,
-            Cause::StaleCommand => &self.ages.command,
-            Cause::StaleEstimate => &self.ages.estimate,
-            Cause::StaleImu => &self.ages.imu,
-            Cause::StaleVision => &self.ages.vision,
-            _ => return None,
-        };
-        Some((age.age(now)?.0, age.limit_s(now)))
+        let age = self.ages.of_cause(cause)?;
+        match (age.limit_s(now), self.ages.hang_s(cause)) {
+            (None, Some((silent_s, hang_s))) => Some((silent_s, Some(hang_s))),
+            (limit_s, _) => Some((age.age(now)?.0, limit_s)),
+        }
     }
 
     fn of_the_rest(&self, cause: Cause) -> Option<Number> {

@@ -114,14 +114,14 @@ impl Supervisor {
             self.ages.bed.expect(now);
         }
         let printing = self.printer.is_some_and(|printer| printer.phase == JobPhase::Printing);
-        set(Cause::StaleHotend, self.ages.hotend.reaction(now));
-        set(Cause::StaleBed, self.ages.bed.reaction(now));
-        set(Cause::StaleEncoder, self.ages.encoder.reaction(now));
-        set(Cause::StalePrinter, self.ages.printer.reaction(now));
-        set(Cause::StaleEstimate, self.ages.estimate.reaction(now));
-        set(Cause::StaleImu, self.ages.imu.reaction(now));
-        set(Cause::StaleVision, self.ages.vision.reaction(now).filter(|_| printing));
-        set(Cause::StaleCommand, self.ages.command.reaction(now).filter(|_| acting && printing));
+        for cause in SILENCES {
+            let counts = match cause {
+                Cause::StaleVision => printing,
+                Cause::StaleCommand => acting && printing,
+                _ => true,
+            };
+            set(cause, self.ages.called_for(now, cause).filter(|_| counts));
+        }
 
         let checks = &self.checks;
         for (cause, reaction) in checks.thermal_causes(now, &self.params) {
@@ -157,6 +157,18 @@ impl Supervisor {
         self.graced(raised, printing)
     }
 }
+
+/// Causes of somebody who is not heard.
+const SILENCES: [Cause; 8] = [
+    Cause::StaleHotend,
+    Cause::StaleBed,
+    Cause::StaleEncoder,
+    Cause::StalePrinter,
+    Cause::StaleEstimate,
+    Cause::StaleImu,
+    Cause::StaleVision,
+    Cause::StaleCommand,
+];
 
 /// Farthest that filament goes `[m]`: 3 t of it. Sums beyond would no longer tell the millimetres of a slip.
 const POSITION_MAX_M: f64 = 1e6;

@@ -1,12 +1,14 @@
 //! What the supervisor is made of beside its modes: ages of streams and checks.
 
 use crate::attention::Attention;
+use crate::cause::{Cause, Reaction};
 use crate::checks::bad_values::Burst;
 use crate::checks::defect::DefectCheck;
 use crate::checks::detached::DetachedCheck;
 use crate::checks::drift::DriftCheck;
 use crate::checks::filament::FilamentCheck;
 use crate::checks::frozen::FrozenCheck;
+use crate::checks::hearts::HeartsCheck;
 use crate::checks::heater::HeaterCheck;
 use crate::checks::impulse::ImpulseCheck;
 use crate::checks::jump::JumpCheck;
@@ -18,7 +20,7 @@ use crate::checks::run_out::RunOutCheck;
 use crate::checks::shift::ShiftCheck;
 use crate::checks::stale::StaleCheck;
 use crate::checks::stop_input::StopInputCheck;
-use crate::event::{Defect, Stream};
+use crate::event::{Defect, Stream, Worker};
 use crate::params::{Params, Streams};
 use models::units::Seconds;
 
@@ -33,6 +35,7 @@ pub(super) struct Ages {
     pub(super) estimate: StaleCheck,
     pub(super) imu: StaleCheck,
     pub(super) vision: StaleCheck,
+    pub(super) hearts: HeartsCheck,
 }
 
 impl Ages {
@@ -47,6 +50,7 @@ impl Ages {
             estimate: StaleCheck::new(stale.estimate),
             imu: StaleCheck::new(stale.imu),
             vision: StaleCheck::new(stale.vision),
+            hearts: HeartsCheck::new(stale.hang_s),
         }
     }
 
@@ -61,6 +65,39 @@ impl Ages {
             Stream::Imu => &self.imu,
             Stream::Vision => &self.vision,
         }
+    }
+
+    /// The silence of the first process behind a cause that hangs, and what is allowed `[s]`.
+    pub(super) fn hang_s(&self, cause: Cause) -> Option<(f64, f64)> {
+        let workers: &[Worker] = match cause {
+            Cause::StaleEncoder => &[Worker::Encoder],
+            Cause::StaleEstimate => &[Worker::Estimator],
+            Cause::StaleCommand => &[Worker::Controller],
+            Cause::StaleVision => &[Worker::Camera, Worker::Judge],
+            _ => &[],
+        };
+        workers.iter().find_map(|worker| self.hearts.hang_s(*worker))
+    }
+
+    /// The age of the stream behind a cause.
+    pub(super) fn of_cause(&self, cause: Cause) -> Option<&StaleCheck> {
+        Some(match cause {
+            Cause::StaleHotend => &self.hotend,
+            Cause::StaleBed => &self.bed,
+            Cause::StaleEncoder => &self.encoder,
+            Cause::StalePrinter => &self.printer,
+            Cause::StaleCommand => &self.command,
+            Cause::StaleEstimate => &self.estimate,
+            Cause::StaleImu => &self.imu,
+            Cause::StaleVision => &self.vision,
+            _ => return None,
+        })
+    }
+
+    /// What the silence behind a cause calls for: that of its stream, or else of the process that fills it.
+    pub(super) fn called_for(&self, now: Seconds, cause: Cause) -> Option<Reaction> {
+        let age = self.of_cause(cause)?;
+        age.reaction(now).or_else(|| self.hang_s(cause).map(|_| Reaction::Degrade))
     }
 
     fn of_mut(&mut self, stream: Stream) -> &mut StaleCheck {

@@ -173,6 +173,8 @@ pub enum Act {
 pub enum Bench {
     /// On a graph that prints.
     Plain,
+    /// On one whose nodes run on the host's clock, as beside a real printer: simulated time comes when the simulator has some.
+    HostClock,
     /// On one whose disk and wall clock are in the harness's hand.
     Shimmed,
     /// On one that prints for long.
@@ -187,6 +189,7 @@ impl Act {
     pub fn bench(&self) -> Bench {
         match self {
             Self::Orders { .. } => Bench::Own,
+            Self::Spin { .. } => Bench::HostClock,
             Self::StepClock { .. } | Self::SlowDisk { .. } | Self::FullDisk { .. } => Bench::Shimmed,
             _ => Bench::Plain,
         }
