@@ -173,8 +173,6 @@ pub enum Act {
 pub enum Bench {
     /// On a graph that prints.
     Plain,
-    /// On one whose nodes run on the host's clock, as beside a real printer: simulated time comes when the simulator has some.
-    HostClock,
     /// On one whose disk and wall clock are in the harness's hand.
     Shimmed,
     /// On one that prints for long.
@@ -189,7 +187,6 @@ impl Act {
     pub fn bench(&self) -> Bench {
         match self {
             Self::Orders { .. } => Bench::Own,
-            Self::Spin { .. } => Bench::HostClock,
             Self::StepClock { .. } | Self::SlowDisk { .. } | Self::FullDisk { .. } => Bench::Shimmed,
             _ => Bench::Plain,
         }

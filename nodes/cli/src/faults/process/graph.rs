@@ -48,7 +48,7 @@ impl Graph {
         _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
         let gcode = if bench == Bench::Long { &setting.long_gcode } else { &setting.gcode };
-        let args = UpArgs { host_clock: bench == Bench::HostClock, ..arguments(gcode, &folder, seed) };
+        let args = arguments(gcode, &folder, seed);
         let material = crate::job::GcodeFile::read(&args.gcode, &setting.config.motion()?, None)?.material();
         let plan = Plan::new(&args, &setting.config, &material, "mpc")?;
         plan.check()?;
