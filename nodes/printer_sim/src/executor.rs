@@ -74,8 +74,8 @@ pub struct Executor {
     coming: Vec<Coming>,
     /// Trims of coming moves, each with the time at which it lapses unless its move has begun.
     schedule: VecDeque<(MotionTrim, Seconds)>,
-    /// What is attached to moves acts.
-    attached_act: bool,
+    /// As of the [`Surroundings`].
+    slowest_attached: Option<f64>,
 }
 
 impl Executor {
@@ -105,7 +105,7 @@ impl Executor {
             entered: 0,
             coming: Vec::new(),
             schedule: VecDeque::new(),
-            attached_act: false,
+            slowest_attached: None,
         }
     }
 
@@ -117,7 +117,7 @@ impl Executor {
         mut begun: impl FnMut(&Segment, Seconds),
     ) -> Motion {
         self.set_pace(dt, around);
-        self.attached_act = around.attached_act;
+        self.slowest_attached = around.slowest_attached;
         let mut motion = Motion::default();
         let mut spent_s = 0.0;
         while spent_s < dt.0 && self.pace > 0.0 {

@@ -195,7 +195,7 @@ impl Simulator {
 
         let around = Surroundings {
             trims: self.in_force.trims,
-            attached_act: self.attached_act(),
+            slowest_attached: self.slowest_attached(),
             hold: self.given_up || self.in_force.request >= Request::Pause,
             hotend: self.hotend_sensor.last(),
             bed: self.bed_sensor.last(),

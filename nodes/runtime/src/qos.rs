@@ -81,7 +81,8 @@ const fn transient_local(depth: usize) -> End {
 /// is away for 0.1 s at 100 Hz.
 pub const SENSOR: Qos = Qos { offered: reliable(10), requested: best_effort(10) };
 
-/// Beats: four of five may be lost before anybody is missed, so nobody acknowledges them, and nobody can: a reliable
+/// Beats: two in a row may be lost before the supervisor misses anybody (`stale.hang_s`), five before the witness does, so
+/// nobody acknowledges them, and nobody can: a reliable
 /// publisher of RustDDS 0.15.1 asks every subscriber ten times a second for an acknowledgement that one of best effort
 /// never sends, and ten nodes that beat were asked for more than they said. The depth covers ten nodes for 1 s.
 pub const BEAT: Qos = Qos { offered: best_effort(100), requested: best_effort(100) };

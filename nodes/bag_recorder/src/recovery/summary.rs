@@ -13,8 +13,8 @@ use std::path::Path;
 const HEAD: usize = 9;
 /// Fields of a footer `[byte]`.
 const FOOTER: usize = 20;
-/// Longest summary that is read `[byte]`: the place of its beginning may say anything.
-const SUMMARY_MAX: u64 = 256 * 1024 * 1024;
+/// Longest summary that is read `[byte]`, a quarter of a node's memory: the place of its beginning may say anything.
+const SUMMARY_MAX: u64 = 64 * 1024 * 1024;
 
 /// Reads a file's summary.
 pub(super) fn read(path: &Path) -> Result<Summary, McapError> {

@@ -25,6 +25,8 @@ pub struct Marks {
     pub settled: Option<Integrals>,
     /// Last.
     pub last: Integrals,
-    /// Simulated time of the last `[s]`.
+    /// Time of the last `[s]`: simulated, or on the host's clock since the first.
     pub last_s: f64,
+    /// What the host's clock showed first `[s]`; 0 of simulated time.
+    pub begin_s: Option<f64>,
 }

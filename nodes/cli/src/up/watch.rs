@@ -47,6 +47,7 @@ pub struct Watch {
     newest_safety: Option<SafetyState>,
     started: Seconds,
     stay: bool,
+    host_clock: bool,
     /// Integrals of the truth.
     pub marks: Marks,
     /// Processes that ended or fell silent, and what became of them.
@@ -73,6 +74,7 @@ impl Watch {
             newest_state: None,
             newest_safety: None,
             stay: plan.stay,
+            host_clock: plan.host_clock,
             marks: Marks::default(),
             happenings: Vec::new(),
             modes: Vec::new(),
@@ -266,7 +268,8 @@ impl Watch {
             quality_s: truth.quality_s,
         };
         self.marks.last = integrals;
-        self.marks.last_s = stamp_s;
+        let begin_s = *self.marks.begin_s.get_or_insert(if self.host_clock { stamp_s } else { 0.0 });
+        self.marks.last_s = stamp_s - begin_s;
         if truth.fault_set_in && stamp_s >= truth.first_onset_s + SETTLE_S {
             self.marks.settled.get_or_insert(integrals);
         }

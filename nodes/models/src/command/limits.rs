@@ -157,6 +157,12 @@ pub struct Clamped {
 pub struct NotFinite;
 
 impl Limits {
+    /// Lowest speed trim `[-]`.
+    #[must_use]
+    pub fn speed_min(&self) -> f64 {
+        self.speed.min
+    }
+
     /// Longest validity that is accepted.
     #[must_use]
     pub fn validity_max(&self) -> Seconds {

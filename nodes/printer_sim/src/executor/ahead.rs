@@ -97,8 +97,9 @@ impl Executor {
 
     /// Speed that a move's own trim plans it at, about which the trims in force count; never above the file's `[-]`.
     fn own_pace(&self, sequence: u64) -> f64 {
-        let own = self.schedule.iter().find(|(trim, _)| trim.sequence == sequence && self.attached_act);
-        own.map_or(1.0, |(trim, _)| trim.speed.min(1.0))
+        let Some(slowest) = self.slowest_attached else { return 1.0 };
+        let own = self.schedule.iter().find(|(trim, _)| trim.sequence == sequence);
+        own.map_or(1.0, |(trim, _)| trim.speed.max(slowest).min(1.0))
     }
 
     /// What the schedule says of `ahead_s` from now, under the trims in force.

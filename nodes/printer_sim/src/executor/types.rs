@@ -64,8 +64,8 @@ impl Sliced {
 pub struct Surroundings {
     /// Trims in force.
     pub trims: Trims,
-    /// What is attached to moves acts: a permit to act is in force.
-    pub attached_act: bool,
+    /// Lowest speed that a move's own trim may plan it at `[-]`; `None` where what is attached to moves does not act.
+    pub slowest_attached: Option<f64>,
     /// A pause is asked for.
     pub hold: bool,
     /// Hot end as the firmware reads it.

@@ -64,6 +64,12 @@ impl Simulator {
         self.in_force.mode == Mode::Act && !self.in_force.lapsed
     }
 
+    /// Lowest speed that a move's own trim plans it at while what is attached acts `[-]`: with the speed trim in force it comes
+    /// to what the printer allows of that trim, however little somebody attaches.
+    pub(super) fn slowest_attached(&self) -> Option<f64> {
+        self.attached_act().then(|| self.params.limits.speed_min() / self.in_force.trims.speed)
+    }
+
     /// Speed that the move under way is planned at, relative to the file's `[-]`: below one where its own trim slows it.
     #[must_use]
     pub fn planned_pace(&self) -> f64 {

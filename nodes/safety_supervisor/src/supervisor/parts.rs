@@ -94,10 +94,12 @@ impl Ages {
         })
     }
 
-    /// What the silence behind a cause calls for: that of its stream, or else of the process that fills it.
+    /// What the silence behind a cause calls for: that of its stream, or else of the process that fills it. One that never
+    /// filled it is not missed: it may have been started for something else, and have gone.
     pub(super) fn called_for(&self, now: Seconds, cause: Cause) -> Option<Reaction> {
         let age = self.of_cause(cause)?;
-        age.reaction(now).or_else(|| self.hang_s(cause).map(|_| Reaction::Degrade))
+        let hangs = || self.hang_s(cause).filter(|_| age.is_seen());
+        age.reaction(now).or_else(|| hangs().map(|_| Reaction::Degrade))
     }
 
     fn of_mut(&mut self, stream: Stream) -> &mut StaleCheck {

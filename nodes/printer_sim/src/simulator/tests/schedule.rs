@@ -135,13 +135,17 @@ fn planned_at(mode: Mode, speed: f64, host: HostProfile) -> (f64, PrinterStatus)
 }
 
 /// The first line of 1 s begins before it can have a trim, the 9 s after it take 0.8 of a second each of the plan. What is
-/// planned faster than the file is not, and where corrections do not act the file's own speed holds.
+/// planned faster than the file is not, what would stand still goes at the printer's own least (.65), and where corrections do
+/// not act the file's own speed holds.
 #[test]
 fn a_move_is_laid_at_the_speed_that_it_is_planned_at() {
     for host in [HostProfile::Native, HostProfile::Serial] {
-        for (mode, speed, path_s, pace) in
-            [(Mode::Act, 0.8, 8.2, 0.8), (Mode::Act, 1.1, 10.0, 1.0), (Mode::Degraded, 0.8, 10.0, 1.0)]
-        {
+        for (mode, speed, path_s, pace) in [
+            (Mode::Act, 0.8, 8.2, 0.8),
+            (Mode::Act, 1.1, 10.0, 1.0),
+            (Mode::Act, 1e-9, 6.85, 0.65),
+            (Mode::Degraded, 0.8, 10.0, 1.0),
+        ] {
             let (along_s, status) = planned_at(mode, speed, host);
             assert!((along_s - path_s).abs() < 0.02, "{host:?} {mode:?} {speed}: {along_s} s along the plan");
             assert!((status.planned_speed_m_s / SPEED_M_S - pace).abs() < 1e-9, "{status:?}");
