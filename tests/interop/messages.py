@@ -88,7 +88,7 @@ def reflected(domain: int, process) -> str:
     kinds = {kind for _, _, kind, _ in pairs}
     # Who subscribes as ROS does by default hears all but beats and simulated time.
     unreliable = {heard for heard, _, _, offered in pairs if offered != "Reliable"}
-    check(unreliable == {"/clock", "/in/heartbeat"}, f"offered best effort: {unreliable}")
+    check(unreliable == {"/in/clock", "/in/heartbeat"}, f"offered best effort: {unreliable}")
     own = {name for name in DEFINITIONS.texts if name.startswith("fdm_loop_msgs/")}
     check(own <= kinds, f"no topic carries {own - kinds}")
     compared = 0
