@@ -81,6 +81,23 @@ fn p6_an_encoder_that_reads_more_than_the_motor_went_is_no_witness() {
     assert!(!slip_of(strokes, strokes).reads_too_much());
 }
 
+/// A host that tells its state at 4 Hz hides the strokes between two states: 0.35 mm forward and 0.15 mm back, five times or so.
+#[test]
+fn p6_strokes_that_no_state_shows_are_no_surplus() {
+    let params = FilamentParams { window_m: 5e-3, play_m: 1e-4, slip_max: 0.42, surplus_max: 0.25 };
+    let mut check = FilamentCheck::new(params);
+    let mut way_m = 0.0;
+    for step in 0..60_000 {
+        way_m += if step % 50 < 35 { 1e-5 } else { -1e-5 };
+        check.on_encoder(way_m);
+        if step % 263 == 0 {
+            check.on_motor(way_m);
+        }
+        assert!(!check.reads_too_much(), "after {step}: {:?}", check.surplus());
+    }
+    assert!(check.surplus().is_some_and(|surplus| surplus.abs() < 0.1), "{:?}", check.surplus());
+}
+
 #[test]
 fn p6_slip_is_known_once_the_window_is_gone_through_and_forgotten_on_demand() {
     let mut check =

@@ -7,7 +7,8 @@
 //! to slip more than long ones.
 //!
 //! An encoder that reads more than the motor has gone, to and fro and without any play, tells nothing of slip: jitter, or
-//! another unit. Then nobody watches over the filament, and that is told.
+//! another unit. Then nobody watches over the filament, and that is told. For it both are looked at when the printer tells its
+//! state: between two states that are far apart the motor strokes to and fro, which the encoder alone would be seen to do.
 
 use crate::params::FilamentParams;
 
@@ -40,6 +41,9 @@ pub struct FilamentCheck {
     /// The motor's without play: no sound encoder reads more.
     whole: Way,
     encoder: Way,
+    /// The encoder's at the moments of the motor's, and where it is now `[m]`.
+    beside: Way,
+    encoder_m: Option<f64>,
     marks: [Option<Mark>; MARKS],
     /// Newest marks in a row at which the encoder read too much.
     too_much: u32,
@@ -51,6 +55,7 @@ struct Mark {
     motor_m: f64,
     whole_m: f64,
     encoder_m: f64,
+    beside_m: f64,
 }
 
 impl FilamentCheck {
@@ -58,26 +63,35 @@ impl FilamentCheck {
     #[must_use]
     pub fn new(params: FilamentParams) -> Self {
         let way = Way::default();
-        Self { params, motor: way, whole: way, encoder: way, marks: [None; MARKS], too_much: 0 }
+        let (marks, too_much) = ([None; MARKS], 0);
+        Self { params, motor: way, whole: way, encoder: way, beside: way, encoder_m: None, marks, too_much }
     }
 
     /// Takes the encoder's position.
     pub fn on_encoder(&mut self, position_m: f64) {
         self.encoder.follow(position_m, self.params.play_m);
+        self.encoder_m = Some(position_m);
     }
 
     /// Takes the motor's position.
     pub fn on_motor(&mut self, position_m: f64) {
         self.motor.follow(position_m, self.params.play_m / (1.0 - self.params.slip_max));
         self.whole.follow(position_m, 0.0);
+        if let Some(encoder_m) = self.encoder_m {
+            self.beside.follow(encoder_m, self.params.play_m);
+        }
         let spacing_m = self.params.window_m / (MARKS - 1) as f64;
         let newest_m = self.marks[MARKS - 1].map(|mark| mark.motor_m);
         if self.encoder.held_m.is_some()
             && newest_m.is_none_or(|newest_m| self.motor.forward_m - newest_m >= spacing_m)
         {
             self.marks.rotate_left(1);
-            let (motor_m, whole_m) = (self.motor.forward_m, self.whole.forward_m);
-            self.marks[MARKS - 1] = Some(Mark { motor_m, whole_m, encoder_m: self.encoder.forward_m });
+            self.marks[MARKS - 1] = Some(Mark {
+                motor_m: self.motor.forward_m,
+                whole_m: self.whole.forward_m,
+                encoder_m: self.encoder.forward_m,
+                beside_m: self.beside.forward_m,
+            });
             let beyond = self.surplus().is_some_and(|surplus| surplus > self.params.surplus_max);
             self.too_much = if beyond { self.too_much.saturating_add(1) } else { 0 };
         }
@@ -96,7 +110,7 @@ impl FilamentCheck {
     pub fn surplus(&self) -> Option<f64> {
         let from = self.marks[0]?;
         let went_m = self.whole.forward_m - from.whole_m;
-        Some((self.encoder.forward_m - from.encoder_m) / went_m - 1.0)
+        Some((self.beside.forward_m - from.beside_m) / went_m - 1.0)
     }
 
     /// Whether the encoder reads more than any filament can have gone.
