@@ -2,8 +2,8 @@
 
 use fdm_loop_msgs::{
     AdvancePrediction, BeadWidth, CompressedImage, ControlCommand, DefectReport, FilamentMotion,
-    FilamentReport, Header, ImuBatch, MotionSegment, MotionTrim, PrinterState, RosType, StateEstimate,
-    Temperature, TemperatureReport,
+    FilamentReport, Header, Heartbeat, ImuBatch, MotionSegment, MotionTrim, PrinterState, RosType,
+    StateEstimate, Temperature, TemperatureReport,
 };
 use runtime::topics::{self, Topic};
 use runtime::{Node, wire};
@@ -257,6 +257,14 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         out_of_range: 1.0,
     };
     let permits = Entry { bad: &[], ..entry(node, &topics::SAFETY_COMMAND, command()) };
+    // Nobody acts on a number in a beat.
+    let beat = Sample {
+        sound: Heartbeat { node: "/peer".to_owned(), ..Heartbeat::default() },
+        header: |message: &mut Heartbeat| &mut message.header,
+        set: |_, _| (),
+        out_of_range: 0.0,
+    };
+    let beats = Entry { bad: &[], ..entry(node, &topics::HEARTBEAT, beat) };
     let state = Sample {
         sound: estimate(),
         header: |message: &mut StateEstimate| &mut message.header,
@@ -274,6 +282,7 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         entry(node, &topics::BEAD_WIDTH, width),
         entry(node, &topics::CONTROL_COMMAND, command()),
         permits,
+        beats,
         entry(node, &topics::CONTROL_SCHEDULE, schedule()),
         entry(node, &topics::PRINTER_COMING, coming()),
         entry(node, &topics::ESTIMATE, state),
