@@ -109,11 +109,13 @@ fn no_move_is_told_before_the_hot_end_is_warm() {
     assert!(simulator.truth().integrals.deposit_s > 2.9, "all is laid: {:?}", simulator.truth().integrals);
 }
 
-/// How far along the plan a printer is after 10 s of road, whose moves are planned at a speed each; and what it says then.
-fn planned_at(mode: Mode, speed: f64, host: HostProfile) -> (f64, PrinterStatus) {
-    let mut params = params();
-    params.simulator.executor.host = host;
-    let mut simulator = warm_of(params, straight_job(26), &Scenario::default());
+/// Under permits of this mode until a road of `road_s` is laid; `attach` gets a trim for each move that becomes known.
+fn lay(
+    simulator: &mut Simulator,
+    mode: Mode,
+    road_s: f64,
+    mut attach: impl FnMut(&mut Simulator, Scheduled),
+) {
     let mut sequence = 0;
     for step in 1_u64.. {
         simulator.on_permit(permit(step, mode)).unwrap();
@@ -121,15 +123,24 @@ fn planned_at(mode: Mode, speed: f64, host: HostProfile) -> (f64, PrinterStatus)
         while let Some(output) = simulator.poll() {
             if let Output::Coming { sequence: number, .. } = output {
                 sequence += 1;
-                let mut sent = scheduled(sequence, number);
-                sent.trim.speed = speed;
-                _ = simulator.on_scheduled(&sent);
+                attach(simulator, scheduled(sequence, number));
             }
         }
-        if simulator.truth().integrals.deposit_s >= 10.0 {
+        if simulator.truth().integrals.deposit_s >= road_s {
             break;
         }
     }
+}
+
+/// How far along the plan a printer is after 10 s of road, whose moves are planned at a speed each; and what it says then.
+fn planned_at(mode: Mode, speed: f64, host: HostProfile) -> (f64, PrinterStatus) {
+    let mut params = params();
+    params.simulator.executor.host = host;
+    let mut simulator = warm_of(params, straight_job(26), &Scenario::default());
+    lay(&mut simulator, mode, 10.0, |simulator, mut sent| {
+        sent.trim.speed = speed;
+        _ = simulator.on_scheduled(&sent);
+    });
     let status = simulator.status();
     (status.path_time_s, status)
 }
@@ -173,20 +184,9 @@ fn after_dwell(dwell_s: f64) -> JobSource {
 fn the_first_road_after_a_dwell_has_its_trim() {
     let moved_m = |dwell_s: f64, mode: Mode| {
         let mut simulator = warm(after_dwell(dwell_s), &Scenario::default());
-        let mut sequence = 0;
-        for step in 1_u64.. {
-            simulator.on_permit(permit(step, mode)).unwrap();
-            simulator.step(Seconds(1e-3));
-            while let Some(output) = simulator.poll() {
-                if let Output::Coming { sequence: number, .. } = output {
-                    sequence += 1;
-                    assert_eq!(simulator.on_scheduled(&scheduled(sequence, number)), Ok(()), "{dwell_s} s");
-                }
-            }
-            if simulator.truth().integrals.deposit_s >= 0.5 {
-                break;
-            }
-        }
+        lay(&mut simulator, mode, 0.5, |simulator, sent| {
+            assert_eq!(simulator.on_scheduled(&sent), Ok(()), "{dwell_s} s");
+        });
         simulator.status().motor_position_m
     };
     let held_m = ADVANCE_S * straight_job(1).filament_m;
