@@ -66,10 +66,11 @@ impl Graph {
     pub(super) fn check(setting: &Setting) -> anyhow::Result<()> {
         for gcode in [&setting.gcode, &setting.long_gcode] {
             let material = crate::job::GcodeFile::read(gcode, &setting.config.motion()?, None)?.material();
-            let args = arguments(gcode, Path::new("."), 1);
-            let plan = Plan::new(&args, &setting.config, &material, "mpc")?;
+            // Nothing is written there, nor looked for in the folder that a person happens to be in.
+            let nowhere = std::env::temp_dir().join(format!("fdm_faults_{}_check", std::process::id()));
+            let plan = Plan::new(&arguments(gcode, &nowhere, 1), &setting.config, &material, "mpc")?;
             plan.check()?;
-            _ = plan.recipes()?;
+            _ = plan.processes()?;
         }
         Ok(())
     }
