@@ -42,21 +42,37 @@ impl Matches {
 
     /// Whether a reader of a topic (its name in DDS) is known, and matched, in this participant or in any.
     pub(crate) fn reader(&self, topic: &str, participant: Option<&[u8]>) -> Known {
-        let readers = self.participant.discovered_readers();
-        let of_topic = readers.iter().filter(|reader| *reader.subscription_topic_data.topic_name() == topic);
-        self.among(of_topic.map(|reader| reader.reader_proxy.remote_reader_guid), participant)
+        self.among(self.readers(topic), participant)
     }
 
     /// The same of a writer.
     pub(crate) fn writer(&self, topic: &str) -> Known {
-        let writers = self.participant.discovered_writers();
-        let of_topic = writers.iter().filter(|writer| writer.publication_topic_data.topic_name == topic);
-        self.among(of_topic.map(|writer| writer.writer_proxy.remote_writer_guid), None)
+        self.among(self.writers(topic), None)
     }
 
-    fn among(&self, endpoints: impl Iterator<Item = GUID>, participant: Option<&[u8]>) -> Known {
+    /// Takes all readers of one topic and all writers of another as matched from now on. For those that have been known so
+    /// long that their match must have gone untold: of many events at once the middleware drops some.
+    pub(crate) fn assume(&self, readers_of: &str, writers_of: &str) {
+        let endpoints = self.readers(readers_of).into_iter().chain(self.writers(writers_of));
+        self.known.send_modify(|known| known.extend(endpoints));
+    }
+
+    fn readers(&self, topic: &str) -> Vec<GUID> {
+        let readers = self.participant.discovered_readers();
+        let of_topic = readers.iter().filter(|reader| *reader.subscription_topic_data.topic_name() == topic);
+        of_topic.map(|reader| reader.reader_proxy.remote_reader_guid).collect()
+    }
+
+    fn writers(&self, topic: &str) -> Vec<GUID> {
+        let writers = self.participant.discovered_writers();
+        let of_topic = writers.iter().filter(|writer| writer.publication_topic_data.topic_name == topic);
+        of_topic.map(|writer| writer.writer_proxy.remote_writer_guid).collect()
+    }
+
+    fn among(&self, endpoints: Vec<GUID>, participant: Option<&[u8]>) -> Known {
         let matched = self.known.borrow();
         endpoints
+            .into_iter()
             .filter(|guid| participant.is_none_or(|prefix| guid.prefix.as_ref().starts_with(prefix)))
             .map(|guid| if matched.contains(&guid) { Known::Matched } else { Known::Discovered })
             .max()

@@ -1,18 +1,18 @@
 //! Services: a server that answers when the shell says so, and a client that never waits for ever.
 
+mod askers;
 mod client;
 
 pub use client::{CallError, Client, Patience};
 
 use crate::lifecycle::Gate;
 use crate::matches::{Known, Matches, participant_of};
+use askers::Askers;
 use fdm_loop_msgs::RosService;
 use ros2_client::RmwRequestId;
 use serde::de::{Deserialize, DeserializeOwned, Deserializer};
 use serde::{Serialize, Serializer};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 use tokio::time::Instant;
 
 /// A request or a reply in the client's eyes. (Its trait and our types live in other crates.)
@@ -44,28 +44,13 @@ pub struct Asked<S: RosService> {
     id: RmwRequestId,
 }
 
-/// Longest wait with an answer for the asker's reader: the answer to one that never comes would be lost anyway, and one
-/// whose reader cannot be told (a bridge asks for others) gets it then. The ROS middlewares wait as well, up to 0.1 s.
-const HELD: Duration = Duration::from_millis(500);
-/// Answers that wait at most; who floods a node with requests from nowhere fills no memory.
-const MOST_HELD: usize = 64;
-
-/// An answer that waits for its reader.
-struct Held<R> {
-    to: RmwRequestId,
-    response: R,
-    until: Instant,
-}
-
 /// The answering end of a service.
 pub struct Server<S: RosService> {
     server: RosServer<S>,
     matches: Matches,
     /// Name of the answers' topic in DDS.
     answers: String,
-    held: Mutex<Vec<Held<S::Response>>>,
-    /// Who was found to hear answers last: the next request is mostly of the same, and the look at all readers not free.
-    heard: AtomicU64,
+    askers: Mutex<Askers<(RmwRequestId, S::Response)>>,
     undecodable: u64,
     gate: Gate,
     /// Nothing was taken yet.
@@ -89,16 +74,7 @@ impl<S: RosService> Server<S> {
         // Where the middleware does not take it, all else is as without it.
         _ = server.send_response(RmwRequestId::default(), Wire(S::Response::default()));
         let answers = format!("rr{name}Reply");
-        Self {
-            server,
-            matches,
-            answers,
-            held: Mutex::default(),
-            heard: AtomicU64::new(0),
-            undecodable: 0,
-            gate,
-            fresh: true,
-        }
+        Self { server, matches, answers, askers: Mutex::default(), undecodable: 0, gate, fresh: true }
     }
 
     /// Waits for the next request. What cannot be decoded is counted and skipped. Cancelling loses no request. What was
@@ -122,50 +98,33 @@ impl<S: RosService> Server<S> {
     /// Answers a request; false where the middleware did not take the answer. To one who has only just joined the answer
     /// goes as soon as the reader is matched, while [`Server::next`] waits.
     pub fn answer(&self, asked: &Asked<S>, response: S::Response) -> bool {
-        if self.held().len() >= MOST_HELD || self.hears(&asked.id) {
-            return self.server.send_response(asked.id, Wire(response)).is_ok();
-        }
-        self.held().push(Held { to: asked.id, response, until: Instant::now() + HELD });
-        true
+        let (asker, answer) = (name_of(&asked.id), (asked.id, response));
+        let at_once = self.askers().take(asker, answer, Instant::now(), |asker| self.hears(asker));
+        at_once.is_none_or(|(id, response)| self.server.send_response(id, Wire(response)).is_ok())
     }
 
     /// Whether an answer would reach its reader.
-    fn hears(&self, asker: &RmwRequestId) -> bool {
-        let participant = participant_of(asker.writer_gid.as_bytes());
-        let name = participant.try_into().map_or(0, u64::from_le_bytes);
-        if name != 0 && self.heard.load(Ordering::Relaxed) == name {
-            return true;
-        }
-        let hears = self.matches.reader(&self.answers, Some(participant)) == Known::Matched;
-        if hears {
-            self.heard.store(name, Ordering::Relaxed);
-        }
-        hears
+    fn hears(&self, asker: u64) -> bool {
+        self.matches.reader(&self.answers, Some(&asker.to_le_bytes())) == Known::Matched
     }
 
-    fn held(&self) -> MutexGuard<'_, Vec<Held<S::Response>>> {
-        self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    fn askers(&self) -> MutexGuard<'_, Askers<(RmwRequestId, S::Response)>> {
+        self.askers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Waits until answers that were held may go, and sends them. For ever where none is held.
     async fn release(&self) {
         let mut changes = self.matches.changes();
-        let Some(until) = self.held().iter().map(|held| held.until).min() else {
-            return std::future::pending().await;
-        };
-        if !self.held().iter().any(|held| self.hears(&held.to)) {
-            // Its end is that of the node.
-            _ = tokio::time::timeout_at(until, changes.changed()).await;
-        }
-        let now = Instant::now();
-        let (due, wait) = std::mem::take(&mut *self.held())
-            .into_iter()
-            .partition(|held| held.until <= now || self.hears(&held.to));
-        *self.held() = wait;
-        let due: Vec<_> = due;
-        for held in due {
+        let due = self.askers().due(Instant::now(), |asker| self.hears(asker));
+        let next = self.askers().next();
+        for (id, response) in due {
             // As with any answer: who does not get it asks again.
-            _ = self.server.send_response(held.to, Wire(held.response));
+            _ = self.server.send_response(id, Wire(response));
+        }
+        match next {
+            // Its end is that of the node.
+            Some(until) => _ = tokio::time::timeout_at(until, changes.changed()).await,
+            None => std::future::pending().await,
         }
     }
 
@@ -174,4 +133,9 @@ impl<S: RosService> Server<S> {
     pub fn undecodable(&self) -> u64 {
         self.undecodable
     }
+}
+
+/// An asker's participant, as a number.
+fn name_of(asker: &RmwRequestId) -> u64 {
+    participant_of(asker.writer_gid.as_bytes()).try_into().map_or(0, u64::from_le_bytes)
 }

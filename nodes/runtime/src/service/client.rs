@@ -141,7 +141,7 @@ where
             match self.server_known() {
                 Known::Matched => return,
                 Known::Discovered if since.is_some_and(|since: Instant| since.elapsed() >= MATCHING) => {
-                    return;
+                    return self.matches.assume(&self.request_topic(), &self.reply_topic());
                 }
                 Known::Discovered => _ = since.get_or_insert_with(Instant::now),
                 Known::No => since = None,
@@ -152,9 +152,16 @@ where
 
     /// How far somebody who reads the requests and somebody who writes the answers are known.
     fn server_known(&self) -> Known {
-        let request = format!("rq{}Request", self.name);
-        let reply = format!("rr{}Reply", self.name);
-        self.matches.reader(&request, None).min(self.matches.writer(&reply))
+        let requests = self.matches.reader(&self.request_topic(), None);
+        requests.min(self.matches.writer(&self.reply_topic()))
+    }
+
+    fn request_topic(&self) -> String {
+        format!("rq{}Request", self.name)
+    }
+
+    fn reply_topic(&self) -> String {
+        format!("rr{}Reply", self.name)
     }
 }
 

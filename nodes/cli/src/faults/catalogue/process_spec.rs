@@ -175,6 +175,8 @@ pub enum Bench {
     Plain,
     /// On one whose disk and wall clock are in the harness's hand.
     Shimmed,
+    /// On one on the host's clock, as beside a real printer: elsewhere the simulator's own pace is in each interval.
+    HostClock,
     /// On one that prints for long.
     Long,
     /// On graphs of its own.
@@ -187,6 +189,7 @@ impl Act {
     pub fn bench(&self) -> Bench {
         match self {
             Self::Orders { .. } => Bench::Own,
+            Self::Spin { .. } => Bench::HostClock,
             Self::StepClock { .. } | Self::SlowDisk { .. } | Self::FullDisk { .. } => Bench::Shimmed,
             _ => Bench::Plain,
         }

@@ -48,7 +48,7 @@ impl Graph {
         _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
         let gcode = if bench == Bench::Long { &setting.long_gcode } else { &setting.gcode };
-        let args = arguments(gcode, &folder, seed);
+        let args = UpArgs { host_clock: bench == Bench::HostClock, ..arguments(gcode, &folder, seed) };
         let material = crate::job::GcodeFile::read(&args.gcode, &setting.config.motion()?, None)?.material();
         let plan = Plan::new(&args, &setting.config, &material, "mpc")?;
         plan.check()?;
@@ -126,6 +126,11 @@ impl Graph {
     /// Resident memory by node `[MiB]`.
     pub(super) fn resident_mib(&self) -> BTreeMap<&'static str, f64> {
         self.pids().into_iter().filter_map(|(name, pid)| Some((name, resident_mib(pid)?))).collect()
+    }
+
+    /// Whether it runs on the host's clock, which is the observer's too.
+    pub(super) fn on_host_clock(&self) -> bool {
+        self.plan.host_clock
     }
 
     /// Folder of the bag.

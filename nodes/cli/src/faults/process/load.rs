@@ -36,7 +36,10 @@ pub(super) async fn spin(session: &mut Session, processes: u32, for_s: f64) -> a
     let _spinners = Spinners::start(processes)?;
     let mut watcher = session.watcher();
     session.watch(&mut watcher, for_s).await?;
-    Ok(seen_of(&mut watcher))
+    let mut observed = Observed::of(&watcher);
+    observed.figures.insert("printer_state_gap_s", watcher.gap_s);
+    observed.measures.insert("permit late", watcher.jitter.late(for_s));
+    Ok(observed)
 }
 
 /// L2: messages on the topics that everybody may publish on.

@@ -156,7 +156,8 @@ impl Session {
 
     /// Looks from now on.
     pub(super) fn watcher(&self) -> Watcher {
-        Watcher::new(self.observer.now(), self.stamp_s)
+        let now = self.observer.now();
+        Watcher::new(now, if self.graph.on_host_clock() { now.0 } else { self.stamp_s })
     }
 
     /// Waits for the mode `act`: after an acknowledgement nothing is printed any more.
