@@ -56,7 +56,8 @@ fn a_group_that_was_stopped_ends_in_order_when_it_goes_on() {
     kill_process_group(group, Signal::CONT).unwrap();
     let said: Vec<String> = lines.collect();
     assert_eq!(child.wait().unwrap().code(), Some(1), "{said:#?}");
-    assert!(said.last().unwrap().contains("was lost"), "{said:#?}");
+    // Lines of the middleware may come after it.
+    assert!(said.iter().any(|line| line.contains("was lost")), "{said:#?}");
     assert!(closed(&folder) > 100, "{said:#?}");
     std::fs::remove_dir_all(folder).unwrap();
 }

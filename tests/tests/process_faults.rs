@@ -26,19 +26,20 @@ fn domain(test: u32) -> String {
 /// What a short run on a shared machine says nothing of: how regular ticks are, how memory grows.
 const FIGURES_OF_THE_MACHINE: [&str; 3] = ["C11", "L1", "L5"];
 
-/// Whose limits of time are not kept everywhere, a debt that may only shrink. C4 asks for 0.5 s: `fdm` tells of silence after
-/// 0.5 s and until it looks, the supervisor misses an estimate or an encoder after about as long, and what is seen of
-/// frames after 2 s.
-const LATE: [&str; 1] = ["C4"];
+/// How late a hang may be told and acted upon here, in debug programs on a machine that others use too `[s]`: the catalogue
+/// asks for 0.5 s (C4), which `fdm faults --process` holds.
+const LATE_S: f64 = 1.0;
 
-/// Whether a trial of such an ID missed limits of time and nothing else.
-fn is_late_only(trial: &Value) -> bool {
+/// Whether a trial kept its limits, or missed the limit of a hang by less than that, and nothing else.
+fn is_little_late(trial: &Value) -> bool {
     let late = |miss: &str| {
         let (_, what) = miss.split_once(": ").unwrap();
         what.split("; ")
             .all(|part| ["told after ", "degraded after "].iter().any(|late| part.starts_with(late)))
     };
-    trial["misses"].as_array().unwrap().iter().all(|miss| late(miss.as_str().unwrap()))
+    let misses = trial["misses"].as_array().unwrap();
+    let soon = ["told_max_s", "reaction_max_s"].iter().all(|time| trial[time].as_f64() <= Some(LATE_S));
+    misses.is_empty() || soon && misses.iter().all(|miss| late(miss.as_str().unwrap()))
 }
 
 /// Every process trial of the catalogue but those, with one seed; all of them with twenty run in `test.sh --long`.
@@ -68,8 +69,7 @@ fn what_needs_processes_keeps_its_limits() {
     for fault in faults {
         assert_eq!(fault["level"], "process");
         let kept = fault["within_limit"] == true;
-        let late = LATE.iter().any(|id| fault["id"] == *id);
-        let late = late && fault["trials"].as_array().unwrap().iter().all(is_late_only);
+        let late = fault["id"] == "C4" && trials_of(fault).iter().all(is_little_late);
         assert!(kept || late, "{told}\n{fault:#}");
         assert_eq!(fault["runs"].as_u64(), fault["trials"].as_array().map(|trials| trials.len() as u64));
     }
@@ -95,6 +95,10 @@ fn what_needs_processes_keeps_its_limits() {
             );
         }
     }
+}
+
+fn trials_of(fault: &Value) -> &[Value] {
+    fault["trials"].as_array().unwrap()
 }
 
 fn of<'a>(faults: &'a [Value], id: &str) -> &'a Value {

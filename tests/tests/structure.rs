@@ -165,6 +165,15 @@ fn the_supervisor_sees_commands_params_units_and_job_phases_alone() {
 }
 
 /// The README's commands are typed as they stand.
+/// A program that panics ends at once: what unwinds half of a node may leave the other half at work.
+#[test]
+fn programs_end_where_they_panic() {
+    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let (_, release) = manifest.split_once("\n[profile.release]\n").unwrap();
+    let profile = release.split("\n[").next().unwrap();
+    assert!(profile.lines().any(|line| line == "panic = \"abort\""), "{profile}");
+}
+
 #[test]
 fn scripts_can_be_run() {
     use std::os::unix::fs::PermissionsExt;

@@ -83,6 +83,10 @@ pub async fn run(mut node: Node) -> Result<(), RecorderError> {
     while readers.join_next().await.is_some() {}
     let finished = recorder.finish();
     report.log();
+    if let Err(error) = &finished {
+        report.failed(error);
+        node.reported().await;
+    }
     outcome.and(finished)
 }
 

@@ -12,6 +12,8 @@ pub(crate) struct Heaters {
     pub(crate) bed_target: Celsius,
     pub(crate) hotend_duty: f64,
     pub(crate) bed_duty: f64,
+    /// What the firmware reads of the hot end.
+    pub(crate) hotend_reading: Celsius,
 }
 
 impl Heaters {
@@ -24,6 +26,7 @@ impl Heaters {
             bed_target: Celsius(0.0),
             hotend_duty: 0.0,
             bed_duty: 0.0,
+            hotend_reading: Celsius(0.0),
         }
     }
 
@@ -37,6 +40,7 @@ impl Heaters {
                 0.0
             }
         };
+        self.hotend_reading = hotend;
         self.hotend_duty = duty(&mut self.hotend, self.hotend_target, hotend, plant.hotend.heater_power_w);
         self.bed_duty = duty(&mut self.bed, self.bed_target, bed, plant.bed.heater_power_w);
     }

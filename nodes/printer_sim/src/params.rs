@@ -60,6 +60,8 @@ pub struct Firmware {
     pub advance_return_s: f64,
     /// Hot end set-point while a pause lasts.
     pub standby: Celsius,
+    /// Reading of a hot end whose heaters a supervisor has switched off above which the part fan cools it.
+    pub cool_above: Celsius,
     /// Period of the printer's state `[s]`.
     pub status_period_s: f64,
     /// Time until a trim acts, at least and at most `[s]`; `None` where it acts at once.
@@ -120,6 +122,7 @@ pub struct RawSimulator {
     pub advance_handover_s: f64,
     pub advance_return_s: f64,
     pub standby_c: f64,
+    pub cool_above_c: f64,
     pub status_period_s: f64,
     pub thermal_period_s: f64,
     pub runout_switch: bool,
@@ -162,6 +165,7 @@ impl TryFrom<RawSimulator> for SimulatorParams {
                 )?,
                 advance_return_s: in_range("advance_return_s", raw.advance_return_s, "s", (0.0, 2.0))?,
                 standby: Celsius(in_range("standby_c", raw.standby_c, "degC", (0.0, 250.0))?),
+                cool_above: Celsius(in_range("cool_above_c", raw.cool_above_c, "degC", (0.0, 250.0))?),
                 status_period_s: link.map_or_else(
                     || period("status_period_s", raw.status_period_s),
                     |link| Ok(link.status_period_s),

@@ -263,10 +263,21 @@ impl Simulator {
             hotend_duty: if self.mains_on { self.heaters.hotend_duty } else { 0.0 },
             bed_duty: if self.mains_on { self.heaters.bed_duty } else { 0.0 },
             mains_on: self.mains_on,
-            fan: self.executor.sliced().fan,
+            fan: self.fan(),
         };
         self.part_fan.step(inputs.fan * self.faults_in_force.fan_gain, dt);
         self.plant.heat(&inputs, &self.faults_in_force, dt);
+    }
+
+    /// Set-point of the part fan `[-]`: the file's, and full where a supervisor has the heaters off and the hot end is not
+    /// known to be cool. With the mains relay open nothing turns.
+    fn fan(&self) -> f64 {
+        let cool = self.heaters.hotend_reading < self.params.simulator.firmware.cool_above;
+        match (self.mains_on, self.in_force.request >= Request::HeatersOff) {
+            (false, _) => 0.0,
+            (true, true) if !cool => 1.0,
+            (true, _) => self.executor.sliced().fan,
+        }
     }
 
     fn note(&mut self, text: &str) {

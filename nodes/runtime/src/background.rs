@@ -13,8 +13,8 @@ use std::time::Duration;
 use tokio::sync::mpsc::Receiver;
 use tokio::time::{MissedTickBehavior, interval};
 
-/// Real time between two looks at the ages of topics.
-const LOOK: Duration = Duration::from_millis(100);
+/// Real time between two looks at the ages of topics, and the longest until a changed level is told.
+pub(crate) const LOOK: Duration = Duration::from_millis(100);
 /// Looks between two reports: 1 Hz.
 const LOOKS_PER_REPORT: u32 = 10;
 

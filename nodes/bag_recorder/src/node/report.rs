@@ -1,5 +1,6 @@
 //! What the recorder tells of itself.
 
+use crate::error::RecorderError;
 use crate::tally::Tally;
 use runtime::{Diagnostics, Level};
 use std::sync::Arc;
@@ -46,6 +47,13 @@ impl Report {
             () => (Level::Ok, "recording"),
         };
         self.diagnostics.report(level, message);
+    }
+
+    /// To `/diagnostics` and the log: why nothing is recorded any more.
+    pub(super) fn failed(&self, error: &RecorderError) {
+        let words = format!("not recording: {}", error.in_words());
+        tracing::error!("{words}");
+        self.diagnostics.report(Level::Error, &words);
     }
 
     /// To the log, at the end.

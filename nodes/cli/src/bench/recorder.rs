@@ -17,6 +17,8 @@ const PEER: &str = include_str!("peer.py");
 const PEER_NAME: &str = "PyPI mcap 1.x, zstd chunks";
 /// Messages that the whole load may lose.
 const NONE: f64 = 0.0;
+/// What of a core the writer may take under the load `[%]`.
+const PROCESSOR_PERCENT: f64 = 5.0;
 
 pub(super) fn run(args: &RecorderArgs) -> anyhow::Result<Vec<Benchmark>> {
     crate::options::in_range("--seconds", args.seconds, "s", (1.0, 3600.0))?;
@@ -65,7 +67,8 @@ fn beside(ours: &Took, peer: Option<&Took>) -> Vec<Benchmark> {
     let (memory, peer_memory) = of(|took| took.peak_mib);
     vec![
         Benchmark::new("writer: messages dropped", "-", ours.dropped as f64).target(NONE),
-        with("writer: processor while recording", "% of a core", share(ours), peer.map(share)),
+        with("writer: processor while recording", "% of a core", share(ours), peer.map(share))
+            .target(PROCESSOR_PERCENT),
         with("writer: processor, compacting included", "% of a core", share_all(ours), peer.map(share_all)),
         with("writer: memory", "MiB", memory, peer_memory),
     ]
@@ -124,15 +127,18 @@ fn over_dds(folder: &Path, seconds: f64) -> anyhow::Result<Vec<Benchmark>> {
     node.wait()?;
     let sent = sent?;
     let counts: Value = serde_json::from_slice(&std::fs::read(bag.join("counts.json"))?)?;
-    let of = |topic: &str| counts["topics"][topic].as_u64().unwrap_or(0);
-    let written = of("/printer/sensors/imu/data_raw") + of("/printer/sensors/camera/image_raw/compressed");
-    let run = |name: &str| counts["run"][name].as_f64().unwrap_or(0.0);
+    let of =
+        |topic: &str| counts["topics"][topic].as_u64().with_context(|| format!("counts.json: no {topic}"));
+    let written = of("/printer/sensors/imu/data_raw")? + of("/printer/sensors/camera/image_raw/compressed")?;
+    let dropped = counts["run"]["dropped"].as_f64().context("counts.json: no run.dropped")?;
+    let cpu_s = cpu_s.context("the recorder's processor time cannot be read")?;
+    let lost = sent.messages as f64 - written as f64;
     let length_s = sent.wall_s + 2.5;
     Ok(vec![
-        Benchmark::new("over DDS: messages dropped by the recorder", "-", run("dropped")).target(NONE),
+        Benchmark::new("over DDS: messages dropped by the recorder", "-", dropped).target(NONE),
         Benchmark::new("over DDS: messages sent", "-", sent.messages as f64),
-        Benchmark::new("over DDS: messages that did not arrive", "-", sent.messages as f64 - written as f64),
-        Benchmark::new("over DDS: processor", "% of a core", 100.0 * cpu_s.unwrap_or(0.0) / length_s),
+        Benchmark::new("over DDS: messages that did not arrive", "-", lost).target(NONE),
+        Benchmark::new("over DDS: processor", "% of a core", 100.0 * cpu_s / length_s),
         Benchmark::new("over DDS: memory", "MiB", peak_mib.unwrap_or(0.0)),
     ])
 }

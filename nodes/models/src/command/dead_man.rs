@@ -64,7 +64,7 @@ impl TryFrom<RawDeadManParams> for DeadManParams {
 /// What the printer has to do now.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InForce {
-    /// Corrections, inside the printer's own limits; neutral when lapsed.
+    /// Corrections, inside the printer's own limits and slew; neutral when lapsed.
     pub trims: Trims,
     /// Demand beyond trims. From `HeatersOff` on the printer sets its targets to zero and gives the job up, so
     /// that a later release re-energises nothing.
@@ -82,6 +82,9 @@ pub struct DeadMan {
     limits: Limits,
     gate: Gate<Permit>,
     trims: Trims,
+    /// What is in force of them: it moves no faster than the printer's own slew.
+    moving: Trims,
+    moved: Option<Seconds>,
     held: Request,
     /// Highest request that the bound session itself has made.
     stated: Request,
@@ -97,6 +100,8 @@ impl DeadMan {
             limits,
             gate: Gate::new(limits.validity_max()),
             trims: Trims::NEUTRAL,
+            moving: Trims::NEUTRAL,
+            moved: None,
             held: Request::Run,
             stated: Request::Run,
             clamped: 0,
@@ -135,12 +140,17 @@ impl DeadMan {
         Ok(())
     }
 
-    /// What the printer has to do at `now`. Call it at the pace at which the printer acts.
+    /// What the printer has to do at `now`. Call it at the pace at which the printer acts: trims move from one call to the
+    /// next.
     pub fn in_force(&mut self, now: Seconds) -> InForce {
         self.apply_policy(now);
         let lapsed = self.gate.in_force(now).is_none();
+        let since = self.moved.replace(now).map_or(Seconds(0.0), |moved| now - moved);
+        // Back to the slicer's values no slew counts.
+        self.moving =
+            if lapsed { Trims::NEUTRAL } else { self.limits.slew(&self.moving, &self.trims, since).trims };
         InForce {
-            trims: if lapsed { Trims::NEUTRAL } else { self.trims },
+            trims: self.moving,
             request: self.held,
             mode: self.gate.newest().map_or(Mode::Init, |permit| permit.mode),
             lapsed,

@@ -33,6 +33,26 @@ fn silence_brings_back_the_slicers_values_after_the_validity() {
     assert_eq!(dead_man.in_force(Seconds(1e6)).request, Request::Run);
 }
 
+/// A supervisor that leaps is followed at the printer's own pace; what goes back to the slicer's values leaps.
+#[test]
+fn trims_move_no_faster_than_the_printers_own_slew() {
+    let mut dead_man = dead_man(OnLoss::Baseline);
+    let mut flows = vec![dead_man.in_force(Seconds(0.0)).trims.flow];
+    dead_man.on_permit(Seconds(0.0), permit(1, 1, Request::Run)).unwrap();
+    for step in 1..=26 {
+        flows.push(dead_man.in_force(Seconds(f64::from(step) * 0.01)).trims.flow);
+    }
+    let steps: Vec<f64> = flows.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let slew =
+        limits().slew(&Trims::NEUTRAL, &Trims { flow: 1.1, ..Trims::NEUTRAL }, Seconds(0.01)).trims.flow
+            - 1.0;
+    assert!(slew > 0.0 && slew < 0.05, "{slew}");
+    let (last, up) = steps.split_last().unwrap();
+    assert!(up.iter().all(|step| (0.0..=slew + 1e-12).contains(step)), "{flows:?}");
+    assert!((up[0] - slew).abs() < 1e-12 && (flows[25] - 1.1).abs() < 1e-12, "{flows:?}");
+    assert!((last + 0.1).abs() < 1e-12, "lapsed: {flows:?}");
+}
+
 /// C2: the policy's step after its own delay.
 #[test]
 fn the_policy_follows_after_its_delay_and_stays() {
@@ -80,12 +100,14 @@ fn who_asked_for_the_pause_may_end_standby() {
 #[test]
 fn the_printers_own_limits_hold_whatever_the_permit_says() {
     let mut dead_man = dead_man(OnLoss::Baseline);
-    let wild = Permit { trims: Trims { flow: 9.0, ..Trims::NEUTRAL }, ..permit(1, 1, Request::Run) };
+    let trims = Trims { flow: 9.0, ..Trims::NEUTRAL };
+    let wild = Permit { trims, validity: Seconds(1.0), ..permit(1, 1, Request::Run) };
     dead_man.on_permit(Seconds(0.0), wild).unwrap();
-    assert!((dead_man.in_force(Seconds(0.0)).trims.flow - 1.25).abs() < 1e-12);
+    assert_eq!(dead_man.in_force(Seconds(0.0)).trims, Trims::NEUTRAL);
+    assert!((dead_man.in_force(Seconds(0.9)).trims.flow - 1.25).abs() < 1e-12);
     assert_eq!(dead_man.clamped(), 1);
     let broken = Permit { trims: Trims { flow: f64::NAN, ..Trims::NEUTRAL }, ..permit(1, 2, Request::Run) };
-    assert_eq!(dead_man.on_permit(Seconds(0.1), broken), Err(Refusal::NotFinite));
+    assert_eq!(dead_man.on_permit(Seconds(0.9), broken), Err(Refusal::NotFinite));
     assert_eq!(dead_man.refusals().not_finite, 1);
 }
 

@@ -49,7 +49,7 @@ impl Simulator {
             bed_target: self.heaters.bed_target,
             hotend_duty: self.heaters.hotend_duty,
             bed_duty: self.heaters.bed_duty,
-            fan: self.executor.sliced().fan,
+            fan: self.fan(),
             trims: self.motion.trims.unwrap_or(self.in_force.trims),
             advance_s: self.advance_s,
             homed: self.executor.homed(),

@@ -106,6 +106,12 @@ impl Node {
         tokio::time::sleep(LAST_WORD).await;
     }
 
+    /// Waits until a last report on `/diagnostics` has left the process as well.
+    pub async fn reported(&self) {
+        tokio::time::sleep(background::LOOK).await;
+        self.spoken().await;
+    }
+
     /// The state that its services tell.
     pub(crate) fn life(&self) -> Life {
         self.core.life.clone()

@@ -7,7 +7,7 @@ use super::shim::Shim;
 use crate::faults::catalogue::{DiskAnswer, Reaction};
 use crate::up::fleet::Happening;
 use anyhow::Context;
-use fdm_loop_msgs::DiagnosticArray;
+use fdm_loop_msgs::{DiagnosticArray, DiagnosticStatus};
 use rustix::io::Errno;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -23,7 +23,7 @@ fn shim(session: &Session) -> anyhow::Result<&Shim> {
     session.graph.shim.as_ref().context("this graph has its disk and clock from the system")
 }
 
-/// T1: the recorder's disk refuses for a while. It ends, is started again, and records when there is room.
+/// T1: the recorder's disk refuses for a while. It says so, ends, is started again, and records when there is room.
 pub(super) async fn full(
     session: &mut Session,
     (for_s, answer): (f64, DiskAnswer),
@@ -34,10 +34,11 @@ pub(super) async fn full(
         DiskAnswer::IoError => Errno::IO,
         DiskAnswer::ReadOnly => Errno::ROFS,
     }))?;
-    let mut told = None;
+    let (mut told, mut ended) = (None, false);
     let mut look = |at, seen: &Seen| {
         watcher.take(at, seen);
-        if matches!(seen, Seen::Happened(Happening::Ended { name, .. }) if *name == RECORDER) {
+        ended |= matches!(seen, Seen::Happened(Happening::Ended { name, .. }) if *name == RECORDER);
+        if matches!(seen, Seen::Report(report) if says_failed(report)) {
             told.get_or_insert(watcher.since(at));
         }
     };
@@ -58,8 +59,21 @@ pub(super) async fn full(
         .await?;
     let mut observed = Observed::of(&watcher);
     observed.told_s = told;
+    if !ended {
+        observed.wrong.push(format!("{RECORDER} did not end"));
+    }
     observed.recovered_s = again.then(|| (session.observer.now() - room).0);
     Ok(observed)
+}
+
+/// Whether the recorder itself says that it records no more, and of what.
+fn says_failed(report: &DiagnosticArray) -> bool {
+    let failed = |status: &DiagnosticStatus| {
+        status.name.ends_with(RECORDER)
+            && status.level == DiagnosticStatus::ERROR
+            && status.message.starts_with("not recording: ")
+    };
+    report.status.iter().any(failed)
 }
 
 fn says_recording(report: &DiagnosticArray) -> bool {

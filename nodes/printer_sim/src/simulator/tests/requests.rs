@@ -55,6 +55,34 @@ fn a_demand_to_switch_off_gives_the_job_up_for_good() {
     assert!(simulator.status().hotend_duty <= 0.0);
 }
 
+/// With the heaters off a hot end is cooled to the threshold by the part fan, and no further; with the mains relay open by
+/// nothing.
+#[test]
+fn a_hot_end_that_was_switched_off_is_cooled() {
+    for request in [Request::HeatersOff, Request::EmergencyStop] {
+        let mut simulator = Simulator::new(params(), straight_job(30), &Scenario::default(), 1).unwrap();
+        simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: None });
+        run_for(&mut simulator, 1.0);
+        assert!(simulator.status().fan <= 0.0, "as sliced");
+        let (session, sequence, validity) = (1, 1, Seconds(0.25));
+        let (mode, trims) = (Mode::SafeOff, Trims::NEUTRAL);
+        simulator.on_permit(Permit { session, sequence, validity, mode, request, trims }).unwrap();
+        run_for(&mut simulator, 1.0);
+        assert_eq!(simulator.status().fan > 0.99, request == Request::HeatersOff);
+        let mut hot_k = simulator.truth().block_k;
+        for _ in 0..1200 {
+            run_for(&mut simulator, 1.0);
+            let block_k = simulator.truth().block_k;
+            assert!(block_k < hot_k, "it cools: {block_k} K after {hot_k} K");
+            hot_k = block_k;
+            if hot_k < 273.15 + 48.0 {
+                break;
+            }
+        }
+        assert!(simulator.status().fan <= 0.0, "{hot_k} K");
+    }
+}
+
 /// A paused move does not keep the corrections that were in force when it stopped: not its own, and not the set-point's.
 #[test]
 fn corrections_lapse_in_a_pause_too() {

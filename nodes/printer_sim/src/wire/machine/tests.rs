@@ -106,7 +106,8 @@ fn trims(flow: f64, speed: f64) -> Trims {
 fn a_permit_moves_both_speeds_and_its_end_brings_the_planned_ones_back() {
     let mut machine = machine(2);
     machine.on_permit(permit(1, Request::Run, trims(1.2, 0.9))).unwrap();
-    steps(&mut machine, 1);
+    // 10 a second at most
+    steps(&mut machine, 3);
     // flow is wire per path: 3.5 * 1.2 * 0.9 and 1.68 * 0.9
     let speeds = machine.speeds();
     assert!((speeds.wire_m_s - 3.78e-3).abs() < 1e-12 && (speeds.head_m_s - 1.512e-3).abs() < 1e-12);
@@ -121,7 +122,7 @@ fn a_permit_moves_both_speeds_and_its_end_brings_the_planned_ones_back() {
 fn a_permit_outside_is_clamped_and_counted() {
     let mut machine = machine(2);
     machine.on_permit(permit(1, Request::Run, trims(9.0, 9.0))).unwrap();
-    steps(&mut machine, 1);
+    steps(&mut machine, 10);
     assert_eq!(machine.dead_man().clamped(), 1);
     assert_eq!(machine.status().trims, trims(1.9, 1.8));
     assert!((machine.speeds().wire_m_s - 5.4e-3).abs() < 1e-15);
