@@ -16,7 +16,7 @@ mod gcode;
 mod gcode_order;
 mod jpeg;
 mod laws;
-mod parameters;
+pub mod parameters;
 mod serial_line;
 mod shipped;
 mod supervisor;

@@ -16,6 +16,8 @@ mod parameters;
 mod permits;
 #[path = "refusals/shown.rs"]
 mod shown;
+#[path = "refusals/strangers.rs"]
+mod strangers;
 #[path = "refusals/table.rs"]
 mod table;
 
@@ -49,6 +51,7 @@ fn every_bad_message_is_refused_counted_and_shown() {
         for kind in Kind::BAD {
             peer.bad_messages_are_counted(kind, &pairs).await;
         }
+        strangers::of_type_or_quality_harm_nothing(&mut peer).await;
         parameters::are_told_and_refused(&mut peer.node).await;
         peer.the_controllers_last_word_is_neutral(&mut fleet).await;
         fleet.end();
@@ -85,18 +88,25 @@ impl Peer {
 
     /// Takes reports in, sends `kind` on every topic every 50 ms, until `done`; false when that takes too long.
     async fn until(&mut self, kind: Option<Kind>, done: impl Fn(&Shown) -> bool) -> bool {
+        let entries = std::mem::take(&mut self.entries);
+        let send = |now_s: f64| {
+            let Some(kind) = kind else { return };
+            let able = |entry: &&Entry| kind == Kind::Sound || entry.bad.contains(&kind);
+            entries.iter().filter(able).for_each(|entry| (entry.send)(kind, now_s));
+        };
+        let done = self.while_sending(send, done).await;
+        self.entries = entries;
+        done
+    }
+
+    /// Takes reports in and sends every 50 ms, until `done`; false when that takes too long.
+    async fn while_sending(&mut self, mut send: impl FnMut(f64), done: impl Fn(&Shown) -> bool) -> bool {
         let limit = tokio::time::sleep(PATIENCE);
         tokio::pin!(limit);
         while !done(&self.shown) {
             tokio::select! {
                 report = self.reports.recv() => self.shown.take(&report.message),
-                now = self.ticks.next() => {
-                    let Some(kind) = kind else { continue };
-                    let able = |entry: &&Entry| kind == Kind::Sound || entry.bad.contains(&kind);
-                    for entry in self.entries.iter().filter(able) {
-                        (entry.send)(kind, now.0);
-                    }
-                }
+                now = self.ticks.next() => send(now.0),
                 () = &mut limit => return false,
             }
         }

@@ -92,7 +92,12 @@ struct Setup {
 }
 
 impl Setup {
+    /// What is refused here are parameters and the files that they name.
     fn read(node: &Node) -> Result<Self, NodeError> {
+        Self::of(node).inspect_err(|_| node.refuse())
+    }
+
+    fn of(node: &Node) -> Result<Self, NodeError> {
         node.check_parameters(|parameters| {
             let physics: Physics = parameters.block("advance_physics")?;
             let params: Params = parameters.without(&["advance_physics"]).parse()?;

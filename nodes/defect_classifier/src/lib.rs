@@ -34,6 +34,7 @@ pub mod offset;
 pub mod params;
 pub mod path;
 pub mod pressure;
+mod seal;
 pub mod seam;
 mod surroundings;
 pub mod unexplained;

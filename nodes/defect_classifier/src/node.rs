@@ -36,19 +36,29 @@ pub enum NodeError {
     #[error(transparent)]
     Parameters(#[from] ParamFileError),
     /// A model's file that cannot be read.
-    #[error("models: {}: {source}", path.display())]
+    #[error("models: {}", path.display())]
     File {
         /// The file.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
     },
-    /// The network's file.
-    #[error(transparent)]
-    Network(#[from] NetworkError),
-    /// The edge's file.
-    #[error(transparent)]
-    Edge(#[from] EdgeError),
+    /// The network's file is refused.
+    #[error("models: {}", path.display())]
+    Network {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: NetworkError,
+    },
+    /// The edge's file is refused.
+    #[error("models: {}", path.display())]
+    Edge {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: EdgeError,
+    },
     /// Parameters and network do not belong together.
     #[error("fusion: {0}")]
     Fusion(#[from] FusionError),
@@ -124,9 +134,11 @@ impl Setup {
         })?;
         let parameters = node.raw_parameters();
         let params: Params = parameters.without(&SHARED).parse()?;
+        let (network, edge) = (params.models.network.clone(), params.models.edge.clone());
         let models = Models {
-            network: Network::parse(&read(&params.models.network)?)?,
-            edge: EdgeModel::parse(&read(&params.models.edge)?)?,
+            network: Network::parse(&read(&network)?)
+                .map_err(|source| NodeError::Network { path: network, source })?,
+            edge: EdgeModel::parse(&read(&edge)?).map_err(|source| NodeError::Edge { path: edge, source })?,
             nominal: nominal(parameters)?,
         };
         Ok(Self { params, models })

@@ -1,5 +1,10 @@
 //! Two processes over loopback, and a process that went deaf. Real time passes here: DDS has no other.
-#![allow(clippy::unwrap_used, clippy::expect_used)] // helpers of tests: a failure is the test's failure
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::print_stdout,
+    reason = "helpers of tests: a failure is the test's failure; the figures are for people"
+)]
 
 use runtime::STARTED_AGAIN;
 use rustix::process::{Pid, Signal, kill_process};
@@ -93,6 +98,12 @@ fn who_asks_right_after_it_joined_is_answered_at_the_first_request() {
     }
 }
 
+/// Until a process is no longer young: before that it is given more time to hear itself (`self_loop/silence.rs`).
+const YOUNG: Duration = Duration::from_secs(7);
+/// C5 asks for 1 s. Its own test in `self_loop/silence.rs` holds the watchdog to that, pass by pass; here a debug process on
+/// a shared machine has to be given the processor for these passes and for its end, and gets as long again.
+const DEAF: Duration = Duration::from_secs(2);
+
 /// C4, C5: SIGSTOP and SIGCONT end the middleware's event loops; the process notices and ends.
 #[test]
 fn a_process_that_went_deaf_ends_itself() {
@@ -103,9 +114,11 @@ fn a_process_that_went_deaf_ends_itself() {
         "the talker works before it is stopped"
     );
     talker.signal(Signal::STOP);
-    assert!(talker.ended_within(Duration::from_secs(2)).is_none());
+    assert!(talker.ended_within(YOUNG).is_none());
     talker.signal(Signal::CONT);
-    let status = talker.ended_within(Duration::from_secs(5)).expect("a deaf process ends itself");
+    let deaf = Instant::now();
+    let status = talker.ended_within(DEAF).expect("a deaf process ends itself in time");
+    println!("ended {:.2} s after it went on", deaf.elapsed().as_secs_f64());
     assert_eq!(status.code(), Some(runtime::DRIVEN_OUT.into()), "through no fault of its own");
 }
 

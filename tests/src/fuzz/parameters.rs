@@ -5,7 +5,7 @@ use super::shipped;
 use runtime::{ParamFileError, Parameters};
 use serde::de::DeserializeOwned;
 use std::fmt::Debug;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A node, and what checks its parameters.
 type Check = fn(&Parameters) -> Result<(), ParamFileError>;
@@ -44,6 +44,22 @@ pub fn parameters(bytes: &[u8]) {
             _ = found.undescribed();
         }
     }
+}
+
+/// Every node whose parameters are checked here.
+pub fn nodes() -> impl Iterator<Item = &'static str> {
+    NODES.iter().map(|(name, _)| *name)
+}
+
+/// What is in force after a node has read and checked a file at its start: a line for each value.
+///
+/// # Errors
+/// As the node itself would say it.
+pub fn in_force(name: &str, file: &Path) -> Result<String, ParamFileError> {
+    let found = Parameters::read(&[file.to_path_buf()], &[], &shipped::node(name))?;
+    let checks = NODES.iter().filter(|(node, _)| *node == name).map(|(_, check)| check(&found));
+    checks.collect::<Result<(), _>>()?;
+    Ok(found.text())
 }
 
 /// A file of this thread alone.

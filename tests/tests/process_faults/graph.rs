@@ -1,8 +1,9 @@
 //! `fdm up` as a child: what it says of its node processes, signals to them, and nothing left behind.
 
-use rustix::process::{Pid, Signal, kill_process, test_kill_process};
+use rustix::process::{Pid, Signal, kill_process, kill_process_group, test_kill_process};
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
+use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -26,6 +27,15 @@ pub(crate) fn program(name: &str) -> PathBuf {
     program
 }
 
+/// Where the graph runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Network {
+    /// In a network of its own that has nothing but a `lo` as it comes (C12).
+    Own,
+    /// In that of the test, which joins the graph itself.
+    OfTheTest,
+}
+
 /// What `fdm` says of a node.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Said {
@@ -45,12 +55,15 @@ pub(crate) struct Graph {
 }
 
 impl Graph {
-    /// Starts a long print at real time with a printer that is warm, where nothing but `lo` is up.
-    pub(crate) fn start(domain: &str) -> Self {
+    /// Starts a long print at real time with a printer that is warm. `fdm` leads a process group of its own.
+    pub(crate) fn start(domain: &str, network: Network) -> Self {
         let folder = std::env::temp_dir().join(format!("fdm_process_faults_{}", std::process::id()));
         _ = std::fs::remove_dir_all(&folder);
-        let mut fdm = alone(&program("fdm"))
+        let fdm = program("fdm");
+        let mut fdm = if network == Network::Own { alone(&fdm) } else { Command::new(&fdm) };
+        let mut fdm = fdm
             .current_dir(root())
+            .process_group(0)
             .args(["up", "--gcode", "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode", "--control", "mpc"])
             .args(["--warm", "--stay", "--bag"])
             .arg(folder.join("bag"))
@@ -93,6 +106,28 @@ impl Graph {
     /// A signal to the newest process of a node.
     pub(crate) fn signal(&self, node: &str, signal: Signal) {
         kill_process(self.pids[node], signal).unwrap();
+    }
+
+    /// SIGKILL to `fdm` and every node in the same instant, as when the power is lost; waits until the last one is gone.
+    pub(crate) fn lose_power(&mut self) {
+        kill_process_group(Pid::from_child(&self.fdm), Signal::KILL).unwrap();
+        self.fdm.wait().unwrap();
+        let begin = Instant::now();
+        while !self.alive().is_empty() {
+            assert!(begin.elapsed() < END, "{:?} outlive their power", self.alive());
+            std::thread::sleep(LOOK);
+        }
+    }
+
+    /// How a running node can be started again, as it is and without a wait for who would activate it.
+    pub(crate) fn command_of(&self, node: &str) -> Command {
+        let line = std::fs::read(format!("/proc/{}/cmdline", self.pids[node].as_raw_nonzero())).unwrap();
+        let words = String::from_utf8(line).unwrap();
+        let mut words = words.trim_end_matches('\0').split('\0');
+        let mut command = Command::new(words.next().unwrap());
+        command.args(words).args(["-p", "autostart:=true"]).current_dir(root()).env_remove("RUST_LOG");
+        command.env(runtime::STOP_WITH_PARENT, std::process::id().to_string()).stdout(Stdio::null());
+        command
     }
 
     /// Ctrl-C, and exit code 0 in time.
@@ -156,15 +191,16 @@ impl Drop for Graph {
     }
 }
 
-/// A program in a network of its own that has nothing but a `lo` as it comes (C12); in that of the test where the system
-/// does not let us.
+/// A program in a network of its own; in that of the test where the system does not let us, and then nothing is shown of
+/// C12. It is said past the harness, which keeps what a test prints to itself unless it fails.
 fn alone(program: &Path) -> Command {
     const LO: &str = "ip link set lo up && exec \"$0\" \"$@\"";
     let ours = ["-rn", "sh", "-c", LO];
     let works =
         Command::new("unshare").args(ours).arg("true").output().is_ok_and(|done| done.status.success());
     if !works {
-        println!("no network of its own: unshare -rn is not allowed here");
+        let said = "C12 is not shown: unshare -rn gives no network of its own here, the graph runs in that of the test";
+        _ = writeln!(std::io::stderr(), "{said}");
         return Command::new(program);
     }
     let mut command = Command::new("unshare");

@@ -44,6 +44,14 @@ impl Shown {
         self.number(&format!("{node}: topics"), &format!("/{topic} received"))
     }
 
+    pub(crate) fn undecodable(&self, node: &str, topic: &str) -> u64 {
+        self.number(&format!("{node}: topics"), &format!("/{topic} undecodable"))
+    }
+
+    pub(crate) fn sent(&self, node: &str, topic: &str) -> u64 {
+        self.number(&format!("{node}: topics"), &format!("/{topic} sent"))
+    }
+
     pub(crate) fn refused_in_all(&self, node: &str, topic: &str) -> u64 {
         self.number(node, &format!("refused_{}", topic.replace('/', "_")))
     }

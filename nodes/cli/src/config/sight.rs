@@ -34,11 +34,13 @@ impl ConfigDir {
     pub fn sight_of(&self, parameters: &Parameters) -> anyhow::Result<Sight> {
         let params: defect_classifier::Params =
             parameters.without(&["printer", "material", "quality"]).parse()?;
-        let text =
-            |file: &Path| runtime::input::text(file).with_context(|| format!("models: {}", file.display()));
+        let told = |file: &Path| format!("models: {}", file.display());
+        let text = |file: &Path| runtime::input::text(file).with_context(|| told(file));
+        let (network, edge) = (&params.models.network, &params.models.edge);
         let models = defect_classifier::Models {
-            network: defect_classifier::network::Network::parse(&text(&params.models.network)?)?,
-            edge: defect_classifier::width::EdgeModel::parse(&text(&params.models.edge)?)?,
+            network: defect_classifier::network::Network::parse(&text(network)?)
+                .with_context(|| told(network))?,
+            edge: defect_classifier::width::EdgeModel::parse(&text(edge)?).with_context(|| told(edge))?,
             nominal: defect_classifier::layer::Nominal {
                 quality: parameters.block("quality")?,
                 printer: parameters.block("printer")?,

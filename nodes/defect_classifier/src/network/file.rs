@@ -1,7 +1,8 @@
-//! The file of a network: JSON, with everything that inference needs and a probe that tells a damaged one.
+//! The file of a network: JSON, with everything that inference needs a probe that the weights
+//! have to give again, and a checksum.
 
 use super::{Layer, Network, OK};
-use crate::features;
+use crate::{features, seal};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +43,8 @@ pub enum NetworkError {
 pub(crate) struct RawNetwork {
     pub(crate) format: String,
     pub(crate) version: u32,
+    /// Of everything else in the file.
+    pub(crate) sha256: String,
     pub(crate) view: String,
     /// Radius of the disc that the head hides, as share of the picture's height.
     pub(crate) hidden_share: f64,
@@ -88,9 +91,17 @@ impl Network {
     ///
     /// # Errors
     /// [`NetworkError`] with the field: other format, sizes that do not fit, unknown features, values that are not
-    /// finite, and a probe that does not come out as written.
+    /// finite, a probe that does not come out as written, and a text that is not the one that was sealed.
     pub fn parse(text: &str) -> Result<Self, NetworkError> {
-        Self::try_from(serde_json::from_str::<RawNetwork>(text)?)
+        let raw: RawNetwork = serde_json::from_str(text)?;
+        let (written, found) = (raw.sha256.clone(), seal::digest(text, &raw.sha256));
+        let network = Self::try_from(raw)?;
+        if written == found {
+            Ok(network)
+        } else {
+            let wanted = format!("{found} by the contents (damaged? fdm classify --train)");
+            refuse("sha256", format!("'{written}'"), wanted)
+        }
     }
 
     /// Features that the probe is taken with.
@@ -111,6 +122,7 @@ impl RawNetwork {
         Self {
             format: FORMAT.into(),
             version: VERSION,
+            sha256: String::new(),
             view: view.into(),
             hidden_share: 0.0,
             trained: trained.into(),

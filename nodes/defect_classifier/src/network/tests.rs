@@ -1,5 +1,6 @@
 use super::*;
 use crate::features::COUNT;
+use crate::seal::{flip_bits, sealed};
 use serde_json::{Value, json};
 
 fn committed(name: &str) -> String {
@@ -12,7 +13,7 @@ fn committed(name: &str) -> String {
 fn small() -> Value {
     let hidden = (0.5 * 1.0_f64.sin() - 0.25 * 2.0_f64.sin() + 0.1).tanh();
     json!({
-        "format": "fdm_loop network", "version": 1, "view": "toolhead", "hidden_share": 0.0, "trained": "by hand",
+        "format": "fdm_loop network", "version": 1, "sha256": "", "view": "toolhead", "hidden_share": 0.0, "trained": "by hand",
         "classes": ["ok", "under"], "inputs": ["level_std", "level_mean"],
         "centre": [0.1, 0.5], "scale": [0.05, 0.2], "clip": 4.0,
         "layers": [
@@ -23,8 +24,13 @@ fn small() -> Value {
     })
 }
 
+/// The file as training would write it.
+fn text(file: &Value) -> String {
+    sealed(&serde_json::to_string_pretty(file).unwrap())
+}
+
 fn refusal(file: &Value) -> String {
-    Network::parse(&file.to_string()).unwrap_err().to_string()
+    Network::parse(&text(file)).unwrap_err().to_string()
 }
 
 /// Probabilities as the numbers of a file give them: standardised, cut, weighed, `tanh` between layers, softmax.
@@ -79,7 +85,7 @@ fn the_committed_networks_judge_as_their_numbers_say() {
 
 #[test]
 fn a_small_network_gives_what_the_equations_give() {
-    let network = Network::parse(&small().to_string()).unwrap();
+    let network = Network::parse(&text(&small())).unwrap();
     let mut values = vec![0.0; COUNT];
     let names = features::names();
     let place = |name: &str| names.iter().position(|known| *known == name).unwrap();
@@ -110,7 +116,7 @@ fn a_broken_file_is_refused_with_its_field() {
         ("probe is 1 long", |file| file["probe"] = json!([0.0])),
         ("probe[0] is", |file| file["layers"][0]["weights"][0][1] = json!(-0.250_001)),
     ];
-    assert!(Network::parse(&small().to_string()).is_ok());
+    assert!(Network::parse(&text(&small())).is_ok());
     for (text, broken) in breaks {
         let mut file = small();
         broken(&mut file);
@@ -132,9 +138,32 @@ fn a_torn_file_and_unknown_fields_are_refused() {
     assert!(refusal(&file).contains("invalid type: null"));
 }
 
+/// T5: any bit of a small file, and many of those that are shipped: also of a number that no probe wakes, and of one that
+/// nothing reckons with.
+#[test]
+fn a_file_with_a_flipped_bit_is_refused() {
+    flip_bits(&text(&small()), 1, |text| Network::parse(text).err());
+    for name in ["toolhead", "photograph"] {
+        flip_bits(&committed(name), 997, |text| Network::parse(text).err());
+    }
+    let hidden = committed("toolhead").replace("\"hidden_share\": 0.19", "\"hidden_share\": 0.29");
+    let told = Network::parse(&hidden).unwrap_err().to_string();
+    assert!(told.starts_with("network file: sha256 is '"), "{told}");
+}
+
+/// T5: cut anywhere but in the blanks at its end.
+#[test]
+fn a_file_that_was_cut_is_refused() {
+    let whole = text(&small());
+    assert!((0..whole.len()).all(|length| Network::parse(&whole[..length]).is_err()));
+    let whole = committed("toolhead");
+    let whole = whole.trim_end();
+    assert!((0..whole.len()).step_by(997).all(|length| Network::parse(&whole[..length]).is_err()));
+}
+
 #[test]
 fn features_that_are_too_few_or_not_finite_get_no_scores() {
-    let network = Network::parse(&small().to_string()).unwrap();
+    let network = Network::parse(&text(&small())).unwrap();
     assert!(network.score(&[0.0]).is_err());
     assert!(network.score(&vec![f64::NAN; COUNT]).is_err());
 }

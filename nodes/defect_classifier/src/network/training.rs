@@ -3,7 +3,7 @@
 //! Single thread, no clock; chance comes from the caller's stream, so the same examples and stream give the same file.
 
 use super::file::{NetworkError, RawLayer, RawNetwork};
-use crate::features;
+use crate::{features, seal};
 use models::params::{ParamError, in_range, positive};
 use nalgebra::{DMatrix, DVector};
 use serde::Deserialize;
@@ -125,7 +125,7 @@ pub fn fit(
     let mut learner = Learner::new(raw.inputs.len(), &params.0.hidden, raw.classes.len(), uniform);
     learner.run(&inputs, examples, &params.0, uniform);
     raw.layers = learner.layers.iter().map(Fitted::written).collect();
-    Ok(serde_json::to_string_pretty(&raw.sealed()?)?)
+    Ok(seal::sealed(&serde_json::to_string_pretty(&raw.sealed()?)?))
 }
 
 /// To [`DIGITS`] significant digits.

@@ -10,6 +10,7 @@ mod tests;
 pub mod training;
 
 use super::profile::Ruler;
+use crate::seal;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +34,16 @@ pub enum EdgeError {
     /// Numbers that do not belong together, or are not finite.
     #[error("edge file: {0} cannot be")]
     Field(&'static str),
+    /// Not the text that was sealed.
+    #[error(
+        "edge file: sha256 is '{written}', must be {found} by the contents (damaged? fdm classify --train-edge)"
+    )]
+    Damaged {
+        /// What stands there.
+        written: String,
+        /// What has to.
+        found: String,
+    },
     /// Nothing to learn from.
     #[error("edge: no profile to learn from")]
     Profiles,
@@ -43,6 +54,8 @@ pub enum EdgeError {
 #[serde(deny_unknown_fields)]
 struct RawEdge {
     format: String,
+    /// Of everything else in the file.
+    sha256: String,
     trained: String,
     from_m: f64,
     step_m: f64,
@@ -75,7 +88,10 @@ impl EdgeModel {
     /// # Errors
     /// [`EdgeError`]
     pub fn parse(text: &str) -> Result<Self, EdgeError> {
-        serde_json::from_str::<RawEdge>(text).map_err(|error| EdgeError::Json(error.to_string()))?.try_into()
+        let raw: RawEdge = serde_json::from_str(text).map_err(|error| EdgeError::Json(error.to_string()))?;
+        let (written, found) = (raw.sha256.clone(), seal::digest(text, &raw.sha256));
+        let model = raw.try_into()?;
+        if written == found { Ok(model) } else { Err(EdgeError::Damaged { written, found }) }
     }
 
     /// The same network, trained on what these words say.
@@ -99,6 +115,7 @@ impl EdgeModel {
         let rows = (0..self.hidden.nrows()).map(row).collect::<Result<Vec<_>, _>>()?;
         let fields = [
             ("format", serde_json::Value::from(FORMAT).to_string()),
+            ("sha256", "\"\"".to_owned()),
             ("trained", serde_json::Value::from(self.trained.as_str()).to_string()),
             ("from_m", json(&self.from_m)?),
             ("step_m", json(&self.step_m)?),
@@ -110,7 +127,7 @@ impl EdgeModel {
             ("output_bias", json(&self.output_bias)?),
         ];
         let lines: Vec<String> = fields.iter().map(|(name, value)| format!(" \"{name}\": {value}")).collect();
-        Ok(format!("{{\n{}\n}}\n", lines.join(",\n")))
+        Ok(seal::sealed(&format!("{{\n{}\n}}\n", lines.join(",\n"))))
     }
 
     /// On what it was trained, in words.

@@ -16,12 +16,16 @@ impl Scratch {
         Self(std::env::temp_dir().join(format!("runtime_malformed_{test}_{}.yaml", std::process::id())))
     }
 
-    /// Reads what stands in the file as any node would, and says whether it was taken.
+    /// Reads what stands in the file as any node would, and says whether it was taken; who refuses it names it, and why.
     fn read(&self, bytes: &[u8]) -> bool {
         std::fs::write(&self.0, bytes).unwrap();
         let path = NodePath { qualified: "/printer/thermistor".to_owned(), base: "thermistor".to_owned() };
         let read = Parameters::read(std::slice::from_ref(&self.0), &[], &path);
-        read.and_then(|parameters| parameters.parse::<Value>()).is_ok()
+        let Err(error) = read.and_then(|parameters| parameters.parse::<Value>()) else { return true };
+        let told = error.to_string();
+        let reason = told.strip_prefix(&self.0.display().to_string()).unwrap_or_default();
+        assert!(reason.trim_start_matches([':', ' ']).len() > 5 && told.lines().count() == 1, "{told:?}");
+        false
     }
 }
 

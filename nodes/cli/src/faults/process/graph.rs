@@ -125,7 +125,12 @@ impl Graph {
 
     /// Resident memory by node `[MiB]`.
     pub(super) fn resident_mib(&self) -> BTreeMap<&'static str, f64> {
-        self.pids().into_iter().filter_map(|(name, pid)| Some((name, resident_mib(pid)?))).collect()
+        self.pids().into_iter().filter_map(|(name, pid)| Some((name, status_mib(pid, "VmRSS:")?))).collect()
+    }
+
+    /// Address space of a node, which its limit is about `[MiB]`; `None` where it does not run.
+    pub(super) fn virtual_mib(&self, node: &str) -> Option<f64> {
+        status_mib(self.pid(node).ok()?, "VmSize:")
     }
 
     /// Whether it runs on the host's clock, which is the observer's too.
@@ -190,10 +195,10 @@ fn arguments(gcode: &Path, folder: &Path, seed: u64) -> UpArgs {
     }
 }
 
-/// Resident memory of a process `[MiB]`.
-fn resident_mib(pid: Pid) -> Option<f64> {
+/// What the system tells of a process's memory `[MiB]`.
+fn status_mib(pid: Pid, field: &str) -> Option<f64> {
     let status = std::fs::read_to_string(format!("/proc/{}/status", pid.as_raw_nonzero())).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let line = status.lines().find_map(|line| line.strip_prefix(field))?;
     Some(line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()? / 1024.0)
 }
 

@@ -1,5 +1,6 @@
 use super::training::{EdgeFit, KnownEdge, RawEdgeFit, fit, judge};
 use super::*;
+use crate::seal::flip_bits;
 
 const RULER: Ruler = Ruler { from_m: -1.5e-4, step_m: 1e-5, count: 90 };
 const FIT: RawEdgeFit = RawEdgeFit {
@@ -83,6 +84,18 @@ fn the_committed_file_means_the_same_when_it_is_written_again() {
     let path = format!("{}/../../config/models/road_edge.json", env!("CARGO_MANIFEST_DIR"));
     let model = EdgeModel::parse(&std::fs::read_to_string(path).unwrap()).unwrap();
     assert_eq!(EdgeModel::parse(&model.text().unwrap()).unwrap(), model);
+}
+
+/// T5: a file that was cut, or of which a bit was flipped: a digit of a weight makes another weight, and nothing else tells.
+#[test]
+fn a_damaged_file_is_refused() {
+    let path = format!("{}/../../config/models/road_edge.json", env!("CARGO_MANIFEST_DIR"));
+    let whole = std::fs::read_to_string(path).unwrap();
+    flip_bits(&whole, 101, |text| EdgeModel::parse(text).err());
+    let cuts = (0..whole.trim_end().len()).step_by(101);
+    assert!(cuts.into_iter().all(|length| EdgeModel::parse(&whole[..length]).is_err()));
+    let told = EdgeModel::parse(&whole.replace("0.461058", "0.561058")).unwrap_err().to_string();
+    assert!(told.starts_with("edge file: sha256 is '") && told.contains("by the contents"), "{told}");
 }
 
 #[test]

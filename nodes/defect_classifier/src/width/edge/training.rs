@@ -213,6 +213,7 @@ impl<'a> Learner<'a> {
         let (inputs, units) = (self.params.inputs as usize, self.params.hidden as usize);
         let row = |row: usize| (0..inputs).map(|at| rounded(self.hidden.weights[(row, at)])).collect();
         EdgeModel::try_from(RawEdge {
+            sha256: String::new(),
             format: FORMAT.to_owned(),
             trained: String::new(),
             from_m: self.params.from_m,
