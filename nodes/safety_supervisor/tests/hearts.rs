@@ -177,13 +177,32 @@ fn work_that_comes_before_the_time_is_enough() {
 /// Before, between and after prints nothing is due, nor as a print begins.
 #[test]
 fn whoever_idles_beside_a_print_is_not_missed() {
+    for phase in [JobPhase::Idle, JobPhase::Preparing, JobPhase::Done] {
+        let mut print = acting();
+        for (phase, span_s) in [(phase, 10.0), (JobPhase::Printing, 2.5)] {
+            print.report.phase = phase;
+            working(&mut print, &Worker::ALL, &WATCHED.map(|(worker, _)| worker), span_s);
+            assert_eq!(print.mode(), Mode::Act, "{phase:?}: {:?}", print.output.state.cause);
+        }
+    }
+}
+
+/// A frame every ten seconds, and a judge whose beat tells of it before the camera's: nothing is due until the next one.
+#[test]
+fn a_frame_that_the_judge_was_first_to_tell_of_is_answered() {
     let mut print = acting();
-    for phase in [JobPhase::Paused, JobPhase::Idle, JobPhase::Preparing, JobPhase::Printing] {
-        print.report.phase = phase;
-        let span_s = if phase == JobPhase::Printing { 2.5 } else { 10.0 };
-        working(&mut print, &Worker::ALL, &WATCHED.map(|(worker, _)| worker), span_s);
-        let cause = print.output.state.cause;
-        assert!(!WATCHED.iter().any(|(_, idle)| cause == Some(*idle)), "{phase:?}: {cause:?}");
+    for beat in 0..600_u32 {
+        let (camera, judge) = (u64::from(beat / 100), u64::from((beat + 1) / 100));
+        print.event(Event::Beat { worker: Worker::Judge, work: judge });
+        // What a frame every ten seconds is late by is another matter, and so is a camera that seems to rest between.
+        print.event(Event::Beat { worker: Worker::Camera, work: camera });
+        (0..5).for_each(|_| {
+            if print.tick.is_multiple_of(25) {
+                print.event(Event::Vision(SOUND));
+            }
+            print.step();
+        });
+        assert_ne!(print.output.state.cause, Some(Cause::JudgeIdle));
     }
 }
 
