@@ -123,6 +123,12 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     let injected = granted(&slip);
     assert!(injected.contains("injected: extruder slip, size 0.09 (no unit), from 30"), "{injected}");
     assert!(injected.contains("s of the simulation on, lasts 20 s"), "{injected}");
+    // S7: a sensor of the simulated printer falls silent, which the supervisor tells and gets over.
+    let cut = ["inject", "encoder", "off", "--duration-s", "20"];
+    assert!(granted(&cut).contains("injected: encoder off, from"));
+    let missed = status_where("degraded", |told| told["mode"] == "degraded");
+    assert!(missed["cause"].as_str().unwrap().starts_with("S7"), "{missed}");
+    status_where("observe again", |told| told["mode"] == "observe");
     assert!(granted(&["pause"]).contains("mode paused"));
     graph.until("supervisor at");
     let held = status_where("paused", |told| told["mode"] == "paused" && told["phase"] == "paused");

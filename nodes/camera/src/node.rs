@@ -36,12 +36,13 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     node.activated().await;
     loop {
         tokio::select! {
-            arrival = source.next() => outlet.take(arrival),
+            arrival = source.next() => if outlet.take(arrival) {
+                work.done();
+            },
             _ = looks.next() => outlet.look(),
             changed = live.next() => outlet.frames.retune(changed.parse::<Params>()?.camera),
             () = node.shutdown() => return Ok(()),
         }
-        work.done();
     }
 }
 
@@ -163,9 +164,10 @@ impl Outlet {
         })
     }
 
-    fn take(&mut self, arrival: Arrival) {
+    /// True where a frame went on.
+    fn take(&mut self, arrival: Arrival) -> bool {
         match arrival {
-            Arrival::Frame { exposed, jpeg } => self.pass(exposed, jpeg),
+            Arrival::Frame { exposed, jpeg } => return self.pass(exposed, jpeg),
             Arrival::Event(DriverEvent::Refused(reason)) => self.refused.count(reason),
             Arrival::Event(DriverEvent::Found { text }) => {
                 if self.is_new(&text) {
@@ -181,6 +183,7 @@ impl Outlet {
             }
             Arrival::Event(DriverEvent::Frame(_)) | Arrival::Refused => {}
         }
+        false
     }
 
     /// Whether a line for the log is another than the last one.
@@ -190,8 +193,10 @@ impl Outlet {
         new
     }
 
-    fn pass(&mut self, exposed: Seconds, jpeg: Vec<u8>) {
-        if let Ok(accepted) = self.frames.on_frame(self.clock.now(), exposed, &jpeg) {
+    fn pass(&mut self, exposed: Seconds, jpeg: Vec<u8>) -> bool {
+        let accepted = self.frames.on_frame(self.clock.now(), exposed, &jpeg);
+        let passed = accepted.is_ok();
+        if let Ok(accepted) = accepted {
             if !accepted.frozen {
                 self.presence.seen();
             }
@@ -201,6 +206,7 @@ impl Outlet {
         for (reason, total) in convert::reasons(&self.frames.refusals()) {
             self.refused.follow(reason, total);
         }
+        passed
     }
 
     fn look(&mut self) {

@@ -170,6 +170,7 @@ mod tests {
                 "extruder slip --size 0.1 --seed 7",
                 "seed = 7: nothing of slip is random, leave it out (0); noise",
             ),
+            ("camera noise --size 2", "kind = noise: not a fault of camera; it can be off, stuck"),
             ("part detached --ramp-s 3", "ramp_s: detached has none, leave it out"),
         ] {
             let refusal = asked(line).unwrap_err();
@@ -191,6 +192,8 @@ mod tests {
             "extruder           slip [-] 0..0.95, clog [-] 0.05..1, leak [-] 0..0.9\n",
             "hotend_heater      gain [-] 0..1, stuck_on\n",
             "motion             layer_shift_x [m] -0.05..0.05, layer_shift_y [m] -0.05..0.05, knock [m/s2] 0..200\n",
+            "encoder            off, stuck\n",
+            "camera             off, stuck\n",
             "part               detached\n",
         ] {
             assert!(help.contains(told), "{told}: {help}");

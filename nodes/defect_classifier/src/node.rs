@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::classifier::{Classifier, Counts, Models};
 use crate::convert;
-use crate::event::Output;
+use crate::event::{Event, Output};
 use crate::frame::LIVE;
 use crate::fusion::FusionError;
 use crate::layer::Nominal;
@@ -20,8 +20,6 @@ use crate::width::{EdgeError, EdgeModel};
 const SHARED: [&str; 3] = ["printer", "material", "quality"];
 /// Oldest stamp that is taken `[s]`: a frame arrives late, and everything it needs is older still.
 const AGE_LIMIT: Seconds = Seconds(3.0);
-/// Proof of work while nothing comes in `[s]`.
-const IDLE_PERIOD: Seconds = Seconds(0.25);
 /// OpenCV works in the node's own thread: the machine's other cores belong to other nodes.
 const THREADS: i32 = 1;
 
@@ -81,7 +79,7 @@ pub async fn run(mut node: Node) -> Result<(), NodeError> {
     let mut estimates = node.inlet(&topics::ESTIMATE, AGE_LIMIT)?;
     let outlets = Outlets::open(&mut node, setup.params.machine)?;
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
-    let (mut jumps, mut idle) = (clock.jumps_back(), node.timer(IDLE_PERIOD));
+    let mut jumps = clock.jumps_back();
     let mut live = node.live_parameters(&LIVE);
     node.activated().await;
     loop {
@@ -98,20 +96,20 @@ pub async fn run(mut node: Node) -> Result<(), NodeError> {
                 classifier.retune(setup.params.clone());
                 continue;
             }
-            _ = idle.next() => {
-                work.done();
-                continue;
-            }
         };
         if std::mem::replace(&mut jumps, clock.jumps_back()) != clock.jumps_back() {
             classifier = setup.classifier()?;
         }
         if let Ok(event) = taken {
+            let frame = matches!(event, Event::Frame { .. });
             let outputs = classifier.on_event(event);
             outputs.into_iter().for_each(|output| outlets.send(output, classifier.classes()));
             show(&diagnostics, &classifier.counts());
+            // A frame that was looked at, whatever it shows: the supervisor misses that while frames come.
+            if frame {
+                work.done();
+            }
         }
-        work.done();
     }
 }
 

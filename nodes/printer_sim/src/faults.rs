@@ -3,7 +3,9 @@
 use models::units::Seconds;
 use serde::{Deserialize, Serialize};
 
+mod feed;
 mod sensor;
+pub use feed::{Feed, Line};
 pub use sensor::{SensorFaults, Thermistor};
 
 /// Part of the printer that fails.
@@ -22,6 +24,12 @@ pub enum Component {
     BedHeater,
     /// Bed thermistor.
     BedThermistor,
+    /// Filament encoder; the firmware's own loop reads it too.
+    Encoder,
+    /// Inertial unit on the tool head.
+    Imu,
+    /// Camera on the tool head.
+    Camera,
     /// Emergency-stop button and door contact, in one circuit.
     StopInput,
     /// Part fan.
@@ -60,8 +68,11 @@ pub enum Kind {
     /// Thermistor: fell out of the block; share of the coupling that is left `[-]`, 0..1. Part: has come off the bed,
     /// nothing lands on it any more; for good, size unused.
     Detached,
-    /// Thermistor: the reading stays where it was; size unused.
+    /// Thermistor: the reading stays where it was; size unused. Encoder, imu, camera: the last count, batch or frame again,
+    /// with new stamps.
     Stuck,
+    /// Encoder, imu, camera: nothing comes; size unused.
+    Off,
     /// Thermistor: added to the reading `[K]`, -300..300.
     Bias,
     /// Thermistor: factor on the standard deviation of its noise `[-]`, 1..100.
@@ -87,8 +98,8 @@ impl Kind {
     /// It is there or not, whatever its component.
     #[must_use]
     pub fn has_no_size(self) -> bool {
-        use Kind::{Open, Pressed, RunOut, Short, Stuck, StuckOn};
-        matches!(self, RunOut | StuckOn | Open | Short | Stuck | Pressed)
+        use Kind::{Off, Open, Pressed, RunOut, Short, Stuck, StuckOn};
+        matches!(self, RunOut | StuckOn | Open | Short | Stuck | Off | Pressed)
     }
 
     /// It differs from seed to seed.
@@ -161,6 +172,12 @@ pub struct InForce {
     pub hotend_sensor: SensorFaults,
     /// Bed thermistor.
     pub bed_sensor: SensorFaults,
+    /// Filament encoder.
+    pub encoder: Feed,
+    /// Inertial unit.
+    pub imu: Feed,
+    /// Camera.
+    pub camera: Feed,
     /// The stop contact is open.
     pub stop_input: bool,
     /// Added to the air temperature `[K]`.
@@ -209,6 +226,9 @@ impl InForce {
         fan_gain: 1.0,
         hotend_sensor: SensorFaults::NONE,
         bed_sensor: SensorFaults::NONE,
+        encoder: Feed::Live,
+        imu: Feed::Live,
+        camera: Feed::Live,
         stop_input: false,
         ambient_offset_k: 0.0,
         detached: false,
@@ -243,6 +263,9 @@ impl InForce {
             (Component::Fan, Kind::Gain) => self.fan_gain *= towards(fault.size),
             (Component::HotendThermistor, kind) => self.hotend_sensor.overlay(kind, fault.size, share),
             (Component::BedThermistor, kind) => self.bed_sensor.overlay(kind, fault.size, share),
+            (Component::Encoder, kind) => self.encoder.overlay(kind),
+            (Component::Imu, kind) => self.imu.overlay(kind),
+            (Component::Camera, kind) => self.camera.overlay(kind),
             (Component::StopInput, Kind::Pressed) => self.stop_input = true,
             (Component::Ambient, Kind::Draught) => self.ambient_offset_k += share * fault.size,
             (Component::Part, Kind::Detached) => self.detached = true,

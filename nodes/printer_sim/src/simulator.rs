@@ -25,6 +25,7 @@ use models::params::ParamError;
 use models::status::JobPhase;
 use models::units::{Kelvin, Seconds};
 use schedule::Roads;
+use sense::Lines;
 use std::collections::VecDeque;
 
 mod camera;
@@ -74,6 +75,7 @@ pub struct Simulator {
     entries: Vec<Entry>,
     faults: Vec<Fault>,
     faults_in_force: FaultsInForce,
+    lines: Lines,
     hotend_sensor: Thermometer,
     bed_sensor: Thermometer,
     width_gauge: WidthGauge,
@@ -124,6 +126,7 @@ impl Simulator {
             entries: scenario.faults.clone(),
             faults: Vec::new(),
             faults_in_force: FaultsInForce::NONE,
+            lines: Lines::default(),
             hotend_sensor: thermometer(1),
             bed_sensor: thermometer(2),
             width_gauge: WidthGauge::new(&sensors, Noise::new(seed, 3)),
@@ -209,14 +212,10 @@ impl Simulator {
             self.outputs.push_back(Output::Coming { stamp: self.now, sequence, segment });
         }
         self.toolhead.home(self.motion.homing);
-        if let Some(imu) = &mut self.imu
-            && let Some(batch) = imu.step(self.now, self.motion.velocity_m_s, dt)
-        {
-            self.outputs.push_back(Output::Imu(Box::new(batch)));
-        }
+        self.feel(dt);
         let trims = self.motion.trims.unwrap_or(self.in_force.trims);
         #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
-        let encoder_m = self.counts() as f64 * self.params.simulator.sensors.encoder_quantum_m;
+        let encoder_m = self.heard_counts() as f64 * self.params.simulator.sensors.encoder_quantum_m;
         let goal = self.advance_goal(&trims, dt);
         let motor_m_s = self.drive.step(self.motion.feed, &trims, goal, (encoder_m, dt.0));
 

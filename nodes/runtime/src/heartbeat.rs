@@ -1,4 +1,4 @@
-//! Proof of work: a node that hangs stops beating, and one whose loop idles shows a work counter that stands still.
+//! Proof of work: a node that hangs stops beating, and one whose loop turns without work shows a counter that stands still.
 
 use crate::clock::Clock;
 use crate::publisher::Publisher;
@@ -16,7 +16,7 @@ const PERIOD: Duration = Duration::from_millis(100);
 pub struct Work(Arc<AtomicU64>);
 
 impl Work {
-    /// One unit of work is done: an estimate, a command, a permit, a recorded message.
+    /// One unit of work is done: an estimate, a plan, a permit, a frame, a recorded message.
     pub fn done(&self) {
         self.0.fetch_add(1, Ordering::Relaxed);
     }

@@ -97,6 +97,11 @@ causes! {
     OverExtrusion, "P5", "the camera sees too much material", "check flow and first layer, then `fdm resume`";
     StaleImu, "S7", "no accelerations", "restart the imu node";
     StaleVision, "S7", "no report of the camera's judge", "restart the camera and defect_classifier nodes";
+    EstimatorIdle, "C4", "the state_estimator beats, but estimates nothing", "restart the state_estimator node";
+    ControllerIdle, "C4", "the mpc_controller beats, but plans nothing", "restart the mpc_controller node";
+    CameraIdle, "C4", "the camera node beats, but passes no frame on",
+        "see its diagnostics: the source is silent or its frames are refused; else restart the camera node";
+    JudgeIdle, "C4", "the defect_classifier beats, but judges no frame", "restart the defect_classifier node";
     VisionBlind, "S8", "no frame could be judged for long", "clean and light the camera";
     PlanInfeasible, "K1", "the controller's plan has no solution", "see the controller's log; check its limits";
     PlanLate, "K2", "several plans in a row came too late", "take load off the machine, or make the horizon shorter";

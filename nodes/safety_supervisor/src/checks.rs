@@ -22,3 +22,4 @@ pub mod run_out;
 pub mod shift;
 pub mod stale;
 pub mod stop_input;
+pub mod work;

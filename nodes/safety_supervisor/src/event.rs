@@ -153,7 +153,12 @@ pub enum Event {
     /// Somebody else publishes permits; the printer believes one alone, which may not be this one.
     RivalPermit,
     /// The heart of a process was heard.
-    Beat(Worker),
+    Beat {
+        /// Whose.
+        worker: Worker,
+        /// Units of work that it has done since its start.
+        work: u64,
+    },
     /// All hearts that could be heard were told, as every [`LOOK_S`](crate::checks::hearts::LOOK_S).
     Look,
     /// The shell refused a value of this stream: NaN, out of range or stale.

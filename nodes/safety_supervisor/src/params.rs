@@ -119,6 +119,8 @@ pub struct Stales {
     pub vision: StaleParams,
     /// C4: silence of a process's heart that degrades `[s]`, of real time.
     pub hang_s: f64,
+    /// C4: time without the work that is due that degrades `[s]`, of the node's clock and of real time.
+    pub work_s: f64,
 }
 
 /// All parameters. Built only from valid [`RawParams`].
@@ -209,6 +211,7 @@ impl TryFrom<RawParams> for Params {
         in_range("envelope.rival_hold_s", raw.envelope.rival_hold_s, "s", (0.1, 60.0))?;
         raw.envelope.schedule.check()?;
         in_range("stale.hang_s", raw.stale.hang_s, "s", (0.2, 10.0))?;
+        in_range("stale.work_s", raw.stale.work_s, "s", (1.0, 60.0))?;
         raw.hotend_step.check()?;
         raw.noise.check()?;
         raw.drift.check()?;

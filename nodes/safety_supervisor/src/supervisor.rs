@@ -10,6 +10,7 @@ mod schedule;
 mod stall;
 mod standing;
 mod thermal;
+mod work;
 
 use models::command::{Limits, Mode, Permit, Trims};
 use models::status::JobPhase;
@@ -70,8 +71,7 @@ pub struct Supervisor {
 }
 
 impl Supervisor {
-    /// A supervisor that has seen nothing. `session` is a random id of this run; `restored` is the latch that a
-    /// former run left behind.
+    /// Has seen nothing. `session` is a random id of this run; `restored` the latch that a former run left behind.
     #[must_use]
     pub fn new(params: Params, session: u64, restored: Option<Latch>) -> Self {
         Self {
@@ -128,7 +128,7 @@ impl Supervisor {
             }
             Event::RivalPermit => self.envelope.note_foreign_permit(now),
             Event::Refused { .. } => self.checks.bad_values.note(now),
-            Event::Beat(worker) => self.ages.hearts.beat(worker),
+            Event::Beat { worker, work } => self.ages.beat(now, worker, work),
             Event::Look => self.ages.hearts.look(),
             Event::Imu { first, period, samples } => self.on_imu(now, (first, period), &samples),
             Event::Vision(report) => self.on_vision(now, &report),

@@ -112,9 +112,9 @@ impl Rhythm {
         if let Some(estimate) = estimator.on_event(Event::Tick { now }) {
             show(&self.diagnostics, &estimate);
             self.estimates.send(convert::estimate(&estimate));
+            self.work.done();
         }
         self.diagnostics.set("refused_ticks", estimator.refusals().tick.disordered);
-        self.work.done();
     }
 }
 

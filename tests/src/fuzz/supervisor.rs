@@ -79,7 +79,7 @@ fn event(print: &mut Print, values: &mut Values<'_>) -> Event {
         11 => Event::Operator(operator(values)),
         12 if values.flag() => Event::RivalPermit,
         12 => Event::Refused { stream: values.pick(&Stream::ALL) },
-        13 => Event::Beat(values.pick(&Worker::ALL)),
+        13 => Event::Beat { worker: values.pick(&Worker::ALL), work: u64::from(values.byte()) },
         14 => Event::Look,
         _ => Event::Tick { now: Seconds(values.number()) },
     }

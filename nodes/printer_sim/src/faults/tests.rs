@@ -61,3 +61,14 @@ fn each_thermistor_has_faults_of_its_own() {
     assert!((both.hotend_sensor.loose - 0.4).abs() < 1e-12);
     assert!((both.hotend_sensor.bias_k - 30.0).abs() < 1e-12);
 }
+
+/// Of what is unplugged nothing is repeated, whichever came first.
+#[test]
+fn off_outdoes_stuck() {
+    let fault = |component, kind| Fault { component, kind, ..slip(0.0, None) };
+    let (off, stuck) = (fault(Component::Imu, Kind::Off), fault(Component::Imu, Kind::Stuck));
+    for both in [[off, stuck], [stuck, off]] {
+        let all = InForce::at(Seconds(20.0), &both);
+        assert_eq!((all.imu, all.encoder, all.camera), (Feed::Off, Feed::Live, Feed::Live));
+    }
+}

@@ -63,13 +63,16 @@ pub enum FaultError {
 }
 
 /// All of them, in the order of `config/scenarios/README.md`.
-pub const COMPONENTS: [Component; 11] = [
+pub const COMPONENTS: [Component; 14] = [
     Component::Extruder,
     Component::Filament,
     Component::HotendHeater,
     Component::HotendThermistor,
     Component::BedHeater,
     Component::BedThermistor,
+    Component::Encoder,
+    Component::Imu,
+    Component::Camera,
     Component::Fan,
     Component::StopInput,
     Component::Ambient,
@@ -100,6 +103,7 @@ pub(super) fn range(component: Component, kind: Kind) -> Result<(&'static str, f
         | (Component::Part, Kind::Detached)
         | (Component::HotendHeater | Component::BedHeater, Kind::StuckOn)
         | (Component::StopInput, Kind::Pressed)
+        | (Component::Encoder | Component::Imu | Component::Camera, Kind::Off | Kind::Stuck)
         | (Component::HotendThermistor | Component::BedThermistor, Kind::Open | Kind::Short | Kind::Stuck) => {
             ("-", 0.0, 1.0)
         }
@@ -146,6 +150,7 @@ pub fn allowed_kinds(component: Component) -> &'static str {
         Component::HotendThermistor | Component::BedThermistor => {
             "open, short, detached, stuck, bias, noise, spikes, loose"
         }
+        Component::Encoder | Component::Imu | Component::Camera => "off, stuck",
         Component::StopInput => "pressed",
         Component::Fan => "gain",
         Component::Ambient => "draught",
@@ -175,5 +180,26 @@ pub(super) fn bounded(
         Ok(value)
     } else {
         Err(FaultError::OutOfRange { name, value, unit, low, high })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::{Course, Entry};
+
+    fn entry(component: Component, kind: Kind, size: Option<f64>) -> Result<Entry, FaultError> {
+        Entry::at(component, kind, Course { size, ramp_s: 0.0, duration_s: None }, 0.0)
+    }
+
+    #[test]
+    fn a_sensor_is_off_or_stuck_and_nothing_else() {
+        for component in [Component::Encoder, Component::Imu, Component::Camera] {
+            assert!([Kind::Off, Kind::Stuck].iter().all(|kind| entry(component, *kind, None).is_ok()));
+            let told = format!("kind = noise: not a fault of {}; it can be off, stuck", component.name());
+            assert_eq!(entry(component, Kind::Noise, Some(2.0)).unwrap_err().to_string(), told);
+            let error = entry(component, Kind::Off, Some(2.0)).unwrap_err();
+            assert_eq!(error.to_string(), "size = 2 (no unit): must be in [0, 1]");
+        }
     }
 }

@@ -28,11 +28,10 @@ impl Simulator {
             loose_m3: if truth.detached { left_m3.max(0.0) } else { 0.0 },
         });
         while let Some(shot) = camera.ready(self.now) {
-            self.outputs.push_back(Output::Frame {
-                exposed: shot.exposed,
-                sequence: shot.sequence,
-                jpeg: shot.jpeg,
-            });
+            let (exposed, sequence) = (shot.exposed, shot.sequence);
+            if let Some(jpeg) = self.lines.camera.pass(self.faults_in_force.camera, shot.jpeg) {
+                self.outputs.push_back(Output::Frame { exposed, sequence, jpeg });
+            }
         }
     }
 

@@ -1,11 +1,20 @@
 //! What the printer's firmware and sensors read.
 
 use super::Simulator;
+use crate::faults::{Feed, Line};
 use crate::output::Output;
 use crate::plant::Road;
 use models::command::Request;
 use models::status::JobPhase;
-use models::units::Celsius;
+use models::units::{Celsius, Seconds};
+
+/// From the sensors beside the thermistors, which the firmware reads itself.
+#[derive(Debug, Default)]
+pub(super) struct Lines {
+    encoder: Line<i64>,
+    imu: Line<Vec<[f64; 3]>>,
+    pub(super) camera: Line<Vec<u8>>,
+}
 
 impl Simulator {
     /// Firmware: reads its thermistors and sets the duties.
@@ -32,8 +41,10 @@ impl Simulator {
         }
         let fitted = self.params.simulator.sensors.encoder_period_s > 0.0;
         if fitted && self.paces.encoder.due(self.now) {
-            let counts = self.counts();
-            self.outputs.push_back(Output::Encoder { stamp: self.now, counts });
+            let measured = self.counts();
+            if let Some(counts) = self.lines.encoder.pass(self.faults_in_force.encoder, measured) {
+                self.outputs.push_back(Output::Encoder { stamp: self.now, counts });
+            }
         }
         let stand_in = self.params.simulator.sensors.width_period_s > 0.0;
         if stand_in && self.paces.width.due(self.now) && road.is_some() {
@@ -59,7 +70,24 @@ impl Simulator {
         }
     }
 
-    pub(super) fn counts(&self) -> i64 {
+    /// Accelerations over a step of `dt`; a batch that is stuck is of now, its samples are not.
+    pub(super) fn feel(&mut self, dt: Seconds) {
+        let Some(imu) = &mut self.imu else { return };
+        let Some(mut batch) = imu.step(self.now, self.motion.velocity_m_s, dt) else { return };
+        let measured = std::mem::take(&mut batch.samples);
+        if let Some(samples) = self.lines.imu.pass(self.faults_in_force.imu, measured) {
+            batch.samples = samples;
+            self.outputs.push_back(Output::Imu(Box::new(batch)));
+        }
+    }
+
+    /// What the firmware hears of the encoder: under a fault of that, the last count that came.
+    pub(super) fn heard_counts(&self) -> i64 {
+        let held = self.lines.encoder.last().filter(|_| self.faults_in_force.encoder != Feed::Live);
+        held.copied().unwrap_or_else(|| self.counts())
+    }
+
+    fn counts(&self) -> i64 {
         // A count is a whole quantum that has passed; kilometres of filament stay far below 2^63 of them.
         #[allow(clippy::cast_possible_truncation, reason = "bounded above")]
         let counts =

@@ -14,6 +14,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 mod camera;
+mod feeds;
 mod figures;
 mod handover;
 mod imu;

@@ -37,7 +37,8 @@ impl Hearts {
     pub(super) fn look(&mut self, mut tell: impl FnMut(Event)) {
         for beat in std::iter::from_fn(|| self.beats.try_recv()).take(MOST) {
             let known = self.names.iter().position(|name| *name == beat.message.node);
-            known.into_iter().for_each(|index| tell(Event::Beat(Worker::ALL[index])));
+            let work = beat.message.work_counter;
+            known.into_iter().for_each(|index| tell(Event::Beat { worker: Worker::ALL[index], work }));
         }
         tell(Event::Look);
     }

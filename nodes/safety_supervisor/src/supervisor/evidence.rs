@@ -55,6 +55,9 @@ impl Supervisor {
     }
 
     fn of_silence(&self, now: Seconds, cause: Cause) -> Option<Number> {
+        if let Some((idle_s, work_s)) = self.of_idleness(now, cause) {
+            return Some((idle_s, Some(work_s)));
+        }
         let age = self.ages.of_cause(cause)?;
         match (age.limit_s(now), self.ages.hang_s(cause)) {
             (None, Some((silent_s, hang_s))) => Some((silent_s, Some(hang_s))),

@@ -123,6 +123,10 @@ impl Supervisor {
             set(cause, self.ages.called_for(now, cause).filter(|_| counts));
         }
 
+        for (cause, reaction) in self.idlers(now, printing) {
+            set(cause, reaction);
+        }
+
         let checks = &self.checks;
         for (cause, reaction) in checks.thermal_causes(now, &self.params) {
             set(cause, reaction);

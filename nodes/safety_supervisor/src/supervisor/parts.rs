@@ -20,6 +20,7 @@ use crate::checks::run_out::RunOutCheck;
 use crate::checks::shift::ShiftCheck;
 use crate::checks::stale::StaleCheck;
 use crate::checks::stop_input::StopInputCheck;
+use crate::checks::work::WorkCheck;
 use crate::event::{Defect, Stream, Worker};
 use crate::params::{Params, Streams};
 use models::units::Seconds;
@@ -36,6 +37,7 @@ pub(super) struct Ages {
     pub(super) imu: StaleCheck,
     pub(super) vision: StaleCheck,
     pub(super) hearts: HeartsCheck,
+    pub(super) work: WorkCheck,
 }
 
 impl Ages {
@@ -51,7 +53,14 @@ impl Ages {
             imu: StaleCheck::new(stale.imu),
             vision: StaleCheck::new(stale.vision),
             hearts: HeartsCheck::new(stale.hang_s),
+            work: WorkCheck::new(stale.work_s),
         }
+    }
+
+    /// A heart was heard.
+    pub(super) fn beat(&mut self, now: Seconds, worker: Worker, work: u64) {
+        self.hearts.beat(worker);
+        self.work.beat(now, worker, work);
     }
 
     pub(super) fn of(&self, stream: Stream) -> &StaleCheck {
