@@ -18,6 +18,10 @@ OF_ROS = ("rt", "rq", "rr")
 DISCOVERY_S = 1.0
 
 
+def is_of_ros(name: str) -> bool:
+    return name.partition("/")[0] in OF_ROS
+
+
 @dataclass
 class Endpoints:
     """Keys of readers and writers, and the names of their topics."""
@@ -26,7 +30,8 @@ class Endpoints:
     writers: dict[bytes, str] = field(default_factory=dict)
 
     def names(self) -> set[str]:
-        return set(self.readers.values()) | set(self.writers.values())
+        """Topics and services of ROS."""
+        return {name for name in (*self.readers.values(), *self.writers.values()) if is_of_ros(name)}
 
 
 class Discovery:
@@ -44,15 +49,13 @@ class Discovery:
         return self
 
     def by_participant(self) -> dict[bytes, Endpoints]:
-        """Endpoints of ROS topics and services by the key of their participant, our own left out."""
+        """Endpoints by the key of their participant, our own left out."""
         found: dict[bytes, Endpoints] = {}
         for reader, of in ((self.subscriptions, "readers"), (self.publications, "writers")):
             for endpoint in reader.read(10_000):
                 name = getattr(endpoint, "topic_name", "")
                 key = getattr(endpoint, "participant_key", None)
-                if name.partition("/")[0] not in OF_ROS or key is None:
-                    continue
-                if key.bytes != self.own and key.bytes not in self.before:
+                if name and key is not None and key.bytes != self.own and key.bytes not in self.before:
                     getattr(found.setdefault(key.bytes, Endpoints()), of)[endpoint.key.bytes] = name
         return found
 
@@ -107,13 +110,15 @@ class Told:
 
 
 def differences(told: dict[bytes, list], found: dict[bytes, Endpoints]) -> list[str]:
-    """Endpoints that are told and not there, or there and not told, participant by participant."""
+    """Endpoints that are told and not there, or there for ROS and not told, participant by participant: of
+    `ros_discovery_info` itself nobody needs to tell."""
     wrong = []
     for key, endpoints in found.items():
         nodes = told.get(key, [])
         who = " ".join(node.node_name for node in nodes) or key.hex()
         for of, there in (("reader", endpoints.readers), ("writer", endpoints.writers)):
             gids = {bytes(gid.data) for node in nodes for gid in getattr(node, f"{of}_gid_seq")}
-            wrong += [f"{who}: {of} of {name} is not told" for gid, name in there.items() if gid not in gids]
+            untold = [name for gid, name in there.items() if is_of_ros(name) and gid not in gids]
+            wrong += [f"{who}: {of} of {name} is not told" for name in untold]
             wrong += [f"{who}: {of} {gid.hex()} is not there" for gid in gids if gid not in there]
     return wrong

@@ -102,7 +102,7 @@ fn a_replay_says_again_what_was_recorded_and_what_a_change_would_change() {
 #[test]
 fn a_replay_judges_the_same_pictures_as_before() {
     let bag = recorded_with("judged", &["--camera"]);
-    let figures = json(&["replay", &bag, "--check"]);
+    let figures = json(&["replay", &bag, "--camera", "--check"]);
     assert_eq!(figures["identical"], true, "{figures}");
     said_again(&figures, &[("vision/defects", 100), ("vision/bead_width", 10), ("quality/layer", 1)]);
 }

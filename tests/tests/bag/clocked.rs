@@ -34,7 +34,10 @@ fn fdm_record_follows_a_clock_that_is_published() {
     let from_ns = end_ns - nanoseconds(LENGTH_S);
     let files = [0, 1].map(|number| ends(&bag.log_times(number)));
     for (first_ns, last_ns) in files {
-        assert!(from_ns - STEP_NS <= first_ns && last_ns <= end_ns + STEP_NS, "{files:?}: {from_ns}..{end_ns}");
+        assert!(
+            from_ns - STEP_NS <= first_ns && last_ns <= end_ns + STEP_NS,
+            "{files:?}: {from_ns}..{end_ns}"
+        );
     }
     assert!(end_ns - files[0].1 < nanoseconds(1.0), "not played to its end: {files:?}, {end_ns}");
     assert!(files[1].0 - from_ns < nanoseconds(1.0), "not from its begin: {files:?}, {from_ns}");
@@ -45,7 +48,10 @@ fn fdm_record_follows_a_clock_that_is_published() {
     assert_eq!((code, &told["dropped"]), (Some(0), &0.into()), "{told}");
     // At its rate, or later on a busy host; never sooner.
     let (lasts_s, wanted_s) = (told["duration_s"].as_f64().unwrap(), LENGTH_S * f64::from(TIMES) / RATE);
-    assert!((0.98 * wanted_s..1.5 * wanted_s + 2.0).contains(&lasts_s), "{lasts_s} s for {wanted_s} s: {told}");
+    assert!(
+        (0.98 * wanted_s..1.5 * wanted_s + 2.0).contains(&lasts_s),
+        "{lasts_s} s for {wanted_s} s: {told}"
+    );
 
     let refused = played::Group::record(&bag, domain);
     assert_eq!(refused.ended().0, Some(2), "times of this machine beside those of the print");

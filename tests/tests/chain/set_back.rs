@@ -154,7 +154,8 @@ impl Print {
             loop {
                 self.sample(MotionSegment::KIND_TRAVEL);
                 tokio::time::sleep(PAUSE).await;
-                let is_now = |header: &Header| header.stamp.seconds().is_some_and(|at| at <= self.now_s + 1e-6);
+                let is_now =
+                    |header: &Header| header.stamp.seconds().is_some_and(|at| at <= self.now_s + 1e-6);
                 while let Some(report) = self.defects.try_recv() {
                     if is_now(&report.message.header) {
                         frame.get_or_insert(report.message.frame);
