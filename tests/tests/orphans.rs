@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 /// Longest time until the last node has ended: every node promises 2 s.
 const LIMIT: Duration = Duration::from_secs(4);
 
-/// Longest time from Ctrl-C until `fdm` has ended: it promises 2 s, ends by force what takes longer, and needs 0.2 to 0.8 s
-/// where nothing hangs. The second beyond is for a machine on which even the end of a process waits for its turn.
+/// Longest time from Ctrl-C until `fdm` has ended: it promises 2 s, ends by force after 1.4 s what hangs, and needs 0.5 s where
+/// nothing does. The second beyond is for a machine on which even the end of a process waits for its turn.
 const ENDS: Duration = Duration::from_secs(3);
 
 /// `fdm up` in a folder of its own; its process group is its own too.

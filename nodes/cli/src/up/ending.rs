@@ -12,8 +12,9 @@ const LOOK_S: f64 = 0.02;
 /// After this time the recorder is asked to end whether the others have or not `[s]`. They take 0.2 s on a busy host; what is
 /// said after that nobody waits for.
 const NODES_END_S: f64 = 0.3;
-/// Longest time until all have ended `[s]`. Each ends by itself 1.7 s after it was asked, even where its disk hangs.
-const END_S: f64 = 2.0;
+/// Longest time until all have ended `[s]`. `fdm` is a node too, and ends 1.7 s after Ctrl-C whatever it waits for: before
+/// that it has to close what a recorder leaves that was ended by force.
+const END_S: f64 = 1.4;
 
 /// Ends the nodes in order, by force what does not end by itself. `node` is who waits for them.
 pub(crate) async fn end(fleet: &mut Fleet, node: &Node) {
