@@ -72,7 +72,13 @@ def values_of(node, chosen, bag):
     return {
         "bag_recorder": {"bag_dir": bag},
         "safety_supervisor": {"start_mode": chosen["mode"], "latch_file": latch_file(chosen)},
-        "printer_bridge": {"serial.path": chosen["device"], "serial.baud": fdm_launch.number(chosen, "baud", 1200, 4_000_000, int)},
+        "printer_bridge": {
+            "serial.path": chosen["device"],
+            "serial.baud": fdm_launch.number(chosen, "baud", 1200, 4_000_000, int),
+            # The printer is heard once somebody guards it. For nobody else: without a record, a camera or a controller it is
+            # to be guarded all the same.
+            "start_after": ["safety_supervisor"],
+        },
         "camera": camera_values(chosen),
         "mpc_controller": {"control": chosen["control"], "advance.source": chosen["advance"]},
     }.get(node, {})

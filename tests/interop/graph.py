@@ -102,29 +102,6 @@ def matched(entity) -> int:
     return status.current_count
 
 
-#: Topics without a namespace by the rules of ROS: what is said there names who says it.
-SHARED = {"/diagnostics", "/rosout", "/parameter_events", "/tf", "/tf_static"}
-
-
-def participants(peer: Peer, namespaces: tuple[str, ...]) -> dict[str, int]:
-    """Participants of each namespace. Who has a topic or service of two of them, or of none, is a failure."""
-    from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
-
-    kinds = (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)
-    readers = [BuiltinDataReader(peer.participant, kind) for kind in kinds]
-    time.sleep(1.0)
-    found: dict[str, set[str]] = {}
-    for reader in readers:
-        for endpoint in reader.read(10_000):
-            kind, _, name = getattr(endpoint, "topic_name", "").partition("/")
-            if kind in ("rt", "rq", "rr") and f"/{name}" not in SHARED:
-                found.setdefault(str(endpoint.participant_key), set()).add(f"/{name.split('/')[0]}")
-    found.pop(str(peer.participant.guid), None)
-    mixed = {key: names for key, names in found.items() if len(names) != 1 or not names <= set(namespaces)}
-    check(not mixed, f"participants with topics of both, or of none: {mixed}")
-    return {name: sum(names == {name} for names in found.values()) for name in namespaces}
-
-
 class Service:
     """Calls of a service in the mapping of Cyclone's RMW: identity and number stand in front of the payload."""
 

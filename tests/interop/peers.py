@@ -11,12 +11,8 @@ import sys
 import time
 from pathlib import Path
 
-from cyclonedds.idl import annotations, make_idl_struct, types
-
-from graph import (
-    BEST_EFFORT, DEFINITIONS, LATCHED, RELIABLE, ROOT, DataReader, Node, Peer, Policy, Qos, check, matched, participants,
-    run, until,
-)
+from endpoints import Discovery, Told, differences, participants
+from graph import BEST_EFFORT, DEFINITIONS, LATCHED, RELIABLE, ROOT, Failed, Node, Peer, check, matched, run, until
 
 THERMISTOR = ["thermistor.param.yaml"]
 SUPERVISOR = ["safety_supervisor.param.yaml"]
@@ -156,31 +152,11 @@ def read(domain: int) -> None:
         time.sleep(0.01)
 
 
-def discovery_info():
-    """`rmw_dds_common/ParticipantEntitiesInfo`: which participant has which nodes."""
-    struct = lambda name, fields: annotations.final(
-        make_idl_struct(name, f"rmw_dds_common::msg::dds_::{name}_", fields)
-    )
-    gid = struct("Gid", {"data": types.array[types.uint8, 16]})
-    node = struct(
-        "NodeEntitiesInfo",
-        {
-            "node_namespace": types.bounded_str[256],
-            "node_name": types.bounded_str[256],
-            "reader_gid_seq": types.sequence[gid],
-            "writer_gid_seq": types.sequence[gid],
-        },
-    )
-    return struct("ParticipantEntitiesInfo", {"gid": gid, "node_entities_info_seq": types.sequence[node]})
-
-
 def ten_processes(domain: int) -> str:
-    """Ten processes are found with all their services within 3 s, and tell the graph who they are."""
+    """Ten processes are found within 3 s, and tell the graph of every endpoint that DDS has found, and of no other."""
     peer = Peer(domain)
     hearts = peer.reader("/printer/heartbeat", "fdm_loop_msgs/Heartbeat", BEST_EFFORT)
-    # A node tells it anew with each of its endpoints, and the topic has no key: the depth is that of all.
-    qos = Qos(*(policy for policy in LATCHED if "History" not in repr(policy)), Policy.History.KeepLast(1000))
-    infos = DataReader(peer.subscriber, peer.topic("ros_discovery_info", discovery_info()), qos)
+    told, discovery = Told(peer), Discovery(peer).forget()
     names = {f"thermistor_{number}" for number in range(10)}
     begin = time.monotonic()
     for name in names:
@@ -194,17 +170,21 @@ def ten_processes(domain: int) -> str:
     until(all_heard, "ten hearts")
     found_s = time.monotonic() - begin
     check(found_s < 3.0, f"all found after {found_s:.2f} s")
-    told: dict[str, tuple[int, int]] = {}
 
     def all_told() -> bool:
-        for info in infos.take(1000):
-            for node in info.node_entities_info_seq:
-                told[node.node_name] = (len(node.reader_gid_seq), len(node.writer_gid_seq))
-        # Eleven services, each with a reader and a writer, and what else a node reads and says.
-        return all(min(told.get(name, (0, 0))) >= 11 for name in names)
+        nodes = {node.node_name for nodes in told.by_participant().values() for node in nodes}
+        return names <= nodes and not differences(told.by_participant(), discovery.by_participant())
 
-    until(all_told, "ros_discovery_info of all")
-    return f"ten found in {found_s:.2f} s"
+    try:
+        until(all_told, "ros_discovery_info of all")
+    except Failed as failed:
+        raise Failed(f"{failed}: {differences(told.by_participant(), discovery.by_participant())}") from failed
+    found = discovery.by_participant()
+    check(len(found) == len(names), f"{len(found)} participants")
+    counts = [len(endpoints.readers) + len(endpoints.writers) for endpoints in found.values()]
+    # Eleven services, each with a reader and a writer, and what else a node reads and says.
+    check(min(counts) > 22, f"endpoints of the participants: {counts}")
+    return f"ten found in {found_s:.2f} s, {sum(counts)} endpoints told"
 
 
 def clock(domain: int) -> str:

@@ -86,26 +86,41 @@ class Definitions:
         return annotations.final(made)
 
 
-def value(kind: object, seed: list[int]) -> object:
-    """A value of a type in which no two numbers are alike, so that a swapped field is seen."""
+def bounds(kind_name: str) -> tuple[int, int]:
+    """Least and largest integer of a type by its name: `uint16`."""
+    bits = int(re.search(r"int(8|16|32|64)", kind_name)[1])
+    return (0, 2**bits - 1) if "uint" in kind_name else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+
+
+def number_of(kind_name: str, number: int, extreme: bool) -> float | int:
+    """A number by its type's name; an extreme one lies at an end of the range."""
+    if "float" in kind_name:
+        # Exact in single precision too.
+        return -number * 2.0**100 if extreme else number * 0.5
+    if not extreme:
+        return number % 100
+    low, high = bounds(kind_name)
+    return low + number % 100 if low < 0 and number % 2 else high - number % 100
+
+
+def value(kind: object, seed: list[int], extreme: bool = False) -> object:
+    """A value of a type in which no two numbers are alike, so that a swapped field is seen. An extreme one has numbers at the
+    ends of their ranges, negative ones among them, and nothing in its texts and sequences."""
     seed[0] += 1
     number = seed[0]
     if kind is str:
-        return f"word {number} \u00b5"
+        return "" if extreme else f"word {number} \u00b5"
     if kind is bool:
         return number % 2 == 0
     name = getattr(kind, "__idl_typename__", None)
     if name is not None:
-        return kind(**{field: value(sub, seed) for field, sub in kind.__annotations__.items()})
+        return kind(**{field: value(sub, seed, extreme) for field, sub in kind.__annotations__.items()})
     metadata = getattr(kind, "__metadata__", None)
     if metadata is not None:
         inner = metadata[0]
         subtype = getattr(inner, "subtype", None)
         if subtype is not None:
-            length = getattr(inner, "length", None)
-            return [value(subtype, seed) for _ in range(length if length else 2)]
-        kind_name = str(inner)
-        if "float" in kind_name:
-            return number * 0.5
-        return number % 100
+            length = getattr(inner, "length", None) or (0 if extreme else 2)
+            return [value(subtype, seed, extreme) for _ in range(length)]
+        return number_of(str(inner), number, extreme)
     raise TypeError(f"{kind}: no value")

@@ -19,7 +19,8 @@ from pathlib import Path
 
 os.environ["FDM_INTEROP_MULTICAST"] = "1"
 
-from graph import LATCHED, RELIABLE, ROOT, Node, Peer, check, participants, run, until  # noqa: E402
+from endpoints import participants  # noqa: E402
+from graph import LATCHED, RELIABLE, ROOT, Node, Peer, check, run, until  # noqa: E402
 
 FILE = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode"
 NAMESPACES = ("/left", "/right")

@@ -2,6 +2,8 @@
 //! Real time passes here: DDS has no other.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // helpers of tests
 
+#[path = "bag/clocked.rs"]
+mod clocked;
 #[path = "bag/foreign.rs"]
 mod foreign;
 #[path = "bag/played.rs"]
@@ -245,25 +247,6 @@ fn a_recorder_that_was_stopped_leaves_a_bag() {
     play.signal(Signal::INT);
     play.ended();
     read_by_all(&bag);
-}
-
-/// Beside somebody who publishes simulated time `fdm record` follows it without being asked, and takes no bag of another
-/// clock for it.
-#[test]
-fn fdm_record_follows_a_clock_that_is_published() {
-    let (print, bag, domain) = (Bag::new("clocked"), Bag::new("follows"), Domain::new(7));
-    played::simulate(&print);
-    let play = played::Group::clock(&print, domain);
-    let record = played::Group::record(&bag, domain);
-    played::until(|| bag.active_bytes() > 20_000);
-    record.signal(Signal::INT);
-    assert_eq!(record.ended().0, Some(0));
-    let read = read_by_all(&bag);
-    assert_eq!(read["mcap"]["note"]["clock"], "simulated");
-    play.signal(Signal::INT);
-    play.ended();
-    let refused = played::Group::record(&bag, domain);
-    assert_eq!(refused.ended().0, Some(2), "times of this machine beside those of the print");
 }
 
 /// The publishing process of the tests above: they start this program again with a role.

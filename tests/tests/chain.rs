@@ -11,6 +11,8 @@
 #[allow(dead_code, reason = "what another test needs of it")]
 #[path = "refusals/fleet.rs"]
 mod fleet;
+#[path = "chain/set_back.rs"]
+mod set_back;
 
 use fdm_loop_msgs::{
     ControlCommand, FilamentMotion, Header, Heartbeat, PrinterState, SafetyState, StateEstimate, Temperature,
@@ -30,6 +32,10 @@ const UNDER_WAY: Duration = Duration::from_millis(500);
 const CHAIN: [&str; 3] = ["state_estimator", "mpc_controller", "safety_supervisor"];
 /// Steps of time `[s]`: at each the supervisor ticks, but not the estimator, whose timer waits for 50 ms after a turn.
 const STEP_S: f64 = 0.024;
+/// Simulated time at the start `[s]`: it can go back from here.
+const BEGIN_S: f64 = 61.0;
+/// It goes back by so much `[s]`: who waited until it is there again would wait longer than this test.
+const BACK_S: f64 = 40.0;
 
 #[test]
 fn a_temperature_is_answered_while_time_stands_still() {
@@ -50,16 +56,11 @@ fn a_temperature_is_answered_while_time_stands_still() {
         let mut fleet = Fleet::of(started.into());
         let mut peer = Peer::join();
         peer.work_until_corrections_flow().await;
-        // The first step brings the timers in step with the samples.
-        for round in 0..3 {
-            peer.stand_still_at(peer.now_s + STEP_S).await;
-            peer.sample();
-            if round == 0 {
-                tokio::time::sleep(UNDER_WAY).await;
-            } else {
-                peer.chain_answers().await;
-            }
-        }
+        peer.chain_answers_at_once().await;
+        // As where a bag is played again: estimator and controller begin anew, the supervisor lets corrections flow again.
+        peer.now_s -= BACK_S;
+        peer.work_until_corrections_flow().await;
+        peer.chain_answers_at_once().await;
         fleet.end();
     });
 }
@@ -85,7 +86,7 @@ impl Peer {
         let parameters = vec![("use_sim_time".to_owned(), "true".to_owned())];
         let mut node = Node::start_with("peer", Args { parameters, ..Args::default() }).unwrap();
         Self {
-            now_s: 1.0,
+            now_s: BEGIN_S,
             clock: node.drive_clock().unwrap(),
             hotend: node.publish_on(&topics::HOTEND_TEMPERATURE).unwrap(),
             bed: node.publish_on(&topics::BED_TEMPERATURE).unwrap(),
@@ -131,6 +132,10 @@ impl Peer {
                 self.sample();
                 tokio::time::sleep(Duration::from_millis(40)).await;
                 while let Some(state) = self.modes.try_recv() {
+                    // Of before time went back.
+                    if state.message.header.stamp.seconds().is_some_and(|at_s| at_s > self.now_s + 1e-6) {
+                        continue;
+                    }
                     acts = if state.message.mode == ControlCommand::MODE_ACT { acts + 1 } else { 0 };
                 }
             }
@@ -155,6 +160,20 @@ impl Peer {
         while self.estimates.try_recv().is_some() {}
         while self.commands.try_recv().is_some() {}
         while self.permits.try_recv().is_some() {}
+    }
+
+    /// A temperature is answered, in each of two steps.
+    async fn chain_answers_at_once(&mut self) {
+        // The first step brings the timers in step with the samples.
+        for round in 0..3 {
+            self.stand_still_at(self.now_s + STEP_S).await;
+            self.sample();
+            if round == 0 {
+                tokio::time::sleep(UNDER_WAY).await;
+            } else {
+                self.chain_answers().await;
+            }
+        }
     }
 
     async fn chain_answers(&mut self) {

@@ -3,8 +3,10 @@
 //! parameter.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests: a failure is the test's failure")]
 
-use runtime::Args;
-use runtime::params::{NodePath, Parameters};
+#[path = "launch/meaning.rs"]
+mod meaning;
+
+use meaning::{meaning, start_after, to_owned};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -35,20 +37,6 @@ fn processes(output: &Output) -> Vec<Value> {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// Node, program, namespace, remapped names and every parameter after merging, as text.
-fn meaning(process: &Value) -> [String; 5] {
-    let text = |name: &str| process[name].as_str().unwrap().to_owned();
-    let words = process["arguments"].as_array().unwrap().iter().map(|word| word.as_str().unwrap().to_owned());
-    let args = Args::parse(words).unwrap();
-    let (node, namespace) = (text("node"), args.namespace.unwrap());
-    let path = NodePath { qualified: format!("{namespace}/{node}"), base: node.clone() };
-    // Relative paths are those of the folder that both were started in.
-    let files: Vec<PathBuf> = args.params_files.iter().map(|file| root().join(file)).collect();
-    let parameters = Parameters::read(&files, &args.parameters, &path).unwrap();
-    let remaps = args.remaps.iter().map(|(from, to)| format!("{from}:={to} ")).collect();
-    [node, text("program"), namespace, remaps, parameters.text()]
-}
-
 /// `fdm up` and `sim.launch.py` with the same wishes start the same processes.
 fn same_as_fdm_up(name: &str, up: &[&str], launch: &[&str]) {
     let folder = std::env::temp_dir().join(format!("fdm_launch_{name}_{}", std::process::id()));
@@ -71,6 +59,13 @@ fn same_as_fdm_up(name: &str, up: &[&str], launch: &[&str]) {
     // The one parameter that only `fdm up` has: the text of the whole configuration, for the bag.
     let config_file = format!("{bag}_logs/config.txt");
     assert_eq!(ours.len(), theirs.len());
+    // The printer comes last in both: `fdm up` activates in the order of its list, launch waits.
+    let names: Vec<&str> = ours.iter().map(|process| process["node"].as_str().unwrap()).collect();
+    let (printer, others) = names.split_last().unwrap();
+    for process in &theirs {
+        let wanted: &[&str] = if process["node"] == *printer { others } else { &[] };
+        assert_eq!(start_after(process), to_owned(wanted), "{}", process["node"]);
+    }
     for (ours, theirs) in ours.iter().zip(&theirs) {
         assert_eq!(meaning(ours).map(|part| part.replace(&config_file, "")), meaning(theirs));
         let printer = theirs["node"] == "printer_sim";
@@ -174,6 +169,12 @@ fn the_graph_beside_a_printer_is_the_same_under_launch_and_systemd() {
             });
         assert_eq!(ours, theirs);
         assert!(process["respawn"] == true && process["ends_all"] == false, "{node}");
+        // The printer is heard once somebody guards it.
+        let wanted: &[&str] = if node == "printer_bridge" { &["safety_supervisor"] } else { &[] };
+        assert_eq!(
+            (start_after(process), start_after(&unit(node, &etc))),
+            (to_owned(wanted), to_owned(wanted))
+        );
         if node == "safety_supervisor" {
             let [.., text] = meaning(&unit(node, &etc));
             assert!(text.contains(r#"latch_file: "/var/lib/fdm_loop/"#), "the unit's own folder: {text}");

@@ -26,13 +26,16 @@ fn json(arguments: &[&str]) -> Value {
 
 /// A print of one layer that runs out of filament in the middle, recorded in virtual time.
 fn recorded(name: &str) -> String {
+    recorded_with(name, &["--scenario", "run_out", "--advance", "predicted"])
+}
+
+/// A print of one layer, recorded in virtual time.
+fn recorded_with(name: &str, options: &[&str]) -> String {
     let bag = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     _ = std::fs::remove_dir_all(&bag);
     let bag = bag.display().to_string();
     let gcode = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode";
-    let print =
-        ["sim", gcode, "--layers", "1", "--scenario", "run_out", "--advance", "predicted", "--bag", &bag];
-    let output = fdm(&print);
+    let output = fdm(&[&["sim", gcode, "--layers", "1", "--bag", &bag], options].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     bag
 }
@@ -45,6 +48,15 @@ fn count(output: &Value, name: &str) -> u64 {
     output[name].as_u64().unwrap()
 }
 
+/// Each topic has so many messages at least, and says every one of them again.
+fn said_again(figures: &Value, outputs: &[(&str, u64)]) {
+    for (topic, least) in outputs {
+        let output = of(figures, topic);
+        let [before, after, identical] = ["before", "after", "identical"].map(|name| count(output, name));
+        assert!(before >= *least && before == after && after == identical, "{output}");
+    }
+}
+
 /// Same inputs, same build: every estimate, command, permit, decision and prediction, bit by bit; twice. Another
 /// parameter: what it would have changed, in its brain and in those behind it, and nowhere else.
 #[test]
@@ -52,7 +64,7 @@ fn a_replay_says_again_what_was_recorded_and_what_a_change_would_change() {
     let bag = recorded("replayed");
     let first = json(&["replay", &bag, "--check"]);
     assert_eq!((&first["identical"], &first["parameters"]), (&true.into(), &"bag".into()), "{first}");
-    for (topic, least) in [
+    let outputs = [
         ("estimate/state", 2000),
         ("control/command", 2000),
         ("safety/command", 5000),
@@ -60,11 +72,8 @@ fn a_replay_says_again_what_was_recorded_and_what_a_change_would_change() {
         ("safety/schedule", 10),
         ("advance/prediction", 100),
         ("events", 1),
-    ] {
-        let output = of(&first, topic);
-        let [before, after, identical] = ["before", "after", "identical"].map(|name| count(output, name));
-        assert!(before >= least && before == after && after == identical, "{output}");
-    }
+    ];
+    said_again(&first, &outputs);
     assert_eq!(json(&["replay", &bag]), first, "a second time");
 
     // A print that is no experiment teaches nothing: the bag is refused, with what it lacks.
@@ -87,6 +96,15 @@ fn a_replay_says_again_what_was_recorded_and_what_a_change_would_change() {
             "no road is laid before: {output}"
         );
     }
+}
+
+/// With the camera: the pictures of the bag are judged anew, and found to show the same, bit by bit.
+#[test]
+fn a_replay_judges_the_same_pictures_as_before() {
+    let bag = recorded_with("judged", &["--camera"]);
+    let figures = json(&["replay", &bag, "--camera", "--check"]);
+    assert_eq!(figures["identical"], true, "{figures}");
+    said_again(&figures, &[("vision/defects", 100), ("vision/bead_width", 10), ("quality/layer", 1)]);
 }
 
 /// The printer says that the job has ended before nobody hears it any more: the page knows, and so do the brains of a replay.

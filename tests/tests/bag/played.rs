@@ -37,9 +37,10 @@ impl Group {
         Self::start(domain.command(&program("fdm")).arg("play").arg(bag.path()).args(how))
     }
 
-    /// Plays a bag with its clock, over and over.
-    pub(crate) fn clock(bag: &Bag, domain: Domain) -> Self {
-        let how = ["--clock", "--times", "100", "--json", "-"];
+    /// Plays a bag with its clock, at a rate, from so many seconds on, so often.
+    pub(crate) fn clock(bag: &Bag, domain: Domain, (rate, start_s, times): (f64, f64, u32)) -> Self {
+        let [rate, start, times] = [rate.to_string(), start_s.to_string(), times.to_string()];
+        let how = ["--clock", "--rate", &rate, "--start", &start, "--times", &times, "--json", "-"];
         Self::start(domain.command(&program("fdm")).arg("play").arg(bag.path()).args(how))
     }
 

@@ -89,8 +89,19 @@ impl Bag {
 
     /// Bytes of the first file while it is written.
     pub(crate) fn active_bytes(&self) -> u64 {
-        let file = self.path.join(format!("{}.active", self.file(0)));
+        self.active_bytes_of(0)
+    }
+
+    /// Bytes of a file while it is written.
+    pub(crate) fn active_bytes_of(&self, number: u32) -> u64 {
+        let file = self.path.join(format!("{}.active", self.file(number)));
         std::fs::metadata(file).map_or(0, |found| found.len())
+    }
+
+    /// Log times in a finished file `[ns]`.
+    pub(crate) fn log_times(&self, number: u32) -> Vec<u64> {
+        let bytes = std::fs::read(self.path.join(self.file(number))).unwrap();
+        mcap::MessageStream::new(&bytes).unwrap().map(|message| message.unwrap().log_time).collect()
     }
 
     /// Payloads of the finished files by topic, in their order.

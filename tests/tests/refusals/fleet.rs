@@ -88,9 +88,13 @@ fn start(node: &str) -> Child {
 /// A node with its shipped parameters, and further arguments after them.
 pub(crate) fn start_with(node: &str, arguments: &[&str]) -> Child {
     let mut files = vec![format!("{node}.param.yaml")];
-    if matches!(node, "state_estimator" | "mpc_controller") {
-        files.extend(["printers/ender3.yaml".into(), "materials/pla.yaml".into()]);
-    }
+    let more: &[&str] = match node {
+        "state_estimator" | "mpc_controller" => &["printers/ender3.yaml", "materials/pla.yaml"],
+        "defect_classifier" => &["quality.yaml", "printers/ender3.yaml", "materials/pla.yaml"],
+        "advance_predictor" => &["advance/physics.yaml"],
+        _ => &[],
+    };
+    files.extend(more.iter().map(|file| (*file).to_owned()));
     command(node, &files).args(arguments).spawn().unwrap()
 }
 
@@ -99,8 +103,11 @@ fn command(node: &str, files: &[String]) -> Command {
     let program = deps.parent().and_then(Path::parent).unwrap().join(node);
     assert!(program.is_file(), "{} is missing: build it first (cargo build -p {node})", program.display());
     let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");
+    let config = std::fs::canonicalize(config).unwrap();
     let arguments = files.iter().flat_map(|file| ["--params-file".into(), config.join(file)] as [PathBuf; 2]);
     let mut command = Command::new(program);
+    // Files of networks are named from here.
+    command.current_dir(config.parent().unwrap());
     command.arg("--ros-args").args(arguments).env_remove("RUST_LOG").stdout(Stdio::null());
     command
 }

@@ -3,6 +3,7 @@
 mod bring_up;
 mod ears;
 pub mod ended;
+pub(crate) mod ending;
 pub mod fleet;
 pub mod hearing;
 pub mod recipes;

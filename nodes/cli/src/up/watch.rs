@@ -2,6 +2,7 @@
 
 use super::ears::Ears;
 use super::ended::{Ended, Marks};
+use super::ending;
 use super::fleet::{Fleet, Happening};
 use super::hearing::Hearing;
 use super::recipes::{NODES, Plan};
@@ -21,10 +22,6 @@ mod shown;
 
 /// How often processes and topics are looked at `[s]`.
 const LOOK_S: f64 = 0.05;
-/// Longest time that the nodes get to end `[s]`. They take 0.2 s on a busy host; what is said after that nobody waits for.
-const NODES_END_S: f64 = 1.0;
-/// Longest time that the recorder gets then `[s]`: it waits for the disk, and ends by itself after 1.7 s.
-const RECORDER_END_S: f64 = 2.0;
 /// Time to hear a graph that already runs `[s]`.
 const LISTEN_S: f64 = 1.0;
 /// From here on after the onset the feed error counts as settled `[s]`.
@@ -171,20 +168,9 @@ impl Watch {
         self.newest_safety.as_ref().map(|safety| safety.cause.as_str()).filter(|cause| !cause.is_empty())
     }
 
-    /// Ends the nodes in order, the recorder last, by force what does not end by itself.
+    /// Ends the nodes in order.
     pub async fn stop(&mut self, fleet: &mut Fleet) {
-        const LAST: &str = "bag_recorder";
-        let mut ticks = self.ears.node.timer(Seconds(LOOK_S));
-        for (except, limit_s) in [(Some(LAST), NODES_END_S), (None, RECORDER_END_S)] {
-            fleet.ask_to_end(except);
-            let asked = self.ears.node.clock().now();
-            while !fleet.all_ended(except) && (self.ears.node.clock().now() - asked).0 < limit_s {
-                _ = ticks.next().await;
-            }
-            for name in fleet.kill_rest(except) {
-                output::note(&format!("{name} did not end in {limit_s} s and was killed"));
-            }
-        }
+        ending::end(fleet, &self.ears.node).await;
     }
 
     /// Wall time since the processes were started `[s]`.

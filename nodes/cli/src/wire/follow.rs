@@ -1,6 +1,7 @@
 //! `fdm` as a participant of a wire machine's graph: follows the wall, and gathers its figures from the truth.
 
 use crate::output;
+use crate::up::ending;
 use crate::up::fleet::{Fleet, Recipe};
 use crate::up::words::{mode_name, text};
 use anyhow::bail;
@@ -16,8 +17,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How often processes and topics are looked at `[s]`.
 const LOOK_S: f64 = 0.05;
-/// Longest time that the nodes get to end `[s]`: every node promises 2 s.
-const END_S: f64 = 3.0;
 /// Time to hear a graph that already runs `[s]`.
 const LISTEN_S: f64 = 1.0;
 /// The machine's state stays away this long: the simulation is over or dead `[s]`.
@@ -194,20 +193,10 @@ impl Follow {
         }
     }
 
-    /// Ends the nodes in order, the recorder last, by force what does not end by itself.
+    /// Ends the nodes in order, and hears what they say last.
     pub async fn stop(&mut self, fleet: &mut Fleet) {
-        let mut ticks = self.node.timer(Seconds(LOOK_S));
-        for except in [Some("bag_recorder"), None] {
-            fleet.ask_to_end(except);
-            let asked = self.node.clock().now();
-            while !fleet.all_ended(except) && (self.node.clock().now() - asked).0 < END_S {
-                _ = ticks.next().await;
-            }
-        }
+        ending::end(fleet, &self.node).await;
         self.listen();
-        for name in fleet.kill_rest(None) {
-            output::note(&format!("{name} did not end in {END_S} s and was killed"));
-        }
     }
 
     /// The figures.
