@@ -53,9 +53,16 @@ fn an_independent_dds_and_our_nodes_understand_each_other() {
     }
     let domain = system_tests::own_domain(0);
     for round in 1..=rounds() {
-        for script in
-            ["messages.py", "rates.py", "user.py", "order.py", "clients.py", "recorder.py", "frames.py", "peers.py"]
-        {
+        for script in [
+            "messages.py",
+            "rates.py",
+            "user.py",
+            "order.py",
+            "clients.py",
+            "recorder.py",
+            "frames.py",
+            "peers.py",
+        ] {
             let output = run(script, &domain);
             let said = String::from_utf8_lossy(&output.stdout);
             println!("round {round}, {script}:\n{said}");
