@@ -150,6 +150,8 @@ mod tests {
             ("motion", "knock", 45.0),
             ("part", "detached", 0.0),
             ("extruder", "leak", 0.2),
+            ("encoder", "off", 0.0),
+            ("camera", "stuck", 0.0),
         ] {
             assert!(fault(Seconds(1.0), &asked(component, kind, size)).is_ok(), "{component} {kind}");
         }
@@ -163,7 +165,7 @@ mod tests {
         assert_eq!(
             refusal("bed", "knock", 1.0),
             "component = bed: there is none of this name; it can be extruder, filament, hotend_heater, \
-             hotend_thermistor, bed_heater, bed_thermistor, fan, stop_input, ambient, motion, part"
+             hotend_thermistor, bed_heater, bed_thermistor, encoder, imu, camera, fan, stop_input, ambient, motion, part"
         );
         assert!(refusal("motion", "slip", 1.0).contains("layer_shift_x, layer_shift_y, knock"));
         assert_eq!(refusal("motion", "layer_shift_x", 0.8), "size = 0.8 m: must be in [-0.05, 0.05]");
