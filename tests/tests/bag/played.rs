@@ -28,7 +28,7 @@ pub(crate) fn play(bag: &Bag, domain: Domain) -> Value {
 }
 
 /// A command of `fdm` with a process group of its own, as a shell gives it one.
-pub(crate) struct Group(Child);
+pub(crate) struct Group(Option<Child>);
 
 impl Group {
     /// Plays a bag, commands and permits too, at a pace.
@@ -51,33 +51,48 @@ impl Group {
 
     fn start(command: &mut Command) -> Self {
         let child = command.current_dir(root()).stdin(Stdio::null()).stdout(Stdio::piped());
-        Self(child.process_group(0).spawn().unwrap())
+        Self(Some(child.process_group(0).spawn().unwrap()))
+    }
+
+    fn pid(&self) -> Pid {
+        Pid::from_child(self.0.as_ref().unwrap())
     }
 
     /// What a terminal sends.
     pub(crate) fn signal(&self, signal: Signal) {
-        kill_process_group(Pid::from_child(&self.0), signal).unwrap();
+        kill_process_group(self.pid(), signal).unwrap();
     }
 
     /// Whether the process has taken a signal for its own affair.
     pub(crate) fn listens_to(&self, signal: Signal) -> bool {
-        let status = std::fs::read_to_string(format!("/proc/{}/status", self.0.id())).unwrap();
+        let status =
+            std::fs::read_to_string(format!("/proc/{}/status", self.pid().as_raw_nonzero())).unwrap();
         let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
         u64::from_str_radix(caught.trim(), 16).unwrap() >> (signal.as_raw() - 1) & 1 == 1
     }
 
     /// Waits until the process stands still, as after Ctrl-Z.
     pub(crate) fn stands_still(&self) {
-        let status = format!("/proc/{}/status", self.0.id());
+        let status = format!("/proc/{}/status", self.pid().as_raw_nonzero());
         until(|| std::fs::read_to_string(&status).unwrap().contains("State:\tT"));
     }
 
     /// Waits for its end; the code, what it wrote, and that nothing of its group is left.
-    pub(crate) fn ended(self) -> (Option<i32>, Vec<u8>) {
-        let group = Pid::from_child(&self.0);
-        let output = self.0.wait_with_output().unwrap();
+    pub(crate) fn ended(mut self) -> (Option<i32>, Vec<u8>) {
+        let group = self.pid();
+        let output = self.0.take().unwrap().wait_with_output().unwrap();
         assert!(test_kill_process_group(group).is_err(), "a process of the group is left");
         (output.status.code(), output.stdout)
+    }
+}
+
+/// A test that fails leaves nothing behind that plays or records.
+impl Drop for Group {
+    fn drop(&mut self) {
+        if let Some(mut child) = self.0.take() {
+            _ = kill_process_group(Pid::from_child(&child), Signal::KILL);
+            _ = child.wait();
+        }
     }
 }
 
