@@ -4,7 +4,7 @@ use super::figures::Figures;
 use std::collections::BTreeSet;
 
 /// Name and meaning of each; the names of the catalogue's bounds among them.
-const MEANINGS: [(&str, &str); 23] = [
+const MEANINGS: [(&str, &str); 24] = [
     ("acknowledged_s", "until `fdm acknowledge` had ended the latched mode and permits came again"),
     ("acted_s", "from the fault until the supervisor left its mode, for degraded or worse"),
     ("answer", "time until a service call was answered"),
@@ -13,6 +13,7 @@ const MEANINGS: [(&str, &str); 23] = [
     ("beats_s", "from the fault until the first heartbeat of its next run, or of the one that goes on"),
     ("died", "1 where the process ended for lack of memory, 0 where it went on"),
     ("foreign_cores", "processors that were busy with something else"),
+    ("grown_mib", "address space that a node took beyond its limit of memory"),
     ("growth_mib", "memory that the largest of the nodes took more"),
     ("neutral_s", "from the fault until the printer was at the slicer's values"),
     ("not_answered", "service calls without an answer"),
