@@ -41,12 +41,6 @@ class Discovery:
         self.own = peer.participant.guid.bytes
         self.subscriptions = BuiltinDataReader(peer.participant, BuiltinTopicDcpsSubscription)
         self.publications = BuiltinDataReader(peer.participant, BuiltinTopicDcpsPublication)
-        self.before: set[bytes] = set()
-
-    def forget(self) -> "Discovery":
-        """Leaves out who is known now: what a killed process had stays for a while."""
-        self.before = set(self.by_participant())
-        return self
 
     def by_participant(self) -> dict[bytes, Endpoints]:
         """Endpoints by the key of their participant, our own left out."""
@@ -55,7 +49,7 @@ class Discovery:
             for endpoint in reader.read(10_000):
                 name = getattr(endpoint, "topic_name", "")
                 key = getattr(endpoint, "participant_key", None)
-                if name and key is not None and key.bytes != self.own and key.bytes not in self.before:
+                if name and key is not None and key.bytes != self.own:
                     getattr(found.setdefault(key.bytes, Endpoints()), of)[endpoint.key.bytes] = name
         return found
 
