@@ -268,17 +268,6 @@ impl Simulator {
         self.plant.heat(&inputs, &self.faults_in_force, dt);
     }
 
-    /// Set-point of the part fan `[-]`: the file's, and full where a supervisor has the heaters off and the hot end is not
-    /// known to be cool. With the mains relay open nothing turns.
-    fn fan(&self) -> f64 {
-        let cool = self.heaters.hotend_reading < self.params.simulator.firmware.cool_above;
-        match (self.mains_on, self.in_force.request >= Request::HeatersOff) {
-            (false, _) => 0.0,
-            (true, true) if !cool => 1.0,
-            (true, _) => self.executor.sliced().fan,
-        }
-    }
-
     fn note(&mut self, text: &str) {
         self.outputs.push_back(Output::Note { stamp: self.now, text: text.to_owned() });
     }

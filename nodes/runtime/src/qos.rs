@@ -82,9 +82,9 @@ const fn transient_local(depth: usize) -> End {
 pub const SENSOR: Qos = Qos { offered: reliable(10), requested: best_effort(10) };
 
 /// Beats: two in a row may be lost before the supervisor misses anybody (`stale.hang_s`), five before the witness does, so
-/// nobody acknowledges them, and nobody can: a reliable
-/// publisher of RustDDS 0.15.1 asks every subscriber ten times a second for an acknowledgement that one of best effort
-/// never sends, and ten nodes that beat were asked for more than they said. The depth covers ten nodes for 1 s.
+/// nobody acknowledges them, and nobody can: a reliable publisher of RustDDS 0.15.1 asks every subscriber ten times a second
+/// for an acknowledgement that one of best effort never sends, and ten nodes that beat were asked for more than they said.
+/// The depth covers ten nodes for 1 s.
 pub const BEAT: Qos = Qos { offered: best_effort(100), requested: best_effort(100) };
 
 /// Results of which none may be lost; the depth covers 1 s of short moves at 500 Hz and two times real time.

@@ -1,5 +1,5 @@
-//! The file of a network: JSON, with everything that inference needs a probe that the weights
-//! have to give again, and a checksum.
+//! The file of a network: JSON, with everything that inference needs, a probe that the weights have to give again, and a
+//! checksum.
 
 use super::{Layer, Network, OK};
 use crate::{features, seal};

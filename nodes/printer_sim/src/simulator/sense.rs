@@ -35,6 +35,17 @@ impl Simulator {
         self.outputs.push_back(Output::Temperatures { stamp: self.now, hotend, bed });
     }
 
+    /// Set-point of the part fan `[-]`: the file's, and full where a supervisor has the heaters off and the hot end is not
+    /// known to be cool. With the mains relay open nothing turns.
+    pub(super) fn fan(&self) -> f64 {
+        let cool = self.heaters.hotend_reading < self.params.simulator.firmware.cool_above;
+        match (self.mains_on, self.in_force.request >= Request::HeatersOff) {
+            (false, _) => 0.0,
+            (true, true) if !cool => 1.0,
+            (true, _) => self.executor.sliced().fan,
+        }
+    }
+
     pub(super) fn sense(&mut self, road: Option<Road>) {
         if self.paces.temperature.due(self.now) {
             self.regulate();
