@@ -7,7 +7,7 @@ use crate::params::Params;
 use crate::writer::Recorded;
 use fdm_loop_msgs::PrintInfo;
 use runtime::Node;
-use runtime::qos::{Durability, Reliability};
+use runtime::qos::{self, Durability, Reliability};
 use runtime::topics::TopicInfo;
 use std::collections::BTreeMap;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -32,12 +32,14 @@ pub fn recorded(resolved: String, topic: &TopicInfo) -> Recorded {
 }
 
 /// The topic as the recorder asks for it: all that is offered, and deep enough for a busy moment. But a reliable reader
-/// that stands still fills its publishers' send windows, and where these are short (commands, sensors) the others would
-/// lose messages for the recorder's sake: those topics are asked for best effort.
+/// that stands still fills its publishers' send windows, and where these are short (commands, sensors) or full within
+/// seconds (bursts of sensors) the others would lose messages for the recorder's sake: those topics are asked for best
+/// effort.
 pub(crate) fn requested(topic: &TopicInfo, params: &Params) -> TopicInfo {
     let mut asked = *topic;
     let latched = topic.qos.offered.durability == Durability::TransientLocal;
-    if !latched && topic.qos.offered.depth < params.window_min {
+    let soon_full = topic.qos.offered.depth < params.window_min || topic.qos == qos::SENSOR_BURSTS;
+    if !latched && soon_full {
         asked.qos.requested.reliability = Reliability::BestEffort;
     }
     // The middleware keeps as many, taken or not: a thousand pictures are 0.1 GB.

@@ -90,7 +90,7 @@ pub const FILAMENT_MOTION: Topic<FilamentMotion> = Topic::new("sensors/filament/
 /// Accelerations of the tool, checked, all samples.
 pub const IMU_BATCH: Topic<ImuBatch> = Topic::new("sensors/imu/batch", qos::SENSOR);
 /// The same, thinned out for tools.
-pub const IMU_DATA: Topic<Imu> = Topic::new("sensors/imu/data_raw", qos::SENSOR);
+pub const IMU_DATA: Topic<Imu> = Topic::new("sensors/imu/data_raw", qos::SENSOR_BURSTS);
 /// Frames of the camera, checked but not decoded.
 pub const CAMERA_IMAGE: Topic<CompressedImage> =
     Topic::new("sensors/camera/image_raw/compressed", qos::SENSOR);

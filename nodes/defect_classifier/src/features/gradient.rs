@@ -98,7 +98,7 @@ fn tensors(plane: &Plane) -> (Vec<Tensor>, [f64; BINS]) {
             cell.yy += down * down;
             cell.xy += across * down;
             cell.count += 1.0;
-            bins[bin(across, down)] += across.hypot(down);
+            bins[bin(across, down)] += (across * across + down * down).sqrt();
         }
     }
     (cells, bins)

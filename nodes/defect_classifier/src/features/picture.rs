@@ -79,7 +79,7 @@ fn even_out(fine: &mut Mat, Hidden(share): Hidden) -> opencv::Result<()> {
     let places = |index: usize| {
         #[expect(clippy::cast_precision_loss, reason = "pixels of a small picture")]
         let (x, y) = ((index % width) as f64, (index / width) as f64);
-        (x - middle.0).hypot(y - middle.1) / radius
+        ((x - middle.0).powi(2) + (y - middle.1).powi(2)).sqrt() / radius
     };
     let pixels = fine.data_typed_mut::<u8>()?;
     let ring = pixels.iter().enumerate().filter(|(index, _)| (1.0..1.0 + RIM).contains(&places(*index)));

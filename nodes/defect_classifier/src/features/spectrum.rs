@@ -96,7 +96,7 @@ fn summed(plane: &Plane, power: &[f32]) -> Sums {
     for row in 0..plane.height {
         for column in 0..=plane.width / 2 {
             let (across, down) = frequency(plane, column, row);
-            let radius = across.hypot(down);
+            let radius = (across * across + down * down).sqrt();
             let Some(ring) = RING_EDGES.iter().position(|edge| radius < *edge) else { continue };
             let value = f64::from(power[row * plane.width + column]);
             sums.rings[ring] += value;

@@ -29,7 +29,7 @@ impl Looks {
         imgproc::sobel_def(&float, &mut dx, CV_32F, 1, 0)?;
         imgproc::sobel_def(&float, &mut dy, CV_32F, 0, 1)?;
         let (dx, dy) = (dx.data_typed::<f32>()?, dy.data_typed::<f32>()?);
-        let slope: Vec<f32> = dx.iter().zip(dy).map(|(x, y)| x.hypot(*y)).collect();
+        let slope: Vec<f32> = dx.iter().zip(dy).map(|(x, y)| (x * x + y * y).sqrt()).collect();
         let level = smooth.data_typed::<f32>()?.to_vec();
         let uneven: Vec<f32> =
             float.data_typed::<f32>()?.iter().zip(&level).map(|(own, mean)| (own - mean).abs()).collect();
