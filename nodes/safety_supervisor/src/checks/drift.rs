@@ -272,6 +272,16 @@ mod tests {
         assert!(check.tripped() && time_s < 90.0, "{time_s} s, {} K", check.residual_k());
     }
 
+    /// 3 W beyond an allowance of 1 W for 0.5 s: 1 J beyond, 1.5 J in all, and 3 W for each second of lag.
+    #[test]
+    fn a_sum_counts_energy() {
+        let mut sum = Sum::default();
+        sum.add(3.0, 1.0, 0.5);
+        assert!((sum.beyond_j - 1.0).abs() < 1e-12 && (sum.until_now_j(2.0) - 7.5).abs() < 1e-12, "{sum:?}");
+        sum.add(-1.0, 1.0, 1.0);
+        assert_eq!(sum, Sum::default(), "what is back below it is forgotten");
+    }
+
     #[test]
     fn a_moving_set_point_is_not_judged() {
         let mut check = check();
