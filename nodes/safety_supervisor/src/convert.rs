@@ -160,7 +160,8 @@ fn severity(decision: &Decision) -> u8 {
         What::ModeChanged | What::CauseChanged | What::Remembered | What::Granted(_) => {
             PrintEvent::SEVERITY_INFO
         }
-        What::CommandClamped
+        What::AlsoRaised
+        | What::CommandClamped
         | What::CommandRefused(_)
         | What::Denied(_)
         | What::Impulse
@@ -173,6 +174,7 @@ fn what(what: What) -> String {
     match what {
         What::ModeChanged => "mode_changed".to_owned(),
         What::CauseChanged => "cause_changed".to_owned(),
+        What::AlsoRaised => "also_raised".to_owned(),
         What::Remembered => "remembered".to_owned(),
         What::CommandClamped => "command_clamped".to_owned(),
         What::CommandRefused(refusal) => format!("command_refused_{}", refusal.name()),

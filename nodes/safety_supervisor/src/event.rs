@@ -180,6 +180,8 @@ pub enum What {
     ModeChanged,
     /// The cause of the mode changed.
     CauseChanged,
+    /// Another cause was found beside the one that the mode rests on.
+    AlsoRaised,
     /// What stood when the former run ended still stands.
     Remembered,
     /// A command lay outside of its limits and was clamped.

@@ -1,5 +1,6 @@
 //! The brain: takes events, yields a permit on every tick, and at once on a person's request and on a command.
 
+mod beside;
 mod brains;
 mod evidence;
 mod grace;
@@ -23,6 +24,7 @@ use crate::event::{Decision, Event, Evidence, Output, PrinterReport, SafetyState
 use crate::modes::{Latch, Modes, Standing};
 use crate::params::Params;
 use crate::schedule::Schedule;
+use beside::Told;
 use brains::Brains;
 use grace::Grace;
 use parts::{Ages, Checks};
@@ -67,6 +69,7 @@ pub struct Supervisor {
     last_stall: Option<Seconds>,
     /// The cause in force, and the number it rested on when it was found.
     found: Option<(Cause, Option<Evidence>)>,
+    told: Told,
     decisions: Vec<Decision>,
 }
 
@@ -102,6 +105,7 @@ impl Supervisor {
             last_tick: None,
             last_stall: None,
             found: None,
+            told: [false; Cause::COUNT],
             decisions: Vec::new(),
             params,
         }
@@ -207,6 +211,7 @@ impl Supervisor {
             let why = self.found.map_or("the cause is gone", |(cause, _)| cause.text());
             self.decisions.push(Decision { what, why, cause: self.found, before, after });
         }
+        self.tell_beside(now, &raised);
         let paused_for = self.modes.paused_for();
         if self.modes.try_resume(now, self.readiness()) {
             self.resumed(paused_for);
@@ -231,11 +236,6 @@ impl Supervisor {
         if self.checks.part_fan.take(now) {
             tell(What::PartFanSlow, part_fan::SLOW);
         }
-    }
-
-    /// Keeps what the cause in force rests on, from when it was found.
-    fn find(&mut self, now: Seconds) {
-        self.found = self.modes.cause().map(|cause| (cause, self.evidence(now, cause)));
     }
 
     fn initialise(&mut self, now: Seconds) {

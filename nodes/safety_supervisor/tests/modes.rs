@@ -41,6 +41,35 @@ fn a_part_that_is_away_degrades_and_heals() {
     }
 }
 
+/// The estimator is away for 0.5 s and corrections go back within 1.25 s when the encoder falls silent too: its loop is
+/// open at once, and it is told once.
+#[test]
+fn an_encoder_that_falls_silent_beside_another_cause_is_told_and_opens_its_loop() {
+    let mut print = Print::acting();
+    print.wish = Trims { flow: 1.05, slip: Some(0.09), ..Trims::NEUTRAL };
+    print.run(1.0);
+    assert_eq!(print.output.permit.trims.slip, Some(0.09));
+    print.estimator = false;
+    print.run(0.2);
+    print.encoder = false;
+    print.until(Mode::Degraded);
+    assert_eq!(print.output.state.cause, Some(Cause::StaleEstimate));
+    assert!(print.output.permit.trims.slip.is_some(), "the encoder has been silent for 0.3 s");
+    let mut told = Vec::new();
+    let mut opened_s = None;
+    for tick in 0..100 {
+        print.step();
+        if print.output.permit.trims.slip.is_none() {
+            opened_s = opened_s.or(Some(0.02 * f64::from(tick)));
+        }
+        told.extend(print.output.events.iter().filter(|decision| decision.what == What::AlsoRaised).copied());
+    }
+    assert!(opened_s.is_some_and(|opened_s| opened_s <= 0.14), "{opened_s:?}");
+    let of_encoder =
+        told.iter().filter(|decision| decision.cause.is_some_and(|(cause, _)| cause == Cause::StaleEncoder));
+    assert_eq!(of_encoder.count(), 1, "{told:?}");
+}
+
 /// S7: 300 ms degraded, 1.5 s paused, 3 s heaters off; whole again after acknowledge, the job waits for a resume.
 #[test]
 fn s7_a_silent_thermistor_degrades_pauses_and_ends_in_safe_off() {

@@ -16,6 +16,11 @@ fn count(value: u64) -> f64 {
 type Number = (f64, Option<f64>);
 
 impl Supervisor {
+    /// Keeps what the cause in force rests on, from when it was found.
+    pub(super) fn find(&mut self, now: Seconds) {
+        self.found = self.modes.cause().map(|cause| (cause, self.evidence(now, cause)));
+    }
+
     /// The number that a cause rests on now; `None` where its text says all.
     pub(super) fn evidence(&self, now: Seconds, cause: Cause) -> Option<Evidence> {
         let (value, limit) = self

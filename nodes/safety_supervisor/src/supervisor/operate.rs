@@ -150,6 +150,14 @@ impl Supervisor {
             let (start, from) = *self.ramp.get_or_insert((now, self.allowed));
             self.allowed = from.ramp_to_neutral(now - start, Seconds(self.params.modes.ramp_s));
         }
+        self.open_blind_loop(now);
+    }
+
+    /// The extruder's loop is not left closed about an encoder that is silent: its motor would push for what is not told.
+    fn open_blind_loop(&mut self, now: Seconds) {
+        if self.ages.encoder.reaction(now).is_some() {
+            self.allowed.slip = None;
+        }
     }
 
     /// A command goes on at once where commands are carried out: the tick's step is taken again, once, towards what is
@@ -161,6 +169,7 @@ impl Supervisor {
         let target = self.target(now)?;
         let (from, dt) = self.step.take()?;
         self.allowed = self.limits.slew(&from, &target, dt).trims;
+        self.open_blind_loop(now);
         Some(Output { permit: self.permit(now), state: self.state(), events: Vec::new() })
     }
 
