@@ -48,6 +48,7 @@ fn every_bad_message_is_refused_counted_and_shown() {
         println!("{} pairs of node and topic", pairs.len());
         peer.sound_messages_are_taken(&pairs).await;
         peer.who_else_permits_is_told().await;
+        peer.a_second_source_is_refused().await;
         for kind in Kind::BAD {
             peer.bad_messages_are_counted(kind, &pairs).await;
         }
@@ -158,6 +159,17 @@ impl Peer {
         let (node, topic) = ("safety_supervisor", topics::SAFETY_COMMAND.name());
         let told = |shown: &Shown| shown.refused(node, topic, Reason::Gate.name()) >= 3;
         let pairs = [(node.to_owned(), topic.to_owned())];
+        assert!(self.until(Some(Kind::Sound), told).await, "not told: {}", self.shown.all(&pairs));
+    }
+
+    /// C8: the peer's readings and estimates beside those of the nodes: whoever spoke first is believed, the other refused.
+    async fn a_second_source_is_refused(&mut self) {
+        let topics =
+            [topics::HOTEND_TEMPERATURE.name(), topics::FILAMENT_MOTION.name(), topics::ESTIMATE.name()];
+        let told = |shown: &Shown| {
+            topics.iter().all(|topic| shown.refused("safety_supervisor", topic, Reason::Gate.name()) >= 3)
+        };
+        let pairs = topics.map(|topic| ("safety_supervisor".to_owned(), topic.to_owned()));
         assert!(self.until(Some(Kind::Sound), told).await, "not told: {}", self.shown.all(&pairs));
     }
 

@@ -11,7 +11,8 @@ use models::printer::Printer;
 use models::units::Seconds;
 use runtime::wire::{command_to_wire, schedule_to_wire};
 use runtime::{
-    Diagnostics, Inlet, Node, ParamFileError, Parameters, Publisher, Reason, Refused, RuntimeError, topics,
+    Diagnostics, FRAMES_HANDOVER, HANDOVER, Inlet, Node, ParamFileError, Parameters, Publisher, Reason,
+    Refused, RuntimeError, topics,
 };
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -151,10 +152,14 @@ impl Inlets {
         let telemetry = Seconds(params.status_age_limit_s);
         let prediction = Seconds(params.advance.age_limit_s);
         Ok(Self {
-            estimate: node.inlet(&topics::ESTIMATE, Seconds(params.estimate_age_limit_s))?,
-            printer: node.inlet(&topics::PRINTER_STATE, telemetry)?,
-            encoder: node.inlet(&topics::FILAMENT_MOTION, telemetry)?,
-            width: node.inlet(&topics::BEAD_WIDTH, params.frame_age_limit())?,
+            estimate: node
+                .inlet(&topics::ESTIMATE, Seconds(params.estimate_age_limit_s))?
+                .from_one_source(HANDOVER),
+            printer: node.inlet(&topics::PRINTER_STATE, telemetry)?.from_one_source(HANDOVER),
+            encoder: node.inlet(&topics::FILAMENT_MOTION, telemetry)?.from_one_source(HANDOVER),
+            width: node
+                .inlet(&topics::BEAD_WIDTH, params.frame_age_limit())?
+                .from_one_source(FRAMES_HANDOVER),
             predictions: node
                 .inlet(&topics::ADVANCE_PREDICTION, longest_silence(params.advance.source, prediction))?
                 .with_stamps_within(prediction),

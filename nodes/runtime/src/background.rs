@@ -1,9 +1,10 @@
 //! What every node does beside its work: follow `/clock`, publish `/rosout` and `/diagnostics`.
 
-use crate::clock::{Clock, Owner, monotonic};
+use crate::clock::{Clock, monotonic};
 use crate::diagnostics::Diagnostics;
 use crate::heartbeat::Work;
 use crate::logging;
+use crate::owner::Owner;
 use crate::publisher::Publisher;
 use crate::self_loop::SelfLoopAge;
 use crate::subscription::Subscription;
@@ -23,13 +24,16 @@ const CLOCK: &str = "clock";
 /// What a person is told of a second publisher of `/clock`.
 const RIVAL: &str = "a second publisher of /clock: its time is not taken; stop one of the two";
 
+/// Silence after which the time is another one's.
+const CLOCK_HANDOVER: Seconds = Seconds(1.0);
+
 /// Sets the node's clock from `/clock`, as its owner tells it.
 pub(crate) async fn follow_clock(
     clock: Clock,
     mut readings: Subscription<ClockMessage>,
     diagnostics: Diagnostics,
 ) {
-    let (mut owner, mut told) = (Owner::default(), false);
+    let (mut owner, mut told) = (Owner::handing_over_after(CLOCK_HANDOVER), false);
     loop {
         let first = readings.recv().await;
         let (mut newest, mut next) = (None, Some(first));

@@ -13,10 +13,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use tokio::sync::watch;
 
-mod owner;
 mod punctuality;
 
-pub(crate) use owner::Owner;
 use punctuality::Punctuality;
 
 /// Past readings of `/clock` that are kept to date a message by its age: 256 readings 5 ms apart reach back 1.3 s,

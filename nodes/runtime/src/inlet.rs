@@ -3,15 +3,22 @@
 //! Counters in `/diagnostics`: `refused_<topic>` for all of a topic, slashes as underscores, and
 //! `refused_<topic>_<reason>` for each [`Reason`].
 
-use crate::clock::Clock;
+use crate::clock::{Clock, monotonic};
 use crate::diagnostics::Diagnostics;
 use crate::error::RuntimeError;
 use crate::node::Node;
+use crate::owner::Owner;
 use crate::subscription::{Gid, Received, Subscription};
 use crate::topics::Topic;
 use crate::wire::WireError;
 use fdm_loop_msgs::RosType;
 use models::units::Seconds;
+
+/// Real time of silence after which another process may go on with a stream: several periods, and about what a node takes
+/// that is started again.
+pub const HANDOVER: Seconds = Seconds(0.5);
+/// The same of what is seen in frames.
+pub const FRAMES_HANDOVER: Seconds = Seconds(2.0);
 
 /// Why a message was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -111,6 +118,7 @@ pub struct Inlet<T: RosType> {
     subscription: Subscription<T>,
     clock: Clock,
     limit: Seconds,
+    owner: Option<Owner>,
     /// What was refused; a shell adds what its brain refuses.
     pub refused: Refused,
 }
@@ -120,6 +128,14 @@ impl<T: RosType> Inlet<T> {
     #[must_use]
     pub fn with_stamps_within(mut self, limit: Seconds) -> Self {
         self.limit = limit;
+        self
+    }
+
+    /// Takes messages of one process alone, until it has been silent for `handover` of real time in which another one spoke
+    /// on: longer than its period. What others send meanwhile is counted and, where both go on, refused.
+    #[must_use]
+    pub fn from_one_source(mut self, handover: Seconds) -> Self {
+        self.owner = Some(Owner::handing_over_after(handover));
         self
     }
 
@@ -143,14 +159,29 @@ impl<T: RosType> Inlet<T> {
         &mut self,
         read: impl Fn(&T, Gid) -> Result<(Seconds, V), WireError>,
     ) -> Result<V, Reason> {
-        let received = self.subscription.recv().await;
-        let taken = read(&received.message, received.publisher)
-            .map_err(|error| Reason::from(&error))
-            .and_then(|(stamp, value)| self.check_age(&received, stamp).map(|()| value));
-        if let Err(reason) = taken {
-            self.refused.count(reason);
+        loop {
+            let received = self.subscription.recv().await;
+            let taken = read(&received.message, received.publisher)
+                .map_err(|error| Reason::from(&error))
+                .and_then(|(stamp, value)| self.check_age(&received, stamp).map(|()| value));
+            let taken = taken.and_then(|value| self.check_source(received.publisher).map(|()| value));
+            if let Err(reason) = taken {
+                self.refused.count(reason);
+            }
+            // A successor that is not believed yet is no reason to tell anybody of.
+            if taken.is_ok() || !matches!(taken, Err(Reason::Gate)) || self.has_rival() {
+                return taken;
+            }
         }
-        taken
+    }
+
+    fn check_source(&mut self, publisher: Gid) -> Result<(), Reason> {
+        let takes = self.owner.as_mut().is_none_or(|owner| owner.takes(publisher, monotonic()));
+        if takes { Ok(()) } else { Err(Reason::Gate) }
+    }
+
+    fn has_rival(&self) -> bool {
+        self.owner.as_ref().is_none_or(|owner| owner.has_rival(monotonic()))
     }
 
     /// Age of a stamp when its message arrived: what waited in a queue of this process is not older for it.
@@ -189,7 +220,7 @@ impl Node {
         let subscription = self.subscribe(topic)?;
         subscription.expect_every(limit);
         let refused = Refused::new(self.diagnostics(), topic.name());
-        Ok(Inlet { subscription, clock: self.clock(), limit, refused })
+        Ok(Inlet { subscription, clock: self.clock(), limit, owner: None, refused })
     }
 }
 

@@ -124,6 +124,8 @@ causes! {
         "find out why the last run ended, then `fdm acknowledge`";
     StandingUnreadable, "T5", "the record of mode and pause cannot be read",
         "look at the print, then `fdm resume`, and `fdm mode` for another mode";
+    SecondSource, "C8", "a second publisher of a sensor, of the printer's state or of an estimate",
+        "end it: `refused_..._gate` on /diagnostics names the topic, `ros2 topic info -v` who publishes it";
     SecondSupervisor, "C8", "a second publisher of permits", "end the other supervisor: the printer obeys one alone";
 }
 

@@ -3,6 +3,7 @@
 use models::command::{Command, Gate, Limits, Refusal, Trims};
 use models::units::Seconds;
 
+use crate::cause::Cause;
 use crate::checks::bad_values::Burst;
 use crate::params::EnvelopeParams;
 
@@ -31,6 +32,8 @@ pub struct Envelope {
     rival: Option<Seconds>,
     /// Newest permit of somebody else.
     foreign_permit: Option<Seconds>,
+    /// Newest sample of somebody else than a stream's owner.
+    rival_sample: Option<Seconds>,
 }
 
 impl Envelope {
@@ -46,6 +49,7 @@ impl Envelope {
             stranger: None,
             rival: None,
             foreign_permit: None,
+            rival_sample: None,
         }
     }
 
@@ -81,7 +85,7 @@ impl Envelope {
     /// The clock was set back: times of before mean nothing any more.
     pub fn set_back(&mut self) {
         (self.previous, self.stranger, self.rival) = (None, None, None);
-        self.foreign_permit = None;
+        (self.foreign_permit, self.rival_sample) = (None, None);
         self.outside.forget();
     }
 
@@ -108,10 +112,16 @@ impl Envelope {
         self.outside.tripped(now)
     }
 
-    /// Whether a second publisher was heard beside the bound one within the hold time.
+    /// Whether somebody was heard within the hold time who speaks beside a controller, a supervisor or a stream's owner.
     #[must_use]
-    pub fn has_rival(&self, now: Seconds) -> bool {
-        self.rival.is_some_and(|heard| now.0 - heard.0 <= self.params.rival_hold_s)
+    pub fn rivals(&self, now: Seconds) -> [(Cause, bool); 3] {
+        let recent =
+            |heard: Option<Seconds>| heard.is_some_and(|at| now.0 - at.0 <= self.params.rival_hold_s);
+        [
+            (Cause::SecondPublisher, recent(self.rival)),
+            (Cause::SecondSupervisor, recent(self.foreign_permit)),
+            (Cause::SecondSource, recent(self.rival_sample)),
+        ]
     }
 
     /// Somebody else has sent a permit.
@@ -119,10 +129,9 @@ impl Envelope {
         self.foreign_permit = Some(now);
     }
 
-    /// Whether somebody else has sent a permit within the hold time.
-    #[must_use]
-    pub fn has_foreign_permit(&self, now: Seconds) -> bool {
-        self.foreign_permit.is_some_and(|heard| now.0 - heard.0 <= self.params.rival_hold_s)
+    /// Somebody else than its owner has published a stream.
+    pub fn note_rival_sample(&mut self, now: Seconds) {
+        self.rival_sample = Some(now);
     }
 
     /// Refused commands so far.

@@ -152,6 +152,8 @@ pub enum Event {
     Operator(Operator),
     /// Somebody else publishes permits; the printer believes one alone, which may not be this one.
     RivalPermit,
+    /// A second process publishes a stream whose owner still does; what it said is refused.
+    RivalSample,
     /// The heart of a process was heard.
     Beat {
         /// Whose.

@@ -131,6 +131,7 @@ impl Supervisor {
                 return self.on_command(now, command).then(|| self.answer(now)).flatten();
             }
             Event::RivalPermit => self.envelope.note_foreign_permit(now),
+            Event::RivalSample => self.envelope.note_rival_sample(now),
             Event::Refused { .. } => self.checks.bad_values.note(now),
             Event::Beat { worker, work } => self.ages.beat(now, worker, work),
             Event::Look => self.ages.hearts.look(),

@@ -70,6 +70,17 @@ fn a_second_publisher_of_permits_degrades_and_heals() {
     assert!((3.9..4.2).contains(&back_s), "{back_s} s");
 }
 
+/// C8: so does a second publisher of what everything rests on.
+#[test]
+fn a_second_publisher_of_a_stream_degrades_and_heals() {
+    let mut print = Print::acting();
+    print.event(Event::RivalSample);
+    assert!(print.until(Mode::Degraded) <= 0.021);
+    assert_eq!(print.output.state.cause, Some(Cause::SecondSource));
+    let back_s = print.until(Mode::Act);
+    assert!((3.9..4.2).contains(&back_s), "{back_s} s");
+}
+
 /// K4, first divergence: degraded, the mode stays set.
 #[test]
 fn an_estimate_started_anew_degrades_and_heals() {

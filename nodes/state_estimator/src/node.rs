@@ -5,8 +5,8 @@ use models::material::Material;
 use models::printer::Printer;
 use models::units::Seconds;
 use runtime::{
-    Clock, Diagnostics, Node, ParamFileError, Parameters, Publisher, Reason, Refused, RuntimeError, Timer,
-    Work, topics,
+    Clock, Diagnostics, FRAMES_HANDOVER, HANDOVER, Node, ParamFileError, Parameters, Publisher, Reason,
+    Refused, RuntimeError, Timer, Work, topics,
 };
 
 use crate::channel::Channel;
@@ -24,10 +24,17 @@ use crate::params::Params;
 pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut setup = Setup::read(&node)?;
     let params = setup.params;
-    let mut hotend = node.inlet(&topics::HOTEND_TEMPERATURE, Seconds(params.thermistor.trust.age_limit_s))?;
-    let mut encoder = node.inlet(&topics::FILAMENT_MOTION, Seconds(params.encoder.trust.age_limit_s))?;
-    let mut width = node.inlet(&topics::BEAD_WIDTH, Seconds(params.width.trust.age_limit_s))?;
-    let mut printer = node.inlet(&topics::PRINTER_STATE, Seconds(params.telemetry.age_limit_s))?;
+    let mut hotend = node
+        .inlet(&topics::HOTEND_TEMPERATURE, Seconds(params.thermistor.trust.age_limit_s))?
+        .from_one_source(HANDOVER);
+    let mut encoder = node
+        .inlet(&topics::FILAMENT_MOTION, Seconds(params.encoder.trust.age_limit_s))?
+        .from_one_source(HANDOVER);
+    let mut width = node
+        .inlet(&topics::BEAD_WIDTH, Seconds(params.width.trust.age_limit_s))?
+        .from_one_source(FRAMES_HANDOVER);
+    let mut printer =
+        node.inlet(&topics::PRINTER_STATE, Seconds(params.telemetry.age_limit_s))?.from_one_source(HANDOVER);
     let mut rhythm = Rhythm::open(&mut node, params.period_s)?;
     let mut estimator = setup.estimator();
     let mut live = node.live_parameters(&LIVE);

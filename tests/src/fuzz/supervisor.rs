@@ -77,7 +77,13 @@ fn event(print: &mut Print, values: &mut Values<'_>) -> Event {
         }
         10 => Event::Vision(vision(values)),
         11 => Event::Operator(operator(values)),
-        12 if values.flag() => Event::RivalPermit,
+        12 if values.flag() => {
+            if values.flag() {
+                Event::RivalPermit
+            } else {
+                Event::RivalSample
+            }
+        }
         12 => Event::Refused { stream: values.pick(&Stream::ALL) },
         13 => Event::Beat { worker: values.pick(&Worker::ALL), work: u64::from(values.byte()) },
         14 => Event::Look,

@@ -7,7 +7,7 @@ use fdm_loop_msgs::{
 use models::command::Scheduled;
 use models::units::Seconds;
 use runtime::wire::WireError;
-use runtime::{Gid, Inlet, Node, Reason, Refused, RuntimeError, Sessions, topics};
+use runtime::{FRAMES_HANDOVER, Gid, HANDOVER, Inlet, Node, Reason, Refused, RuntimeError, Sessions, topics};
 
 use super::outlets::Totals;
 use super::rivals::Rivals;
@@ -48,28 +48,35 @@ impl Inlets {
         Ok(Self {
             hotend: node
                 .inlet(&topics::HOTEND_TEMPERATURE, silence(&stale.hotend))?
-                .with_stamps_within(stale.hotend.oldest_stamp()),
+                .with_stamps_within(stale.hotend.oldest_stamp())
+                .from_one_source(HANDOVER),
             bed: node
                 .inlet(&topics::BED_TEMPERATURE, silence(&stale.bed))?
-                .with_stamps_within(stale.bed.oldest_stamp()),
+                .with_stamps_within(stale.bed.oldest_stamp())
+                .from_one_source(HANDOVER),
             encoder: node
                 .inlet(&topics::FILAMENT_MOTION, silence(&stale.encoder))?
-                .with_stamps_within(stale.encoder.oldest_stamp()),
+                .with_stamps_within(stale.encoder.oldest_stamp())
+                .from_one_source(HANDOVER),
             printer: node
                 .inlet(&topics::PRINTER_STATE, silence(&stale.printer))?
-                .with_stamps_within(stale.printer.oldest_stamp()),
+                .with_stamps_within(stale.printer.oldest_stamp())
+                .from_one_source(HANDOVER),
             command: node
                 .inlet(&topics::CONTROL_COMMAND, silence(&stale.command))?
                 .with_stamps_within(stale.command.oldest_stamp()),
             estimate: node
                 .inlet(&topics::ESTIMATE, silence(&stale.estimate))?
-                .with_stamps_within(stale.estimate.oldest_stamp()),
+                .with_stamps_within(stale.estimate.oldest_stamp())
+                .from_one_source(HANDOVER),
             imu: node
                 .inlet(&topics::IMU_BATCH, silence(&stale.imu))?
-                .with_stamps_within(stale.imu.oldest_stamp()),
+                .with_stamps_within(stale.imu.oldest_stamp())
+                .from_one_source(HANDOVER),
             vision: node
                 .inlet(&topics::DEFECTS, silence(&stale.vision))?
-                .with_stamps_within(stale.vision.oldest_stamp()),
+                .with_stamps_within(stale.vision.oldest_stamp())
+                .from_one_source(FRAMES_HANDOVER),
             // A host that attaches nothing to moves is silent here.
             schedule: node
                 .inlet(&topics::CONTROL_SCHEDULE, Seconds(f64::INFINITY))?
@@ -105,7 +112,10 @@ impl Inlets {
             },
             () = self.rivals.next() => return Heard::Event(Event::RivalPermit),
         };
-        Heard::Event(taken.unwrap_or(Event::Refused { stream }))
+        // Only a stream of one source knows this reason here: what the brain refuses it counts itself.
+        let refused =
+            |reason| if reason == Reason::Gate { Event::RivalSample } else { Event::Refused { stream } };
+        Heard::Event(taken.unwrap_or_else(refused))
     }
 
     /// Looks whether somebody else publishes permits.

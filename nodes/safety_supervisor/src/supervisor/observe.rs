@@ -150,9 +150,9 @@ impl Supervisor {
         for (cause, reaction) in self.brains.raised(acting && printing) {
             set(cause, reaction);
         }
-        set(Cause::SecondPublisher, self.envelope.has_rival(now).then_some(Reaction::Degrade));
-        let foreign = self.envelope.has_foreign_permit(now);
-        set(Cause::SecondSupervisor, foreign.then_some(Reaction::Degrade));
+        for (cause, heard) in self.envelope.rivals(now) {
+            set(cause, heard.then_some(Reaction::Degrade));
+        }
         set(Cause::PrinterFailed, self.printer_failed.then_some(Reaction::SafeOff));
         let modes = &self.params.modes;
         let patience_s = if self.takes_up { modes.take_up_s.max(modes.adopt_s) } else { modes.adopt_s };
