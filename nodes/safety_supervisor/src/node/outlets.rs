@@ -77,7 +77,7 @@ impl Outlets {
         if !is_announced(self.unkept, self.disk.is_some()) {
             return;
         }
-        let state = SafetyState { mode: permit.mode, ..output.state };
+        let state = SafetyState { mode: told_mode(permit.mode, output.permit.mode), ..output.state };
         let tells = (state.mode, state.set_mode, state.cause, state.attention as u8, self.disk.is_some());
         let due = (now - self.told_at).0 >= topics::SAFETY_STATE_PERIOD.0 || now < self.told_at;
         if due || self.told != Some(tells) {
@@ -160,10 +160,19 @@ impl Outlets {
     }
 }
 
-/// A person has to know why the heaters stay off: beside the cause, or where it is gone.
+/// A person is told of a latch in its own name, also where it reaches no disk; without one, of the mode that the printer is in.
+fn told_mode(sent: Mode, in_force: Mode) -> Mode {
+    if in_force >= Mode::SafeOff { in_force } else { sent }
+}
+
+/// A person has to know why the heaters stay off, beside the cause or where it is gone, or that a latch may be forgotten.
 fn with_disk(state: StateMessage, refusal: Option<&str>) -> StateMessage {
     let Some(error) = refusal else { return state };
-    let what_to_do = format!("the heaters stay off until latch_file can be written ({error})");
+    let what_to_do = if state.latched {
+        format!("a restart of the supervisor would not know of it: latch_file cannot be written ({error})")
+    } else {
+        format!("the heaters stay off until latch_file can be written ({error})")
+    };
     let before = if state.what_to_do.is_empty() { String::new() } else { format!("{}; ", state.what_to_do) };
     StateMessage { what_to_do: format!("{before}{what_to_do}"), ..state }
 }
@@ -231,6 +240,14 @@ mod tests {
         let disk = "the heaters stay off until latch_file can be written (/x/latch.json: full)";
         assert_eq!(told(""), disk, "acknowledged, but the record of it stays");
         assert_eq!(told("acknowledge"), format!("acknowledge; {disk}"));
+        let latched = StateMessage { latched: true, ..state("") };
+        assert!(
+            with_disk(latched, Some("full"))
+                .what_to_do
+                .contains("a restart of the supervisor would not know")
+        );
+        assert_eq!(told_mode(Mode::Paused, Mode::Estop), Mode::Estop);
+        assert_eq!(told_mode(Mode::Paused, Mode::Act), Mode::Paused);
         assert_eq!(with_disk(state("acknowledge"), None), state("acknowledge"));
     }
 }
