@@ -50,7 +50,7 @@ fn k4_a_noise_stated_a_hundred_times_too_small_resets_and_then_distrusts() {
 /// is that of a consistent channel: the shipped one bears a sensor of twice its noise, and this much of a wrong heater.
 #[test]
 fn k8_a_wrong_model_is_told_within_a_minute() {
-    let strict = SHIPPED.replace("window_bound: 100.0 ", "window_bound: 45.3 ");
+    let strict = SHIPPED.replace("window_bound: 120.0 ", "window_bound: 45.3 ");
     assert_ne!(strict, SHIPPED);
     let mut rig = Rig::of(estimator(&strict, 3.0 * nominal_hotend().heater_power_w));
     let at_s = told_after(&mut rig, EstimateHealth::Mismatch, 60);
