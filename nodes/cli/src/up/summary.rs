@@ -48,6 +48,8 @@ pub struct Print {
     pub modes: Vec<(f64, String)>,
     /// Folder of the bag.
     pub bag: String,
+    /// Why something is missing in it.
+    pub bag_not_whole: Option<String>,
     /// Folder of the nodes' messages.
     pub logs: String,
 }
@@ -80,6 +82,7 @@ impl Print {
             happenings: watch.happenings.iter().map(text).collect(),
             modes: watch.modes.clone(),
             bag: plan.bag.display().to_string(),
+            bag_not_whole: watch.gap().map(str::to_owned),
             logs: plan.logs().display().to_string(),
         }
     }
@@ -116,6 +119,11 @@ pub fn table(prints: &[Print]) -> String {
             print.wall_time_s,
             print.bag
         );
+    }
+    for print in prints {
+        if let Some(why) = &print.bag_not_whole {
+            _ = writeln!(text, "{} is not whole: {why}", print.bag);
+        }
     }
     text
 }
