@@ -91,7 +91,7 @@ mod tests {
             "make the printer safe, then start the next print"
         );
         assert_eq!(at_the_end("`fdm acknowledge`, then start the next job"), "start the next print");
-        for cause in Cause::ALL.into_iter().filter(|cause| cause.what_to_do().contains("`fdm acknowledge`")) {
+        for cause in Cause::ALL.iter().filter(|cause| cause.what_to_do().contains("`fdm acknowledge`")) {
             let said = at_the_end(cause.what_to_do());
             assert!(said.contains("start the next print") && !said.contains("`fdm "), "{cause:?}: {said}");
         }
