@@ -12,10 +12,10 @@
 #[path = "process_faults/graph.rs"]
 mod graph;
 
-use fdm_loop_msgs::{ChangeStateRequest, DiagnosticStatus, PrinterState, Transition};
+use fdm_loop_msgs::{ChangeState, ChangeStateRequest, DiagnosticStatus, PrinterState, Transition};
 use graph::{Graph, Network, program};
 use models::units::Seconds;
-use runtime::{Args, Node, topics};
+use runtime::{Args, Client, Node, topics};
 use rustix::process::Signal;
 use std::process::Output;
 use std::time::{Duration, Instant};
@@ -40,8 +40,9 @@ fn a_print_without_its_supervisor_is_told_and_can_be_stopped() {
         let mut graph = Graph::start(&domain, Network::OfTheTest);
         told(&mut graph, ", act, ").await;
         let mut node = Node::start_with("person", Args::default()).unwrap();
-        it_is_taken_out_of_its_work(&mut graph, &mut node).await;
-        it_is_shut_down(&mut graph, &mut node).await;
+        let change = node.client_of(&format!("/printer/{GUARD}"), &topics::CHANGE_STATE).unwrap();
+        it_is_taken_out_of_its_work(&mut graph, &mut node, &change).await;
+        it_is_shut_down(&mut graph, &change).await;
         it_hangs_and_the_printer_is_stopped(&mut graph, &mut node, &domain).await;
         graph.end().await;
     });
@@ -53,17 +54,16 @@ async fn told(graph: &mut Graph, what: &str) -> String {
 }
 
 /// Asks the supervisor for a step.
-async fn step(node: &mut Node, id: u8) {
-    let change = node.client_of(&format!("/printer/{GUARD}"), &topics::CHANGE_STATE).unwrap();
+async fn step(change: &Client<ChangeState>, id: u8) {
     let transition = Transition { id, label: String::new() };
     let answer = change.call(ChangeStateRequest { transition }, Seconds(10.0)).await;
     assert!(answer.expect("nobody answers").success, "transition {id}");
 }
 
 /// Deactivated by anybody: it is silent, and says so itself; so does the printer.
-async fn it_is_taken_out_of_its_work(graph: &mut Graph, node: &mut Node) {
+async fn it_is_taken_out_of_its_work(graph: &mut Graph, node: &mut Node, change: &Client<ChangeState>) {
     let mut reports = node.subscribe(&topics::DIAGNOSTICS).unwrap();
-    step(node, Transition::DEACTIVATE).await;
+    step(change, Transition::DEACTIVATE).await;
     told(graph, "nobody watches the heaters; `fdm estop` still works").await;
     told(graph, "safety_supervisor is inactive, somebody has taken it out of its work").await;
     told(graph, ", no supervisor, ").await;
@@ -77,13 +77,13 @@ async fn it_is_taken_out_of_its_work(graph: &mut Graph, node: &mut Node) {
         }
     };
     tokio::time::timeout(PATIENCE, warned).await.expect("no warning on /diagnostics");
-    step(node, Transition::ACTIVATE).await;
+    step(change, Transition::ACTIVATE).await;
     told(graph, "safety_supervisor watches the printer again").await;
 }
 
 /// Shut down by anybody: a process that does nothing for good is replaced.
-async fn it_is_shut_down(graph: &mut Graph, node: &mut Node) {
-    step(node, Transition::ACTIVE_SHUTDOWN).await;
+async fn it_is_shut_down(graph: &mut Graph, change: &Client<ChangeState>) {
+    step(change, Transition::ACTIVE_SHUTDOWN).await;
     told(graph, "safety_supervisor was shut down (finalized)").await;
     told(graph, "safety_supervisor runs again as process").await;
     told(graph, ", act, ").await;
