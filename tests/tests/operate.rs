@@ -123,6 +123,7 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     let injected = granted(&slip);
     assert!(injected.contains("injected: extruder slip, size 0.09 (no unit), from 30"), "{injected}");
     assert!(injected.contains("s of the simulation on, lasts 20 s"), "{injected}");
+    graph.until("fault injected: extruder slip");
     // S7: a sensor of the simulated printer falls silent, which the supervisor tells and gets over.
     let cut = ["inject", "encoder", "off", "--duration-s", "20"];
     assert!(granted(&cut).contains("injected: encoder off, from"));
@@ -146,6 +147,8 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
         said(&refused)
     );
     assert!(granted(&["stop"]).contains("safety/stop: mode safe_off"));
+    let told = graph.until("safe_off: P13");
+    assert!(told.contains("start the next print") && !told.contains("fdm acknowledge"), "{told}");
     let (code, figures) = graph.end();
     assert_eq!(code, Some(0), "{figures}");
     assert_eq!(figures["ended"], "stopped");

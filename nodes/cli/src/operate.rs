@@ -6,9 +6,12 @@ use crate::participant;
 use anyhow::{Context, bail};
 use clap::Args;
 use fdm_loop_msgs::{RosService, SetModeRequest, Trigger, TriggerRequest};
+use models::command::Request;
 use models::units::Seconds;
 use runtime::topics::{self, Service};
 use runtime::{CallError, Patience};
+
+mod stop;
 
 /// Longest wait for a supervisor to be found `[s]`; discovery takes up to 0.5 s, on a busy machine longer.
 const FOUND_S: f64 = 3.0;
@@ -57,6 +60,15 @@ impl Ask {
         }
     }
 
+    /// What the printer takes from everybody, so that it is not lost with the supervisor.
+    fn of_everybody(self) -> Option<Request> {
+        match self {
+            Self::Stop => Some(Request::HeatersOff),
+            Self::Estop => Some(Request::EmergencyStop),
+            Self::Pause | Self::Resume | Self::Acknowledge | Self::Approve => None,
+        }
+    }
+
     /// Wait until it is asked again `[s]`.
     fn again_s(self) -> f64 {
         match self {
@@ -66,20 +78,19 @@ impl Ask {
     }
 }
 
-/// Asks the supervisor and waits for its answer.
+/// Asks the supervisor and waits for its answer; a stop goes to the printer itself where there is none.
 ///
 /// # Errors
-/// No supervisor, or one that refuses; exit code 2.
+/// No supervisor, or one that refuses; a stop that nobody confirms; exit code 2.
 pub fn ask(what: Ask, args: &AskArgs) -> anyhow::Result<()> {
+    if let Some(request) = what.of_everybody() {
+        return stop::ask(what, request, &args.namespace);
+    }
     let name = what.service().name();
     let (answer, times) =
         insist(what.service(), &TriggerRequest::default(), &args.namespace, what.again_s())?;
     let hint = absent(&answer, &args.namespace);
-    let unconfirmed = || match what {
-        Ask::Estop | Ask::Stop => format!("{name} was not confirmed: use the printer's own switch{hint}"),
-        _ => not_confirmed(name, &hint),
-    };
-    let answer = answer.with_context(unconfirmed)?;
+    let answer = answer.with_context(|| not_confirmed(name, &hint))?;
     if !answer.success {
         bail!("the supervisor refused {name}: {}{}", answer.message, doubt(times));
     }

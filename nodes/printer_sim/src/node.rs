@@ -18,6 +18,7 @@ use runtime::{
 };
 use time::TimeBase;
 
+mod alone;
 pub(crate) mod darkroom;
 mod injection;
 mod time;
@@ -228,6 +229,7 @@ impl Shell {
         }
         if reads {
             self.tell_truth();
+            alone::tell(&self.diagnostics, self.simulator.in_force(), self.simulator.status().phase);
         }
     }
 

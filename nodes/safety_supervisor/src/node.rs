@@ -13,7 +13,7 @@ mod standing_file;
 use std::path::PathBuf;
 
 use models::units::Seconds;
-use runtime::{Node, RuntimeError, topics};
+use runtime::{Level, Node, RuntimeError, topics};
 use tokio::time::{MissedTickBehavior, interval};
 
 use crate::cause::Cause;
@@ -26,6 +26,9 @@ use latch_file::{LATCH_FILE, LatchFile, Latched};
 use operators::Operators;
 use outlets::{Outlets, Totals};
 use standing_file::{StandingFile, Written};
+
+/// What `/diagnostics` says of a supervisor that waits.
+const NOT_ACTIVE: &str = "not active: no permits, nobody watches the heaters";
 
 /// Runs the node to its end; its last word is a permit with the slicer's own values.
 ///
@@ -49,6 +52,8 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut hearts = Hearts::open(&mut node)?;
     let mut looks = interval(rivals::LOOK);
     looks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    // Until then, and where somebody has taken it out of its work again; its first state says what holds after that.
+    node.diagnostics().report(Level::Warn, NOT_ACTIVE);
     node.activated().await;
     loop {
         tokio::select! {

@@ -51,6 +51,7 @@ pub(crate) struct Graph {
     lines: UnboundedReceiver<String>,
     pids: BTreeMap<String, Pid>,
     prints: bool,
+    said: Vec<String>,
     folder: PathBuf,
 }
 
@@ -77,7 +78,7 @@ impl Graph {
             .spawn()
             .unwrap();
         let lines = follow(fdm.stderr.take().unwrap());
-        Self { fdm, lines, pids: BTreeMap::new(), prints: false, folder }
+        Self { fdm, lines, pids: BTreeMap::new(), prints: false, said: Vec::new(), folder }
     }
 
     /// Folder of the bag.
@@ -96,6 +97,16 @@ impl Graph {
     /// Processes that were started and not replaced.
     pub(crate) fn pids(&self) -> &BTreeMap<String, Pid> {
         &self.pids
+    }
+
+    /// Reads on until a line says so that has not been asked for before.
+    pub(crate) async fn until(&mut self, what: &str) -> String {
+        loop {
+            if let Some(at) = self.said.iter().position(|line| line.contains(what)) {
+                return self.said.drain(..=at).next_back().unwrap();
+            }
+            self.next().await;
+        }
     }
 
     /// Whether `fdm` has told a progress.
@@ -151,6 +162,7 @@ impl Graph {
 
     fn take(&mut self, line: &str) -> Said {
         println!("  fdm: {line}");
+        self.said.push(line.to_owned());
         // "12.3 % at 45 s: layer 2, act, ..."
         self.prints |= line.contains(" % at ");
         if let Some((_, list)) = line.split_once(" node processes: ") {

@@ -1,6 +1,6 @@
 //! What `fdm` hears of the graph. It does not end where it hears nothing any more: it joins anew.
 
-use fdm_loop_msgs::{Heartbeat, PrinterState, SafetyState, SimTruth};
+use fdm_loop_msgs::{DiagnosticArray, Heartbeat, PrintEvent, PrinterState, SafetyState, SimTruth};
 use runtime::{Args, Node, Subscription, topics};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,6 +11,8 @@ pub(super) struct Ears {
     pub(super) safety: Subscription<SafetyState>,
     pub(super) truth: Subscription<SimTruth>,
     pub(super) heartbeats: Subscription<Heartbeat>,
+    pub(super) events: Subscription<PrintEvent>,
+    pub(super) reports: Subscription<DiagnosticArray>,
     pub(super) node: Node,
     deaf: Arc<AtomicBool>,
 }
@@ -30,6 +32,8 @@ impl Ears {
             safety: node.subscribe(&topics::SAFETY_STATE)?,
             truth: node.subscribe(&topics::SIM_TRUTH)?,
             heartbeats: node.subscribe(&topics::HEARTBEAT)?,
+            events: node.subscribe(&topics::EVENTS)?,
+            reports: node.subscribe(&topics::DIAGNOSTICS)?,
             node,
             deaf,
         })

@@ -7,6 +7,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 
+mod happening;
+
+pub use happening::Happening;
+
 /// Delay before a process that has run for a minute is started again `[s]`: a thermistor has to be back 1.4 s after its
 /// end, before the supervisor pauses the print (S7).
 const FIRST_DELAY_S: f64 = 0.1;
@@ -14,10 +18,14 @@ const FIRST_DELAY_S: f64 = 0.1;
 const BACKOFF_MIN_S: f64 = 0.5;
 /// Longest delay `[s]`.
 const BACKOFF_MAX_S: f64 = 8.0;
-/// Starts within [`RESTART_WINDOW_S`] after which a process stays down.
+/// Starts within [`RESTART_WINDOW_S`] after which a process is tried again every [`SLOW_S`] alone.
 const RESTARTS_MAX: usize = 5;
 /// Window of [`RESTARTS_MAX`] `[s]`.
 const RESTART_WINDOW_S: f64 = 60.0;
+/// Delay before a process that keeps ending is tried again `[s]`: what keeps it down (a full disk, a garbled network) may
+/// pass, and who stayed down for good, a supervisor or a recorder, would be missing for the rest of the print. Such a
+/// process is back when it has run for as long.
+const SLOW_S: f64 = 10.0;
 /// Delay before a process that the network has driven out again within that window is started again `[s]`: as often as
 /// it takes, for who stayed down would be missing when the network is sound again (X1: whole within 5 s).
 const DRIVEN_OUT_DELAY_S: f64 = 0.5;
@@ -44,40 +52,6 @@ impl Recipe {
     }
 }
 
-/// What happened to a process.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Happening {
-    /// It ended although nobody had asked; it will be started again.
-    Ended {
-        /// Name of the node.
-        name: &'static str,
-        /// Exit status or signal, for people.
-        how: String,
-    },
-    /// It runs again.
-    Restarted {
-        /// Name of the node.
-        name: &'static str,
-        /// Its new process id.
-        pid: u32,
-    },
-    /// It ended too often and stays down.
-    GivenUp {
-        /// Name of the node.
-        name: &'static str,
-    },
-    /// Its heart stands still, though the process may live.
-    Silent {
-        /// Name of the node.
-        name: &'static str,
-    },
-    /// Its heart beats again.
-    HeardAgain {
-        /// Name of the node.
-        name: &'static str,
-    },
-}
-
 struct Member {
     recipe: Recipe,
     child: Option<Child>,
@@ -85,6 +59,10 @@ struct Member {
     driven_out: Option<Seconds>,
     due: Option<Seconds>,
     given_up: bool,
+    /// It keeps ending, and is tried again now and then.
+    slow: bool,
+    /// When it was started last, of a process that keeps ending.
+    tried: Option<Seconds>,
 }
 
 /// All node processes of one printer, in the order of their start.
@@ -122,6 +100,8 @@ impl Fleet {
                 driven_out: None,
                 due: None,
                 given_up: false,
+                slow: false,
+                tried: None,
             });
         }
         Ok(fleet)
@@ -135,10 +115,20 @@ impl Fleet {
                 happenings.push(member.plan_restart(now, status));
             }
             if member.due.is_some_and(|due| now >= due) {
-                happenings.extend(member.restart(&self.logs));
+                happenings.extend(member.restart(now, &self.logs));
             }
+            happenings.extend(member.back(now));
         }
         happenings
+    }
+
+    /// Asks one of them to end that does nothing any more; it is started again as after any end.
+    pub fn end(&self, name: &str) {
+        for member in
+            self.members.iter().filter(|member| member.recipe.name == name && member.recipe.replaceable)
+        {
+            member.signal(Signal::TERM);
+        }
     }
 
     /// Whether a node ended and will not be started again.
@@ -203,9 +193,15 @@ impl Member {
         let name = self.recipe.name;
         self.restarts.retain(|at| (now - *at).0 < RESTART_WINDOW_S);
         let driven_out = status.code() == Some(runtime::DRIVEN_OUT.into());
-        if !self.recipe.replaceable || (!driven_out && self.restarts.len() >= RESTARTS_MAX) {
+        if !self.recipe.replaceable {
             self.given_up = true;
             return Happening::GivenUp { name };
+        }
+        if !driven_out && (self.slow || self.restarts.len() >= RESTARTS_MAX) {
+            self.due = Some(now + Seconds(SLOW_S));
+            let told = std::mem::replace(&mut self.slow, true);
+            let how = status.to_string();
+            return if told { Happening::EndedAgain { name } } else { Happening::KeepsEnding { name, how } };
         }
         self.due = Some(now + if driven_out { self.pause(now) } else { delay(self.restarts.len()) });
         if driven_out {
@@ -222,20 +218,35 @@ impl Member {
         Seconds(if again { DRIVEN_OUT_DELAY_S } else { FIRST_DELAY_S })
     }
 
-    fn restart(&mut self, logs: &Path) -> Option<Happening> {
+    fn restart(&mut self, now: Seconds, logs: &Path) -> Option<Happening> {
         self.due = None;
         let name = self.recipe.name;
         match spawn(&self.recipe, logs) {
             Ok(child) => {
                 let pid = child.id();
                 self.child = Some(child);
-                Some(Happening::Restarted { name, pid })
+                self.tried = Some(now);
+                (!self.slow).then_some(Happening::Restarted { name, pid })
             }
-            Err(_) => {
-                self.given_up = true;
-                Some(Happening::GivenUp { name })
+            // As after a process that ended at once.
+            Err(error) => {
+                self.due = Some(now + Seconds(SLOW_S));
+                let told = std::mem::replace(&mut self.slow, true);
+                (!told).then(|| Happening::KeepsEnding { name, how: error.to_string() })
             }
         }
+    }
+
+    /// Tells of a process that kept ending and has stayed now.
+    fn back(&mut self, now: Seconds) -> Option<Happening> {
+        let pid = self.child.as_ref()?.id();
+        let stayed = self.slow && self.tried.is_some_and(|tried| (now - tried).0 >= SLOW_S);
+        if !stayed {
+            return None;
+        }
+        self.slow = false;
+        self.restarts.clear();
+        Some(Happening::Restarted { name: self.recipe.name, pid })
     }
 
     fn signal(&self, signal: Signal) {

@@ -48,6 +48,8 @@ pub struct Print {
     pub modes: Vec<(f64, String)>,
     /// Folder of the bag.
     pub bag: String,
+    /// Why something is missing in it.
+    pub bag_not_whole: Option<String>,
     /// Folder of the nodes' messages.
     pub logs: String,
 }
@@ -80,6 +82,7 @@ impl Print {
             happenings: watch.happenings.iter().map(text).collect(),
             modes: watch.modes.clone(),
             bag: plan.bag.display().to_string(),
+            bag_not_whole: watch.gap().map(str::to_owned),
             logs: plan.logs().display().to_string(),
         }
     }
@@ -117,5 +120,44 @@ pub fn table(prints: &[Print]) -> String {
             print.bag
         );
     }
+    for print in prints {
+        if let Some(why) = &print.bag_not_whole {
+            _ = writeln!(text, "{} is not whole: {why}", print.bag);
+        }
+    }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bag_that_is_not_whole_is_told_below_the_table() {
+        let print = |gap: Option<&str>| Print {
+            gcode: "cube.gcode".to_owned(),
+            material: "PLA".to_owned(),
+            scenario: "nominal".to_owned(),
+            control: "mpc".to_owned(),
+            host: "native".to_owned(),
+            seed: 1,
+            ended: Ended::Done,
+            cause: None,
+            print_time_s: 1.0,
+            wall_time_s: 1.0,
+            quality_mean: None,
+            width_rms_rel: None,
+            feed_error_rel: None,
+            feed_error_after_2s_rel: None,
+            processes: BTreeMap::new(),
+            happenings: Vec::new(),
+            modes: Vec::new(),
+            bag: "bags/one".to_owned(),
+            bag_not_whole: gap.map(str::to_owned),
+            logs: "bags/one_logs".to_owned(),
+        };
+        assert!(!table(&[print(None)]).contains("not whole"));
+        let told = table(&[print(None), print(Some("the disk is nearly full"))]);
+        assert!(told.ends_with("\nbags/one is not whole: the disk is nearly full\n"), "{told}");
+    }
 }

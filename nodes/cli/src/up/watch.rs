@@ -4,9 +4,11 @@ use super::ears::Ears;
 use super::ended::{Ended, Marks};
 use super::ending;
 use super::fleet::{Fleet, Happening};
+use super::guard::Guard;
 use super::hearing::Hearing;
 use super::recipes::{NODES, Plan};
-use super::words::{mode_name, text, todo};
+use super::reports::Reports;
+use super::words::{at_the_end, mode_name, text, todo};
 use crate::output;
 use crate::suspension::Suspension;
 use anyhow::bail;
@@ -18,6 +20,7 @@ use printer_sim::score::Integrals;
 use runtime::Timer;
 use std::io::IsTerminal;
 
+mod news;
 mod shown;
 
 /// How often processes and topics are looked at `[s]`.
@@ -42,6 +45,8 @@ pub struct Watch {
     told: Option<Seconds>,
     newest_state: Option<PrinterState>,
     newest_safety: Option<SafetyState>,
+    guard: Guard,
+    reports: Reports,
     started: Seconds,
     stay: bool,
     host_clock: bool,
@@ -70,6 +75,8 @@ impl Watch {
             told: (!quiet && !std::io::stderr().is_terminal()).then_some(Seconds(0.0)),
             newest_state: None,
             newest_safety: None,
+            guard: Guard::default(),
+            reports: Reports::default(),
             stay: plan.stay,
             host_clock: plan.host_clock,
             marks: Marks::default(),
@@ -105,6 +112,8 @@ impl Watch {
         let mut ticks = self.ears.node.timer(Seconds(LOOK_S));
         let mut heard = self.ears.node.clock().now();
         let mut suspended = Suspension::listen();
+        // What the nodes said of themselves while they came up.
+        while self.ears.reports.try_recv().is_some() {}
         loop {
             let now = tokio::select! {
                 now = ticks.next() => now,
@@ -123,6 +132,7 @@ impl Watch {
             if self.listen() {
                 heard = now;
             }
+            self.take_news(fleet);
             self.show();
             self.tell_progress(now);
             let phase = self.newest_state.as_ref().map(|state| state.phase);
@@ -144,10 +154,14 @@ impl Watch {
     /// Looks after every process.
     pub(super) fn tend(&mut self, fleet: &mut Fleet, now: Seconds) {
         for happening in fleet.tend(now) {
-            if let Happening::Ended { name, .. } | Happening::GivenUp { name } = happening {
+            if let Some(name) = happening.ended() {
                 self.hearing.forget(name);
+                self.reports.ended(name);
             }
-            self.tell(happening);
+            // One of many tries is no news.
+            if !matches!(happening, Happening::EndedAgain { .. }) {
+                self.tell(happening);
+            }
         }
     }
 
@@ -214,9 +228,11 @@ impl Watch {
 
     /// Takes everything that came in; whether the printer was heard.
     fn listen(&mut self) -> bool {
+        let mut guarded = false;
         while let Some(safety) = self.ears.safety.try_recv() {
             self.note_mode(&safety.message);
             self.newest_safety = Some(safety.message);
+            guarded = true;
         }
         while let Some(truth) = self.ears.truth.try_recv() {
             self.mark(&truth.message);
@@ -226,6 +242,7 @@ impl Watch {
         if let Some(state) = newest {
             self.newest_state = Some(state.message);
         }
+        self.look_for_guard(guarded);
         heard
     }
 
@@ -236,8 +253,10 @@ impl Watch {
         let why = if safety.cause.is_empty() { String::new() } else { format!(": {}", safety.cause) };
         let line = format!("{}{why}", mode_name(safety.mode));
         if safety.mode >= SafetyState::MODE_DEGRADED || !self.modes.is_empty() {
-            let asked = &safety.what_to_do;
-            let then = if asked.is_empty() { String::new() } else { format!(". {}", todo(asked)) };
+            // With a latched stop the job is given up; nobody could acknowledge to a graph that ends with it.
+            let ends = safety.mode >= SafetyState::MODE_SAFE_OFF && !self.stay;
+            let asked = if ends { at_the_end(&safety.what_to_do) } else { todo(&safety.what_to_do) };
+            let then = if asked.is_empty() { String::new() } else { format!(". {asked}") };
             let shown = format!("supervisor at {:.1} s: {line}{then}", self.marks.last_s);
             self.bar.suspend(|| output::note(&shown));
         }

@@ -39,6 +39,21 @@ pub fn todo(text: &str) -> String {
     if commands.is_empty() { text.to_owned() } else { format!("{text} ({})", commands.join(", ")) }
 }
 
+/// What to do about a stop that ends the graph: its latch ends with it, and nobody is left to acknowledge to.
+#[must_use]
+pub fn at_the_end(text: &str) -> String {
+    const NEXT: &str = "start the next print";
+    const WORDS: [(&str, &str); 4] = [
+        ("`fdm acknowledge`, then start the next job", NEXT),
+        ("`fdm acknowledge`, then start the job again", NEXT),
+        ("`fdm acknowledge` where the heaters are off", NEXT),
+        ("`fdm acknowledge`", NEXT),
+    ];
+    let said = WORDS.iter().fold(text.to_owned(), |text, (word, then)| text.replace(word, then));
+    // Nothing is left of a pause either.
+    said.replace("then `fdm resume` where it has paused, ", "then ")
+}
+
 /// A happening for people.
 #[must_use]
 pub fn text(happening: &Happening) -> String {
@@ -46,6 +61,10 @@ pub fn text(happening: &Happening) -> String {
         Happening::Ended { name, how } => format!("{name} ended ({how}); it is started again"),
         Happening::Restarted { name, pid } => format!("{name} runs again as process {pid}"),
         Happening::GivenUp { name } => format!("{name} ended and stays down: see its log"),
+        Happening::KeepsEnding { name, how } => {
+            format!("{name} keeps ending ({how}): it is tried again every 10 s, see its log")
+        }
+        Happening::EndedAgain { name } => format!("{name} ended again"),
         Happening::Silent { name } => format!("{name} is silent: its heart stands still"),
         Happening::HeardAgain { name } => format!("{name} is heard again"),
     }
@@ -53,7 +72,7 @@ pub fn text(happening: &Happening) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::todo;
+    use super::{at_the_end, todo};
     use safety_supervisor::Cause;
 
     /// A supervisor of this build names them itself, for whoever reads its topics, its events or a bag.
@@ -61,6 +80,20 @@ mod tests {
     fn what_this_supervisor_says_needs_no_command_added() {
         for cause in Cause::ALL {
             assert_eq!(todo(cause.what_to_do()), cause.what_to_do(), "{cause:?}");
+        }
+    }
+
+    /// The graph has ended by the time somebody has read it.
+    #[test]
+    fn what_to_do_after_the_end_asks_nothing_of_a_graph_that_is_gone() {
+        assert_eq!(
+            at_the_end("make the printer safe, then `fdm acknowledge`"),
+            "make the printer safe, then start the next print"
+        );
+        assert_eq!(at_the_end("`fdm acknowledge`, then start the next job"), "start the next print");
+        for cause in Cause::ALL.iter().filter(|cause| cause.what_to_do().contains("`fdm acknowledge`")) {
+            let said = at_the_end(cause.what_to_do());
+            assert!(said.contains("start the next print") && !said.contains("`fdm "), "{cause:?}: {said}");
         }
     }
 

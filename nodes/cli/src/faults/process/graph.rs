@@ -88,7 +88,7 @@ impl Graph {
         let mut happenings: Vec<Happening> =
             self.fleets.iter_mut().flat_map(|fleet| fleet.tend(now)).collect();
         for happening in &happenings {
-            if let Happening::Ended { name, .. } | Happening::GivenUp { name } = happening {
+            if let Some(name) = happening.ended() {
                 self.hearing.forget(name);
             }
         }

@@ -148,9 +148,8 @@ impl Watcher {
             Seen::Safety(state) => self.on_safety(state),
             Seen::Permit(permit) => self.jitter.take(permit),
             Seen::Report(report) => self.alarmed |= tells_alarm(report),
-            Seen::Happened(
-                Happening::Ended { name, .. } | Happening::GivenUp { name } | Happening::Silent { name },
-            ) => self.fallen.push(name),
+            Seen::Happened(Happening::Silent { name }) => self.fallen.push(name),
+            Seen::Happened(happening) => self.fallen.extend(happening.ended()),
             _ => {}
         }
         let at_s = self.since(at);

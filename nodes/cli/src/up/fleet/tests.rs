@@ -22,9 +22,16 @@ fn next(fleet: &mut Fleet, now: &mut Seconds) -> Happening {
     }
 }
 
+/// A disk that is full for a while ends a recorder six times in a minute: it is tried again every 10 s, told once when that
+/// begins and once when it has stayed, and nothing of what is between.
 #[test]
-fn a_process_that_keeps_ending_is_given_up_after_five_restarts() {
-    let mut fleet = Fleet::start(vec![recipe("short", "exit 3")], &logs("short")).unwrap();
+fn a_process_that_keeps_ending_is_tried_again_until_it_stays() {
+    let logs = logs("short");
+    std::fs::create_dir_all(&logs).unwrap();
+    let mark = logs.join("sound");
+    _ = std::fs::remove_file(&mark);
+    let script = format!("test -e '{}' && exec sleep 60; exit 3", mark.display());
+    let mut fleet = Fleet::start(vec![recipe("short", &script)], &logs).unwrap();
     // No delay is longer than 8 s: all five restarts lie inside one minute of virtual time.
     let (mut now, mut restarts) = (Seconds(0.0), 0);
     loop {
@@ -36,13 +43,42 @@ fn a_process_that_keeps_ending_is_given_up_after_five_restarts() {
                 restarts += 1;
                 now.0 += 8.0;
             }
-            Happening::GivenUp { name } => {
+            Happening::KeepsEnding { name, how } => {
                 assert_eq!((name, restarts), ("short", 5));
-                return;
+                assert!(how.contains('3'), "{how}");
+                now = still;
+                break;
             }
-            heart => panic!("{heart:?}"),
+            other => panic!("{other:?}"),
         }
     }
+    for _ in 0..3 {
+        assert_eq!(fleet.tend(now + Seconds(9.9)), [], "not yet");
+        now.0 += 10.0;
+        assert_eq!(fleet.tend(now), [], "started, and not told");
+        assert_eq!(next(&mut fleet, &mut now), Happening::EndedAgain { name: "short" });
+    }
+    assert!(!fleet.has_lost("short"));
+    std::fs::write(&mark, "").unwrap();
+    now.0 += 10.0;
+    assert_eq!(fleet.tend(now), []);
+    assert_eq!(fleet.tend(now + Seconds(9.9)), [], "it may end yet");
+    assert!(matches!(fleet.tend(now + Seconds(10.0))[..], [Happening::Restarted { name: "short", .. }]));
+    assert_eq!(fleet.tend(now + Seconds(20.0)), [], "told once");
+    // From here on it is as any other.
+    fleet.ask_to_end(None);
+    assert!(matches!(next(&mut fleet, &mut now), Happening::Ended { name: "short", .. }));
+    std::fs::remove_dir_all(logs).unwrap();
+}
+
+/// The printer's process has its job in its memory: another one would begin it anew.
+#[test]
+fn a_printer_that_ended_stays_down() {
+    let printer = Recipe { replaceable: false, ..recipe("printer_sim", "exit 3") };
+    let mut fleet = Fleet::start(vec![printer], &logs("printer")).unwrap();
+    fleet.end("printer_sim");
+    assert_eq!(next(&mut fleet, &mut Seconds(0.0)), Happening::GivenUp { name: "printer_sim" });
+    assert!(fleet.has_lost("printer_sim"));
 }
 
 /// X1: garbage that ends a process each time it is started keeps nobody down once it stops.

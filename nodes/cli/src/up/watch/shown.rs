@@ -26,7 +26,9 @@ impl Watch {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded here")]
         let permille = (state.progress.clamp(0.0, 1.0) * 1000.0) as u64;
         self.bar.set_position(permille);
-        let mode = self.newest_safety.as_ref().map_or("-", |safety| mode_name(safety.mode));
+        // What it said before it fell silent holds no longer.
+        let guarded = self.newest_safety.as_ref().filter(|_| !self.guard.is_lost());
+        let mode = guarded.map_or("no supervisor", |safety| mode_name(safety.mode));
         let layer = place(state);
         let factor = self.marks.last_s / self.elapsed_s().max(1e-3);
         self.bar.set_message(format!(

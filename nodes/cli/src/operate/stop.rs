@@ -1,0 +1,184 @@
+//! A stop reaches the printer whether there is a supervisor or not: heaters off and an emergency stop are taken from every
+//! participant, and the printer's own state confirms them.
+
+use super::{Ask, absent, executor, in_namespace};
+use crate::{output, participant};
+use anyhow::bail;
+use fdm_loop_msgs::{ControlCommand, PrinterState, TriggerRequest, TriggerResponse};
+use models::command::{Mode, Permit, Request, Trims};
+use models::status::JobPhase;
+use models::units::Seconds;
+use runtime::{CallError, Clock, Node, Patience, Publisher, RuntimeError, Subscription, topics, wire};
+use std::pin::pin;
+use std::time::Duration;
+use tokio::time::{Instant, interval};
+
+/// Until the printer is told as well: who is there has been discovered in 0.5 s and promises an answer within 250 ms.
+const AT_ONCE: Patience = Patience { found: Seconds(0.7), again: Seconds(0.3), answered: Seconds(1.0) };
+/// The supervisor is asked beside that: on a busy machine it takes longer to be found, and to answer.
+const BESIDE: Patience = Patience { found: Seconds(3.0), again: Seconds(0.3), answered: Seconds(5.0) };
+/// The printer is told until it confirms, at most so long: a permit that the network loses is followed by others.
+const TELL: Duration = Duration::from_secs(3);
+/// Between two of them: the supervisor's own period.
+const EVERY: Duration = Duration::from_millis(20);
+/// How long each one counts `[s]`, no longer than any printer takes.
+const VALIDITY: Seconds = Seconds(0.25);
+
+/// What was confirmed, and by whom.
+enum Outcome {
+    Answered(TriggerResponse),
+    Printer,
+    /// By nobody: why the supervisor did not, and what the printer says.
+    Nobody(CallError, String),
+}
+
+/// Asks the supervisor; where it does not answer at once, tells the printer itself.
+///
+/// # Errors
+/// A supervisor that refuses; nobody who confirms.
+pub(super) fn ask(what: Ask, request: Request, namespace: &str) -> anyhow::Result<()> {
+    let name = what.service().name();
+    let outcome = executor()?.block_on(async {
+        let mut node = participant::join("fdm", in_namespace(namespace))?;
+        let supervisor = node.client(what.service())?;
+        let mut printer = Printer::open(&mut node, request)?;
+        let (answer, _) = supervisor.insist(TriggerRequest::default(), AT_ONCE).await;
+        if let Ok(answer) = answer {
+            return anyhow::Ok(Outcome::Answered(answer));
+        }
+        output::note("the supervisor does not answer: the printer is told itself");
+        let mut told = pin!(printer.tell());
+        let mut asked = pin!(supervisor.insist(TriggerRequest::default(), BESIDE));
+        Ok(tokio::select! {
+            told = &mut told => match told {
+                Ok(()) => Outcome::Printer,
+                Err(state) => asked.await.0.map_or_else(|error| Outcome::Nobody(error, state), Outcome::Answered),
+            },
+            (answer, _) = &mut asked => match answer {
+                Ok(answer) => Outcome::Answered(answer),
+                Err(error) => told.await.map_or_else(|state| Outcome::Nobody(error, state), |()| Outcome::Printer),
+            },
+        })
+    })?;
+    match outcome {
+        Outcome::Answered(answer) if answer.success => output::line(&format!("{name}: {}", answer.message)),
+        Outcome::Answered(answer) => bail!("the supervisor refused {name}: {}", answer.message),
+        Outcome::Printer => output::line(&format!(
+            "{name}: the supervisor does not answer: told the printer itself, which confirms: {}",
+            confirmed(request)
+        )),
+        Outcome::Nobody(error, state) => {
+            let hint = absent(&Err::<(), _>(error), namespace);
+            bail!(
+                "{name} was not confirmed: use the printer's own switch (told the printer itself, {state}){hint}"
+            )
+        }
+    }
+}
+
+/// What the printer's state shows then.
+fn confirmed(request: Request) -> &'static str {
+    if request == Request::EmergencyStop {
+        "heaters off, mains relay open, job given up"
+    } else {
+        "heaters off, job given up"
+    }
+}
+
+/// The printer, as who commands it in the supervisor's place.
+struct Printer {
+    states: Subscription<PrinterState>,
+    permits: Publisher<ControlCommand>,
+    clock: Clock,
+    session: u64,
+    request: Request,
+}
+
+impl Printer {
+    fn open(node: &mut Node, request: Request) -> Result<Self, RuntimeError> {
+        Ok(Self {
+            states: node.subscribe(&topics::PRINTER_STATE)?,
+            permits: node.publish_on(&topics::SAFETY_COMMAND)?,
+            clock: node.clock(),
+            session: node.session(),
+            request,
+        })
+    }
+
+    /// Demands it until the printer's state shows it; else what the printer says.
+    async fn tell(&mut self) -> Result<(), String> {
+        let begin = Instant::now();
+        let mut ticks = interval(EVERY);
+        let mut newest = self.states.drain_newest();
+        for sequence in 1.. {
+            ticks.tick().await;
+            if let Some(state) = self.states.drain_newest() {
+                // Of what was demanded before it: the first one comes after a demand.
+                if sequence > 1 && is_safe(&state.message, self.request) {
+                    return Ok(());
+                }
+                newest = Some(state);
+            }
+            if begin.elapsed() > TELL {
+                break;
+            }
+            // Stamped by the printer's clock, which is simulated or the host's: it refuses what is old by it.
+            let stamp = newest.as_ref().and_then(|state| state.message.header.stamp.seconds());
+            let now = stamp.map_or_else(|| self.clock.now(), Seconds);
+            self.permits.send(wire::permit_to_wire(now, &self.permit(sequence)));
+        }
+        Err(newest.map_or_else(|| "of which nothing is heard".to_owned(), |state| says(&state.message)))
+    }
+
+    fn permit(&self, sequence: u64) -> Permit {
+        let mode = if self.request == Request::EmergencyStop { Mode::Estop } else { Mode::SafeOff };
+        let (session, request) = (self.session, self.request);
+        Permit { session, sequence, validity: VALIDITY, mode, request, trims: Trims::NEUTRAL }
+    }
+}
+
+/// Whether the printer's state confirms what was demanded.
+fn is_safe(state: &PrinterState, request: Request) -> bool {
+    let works = [JobPhase::Preparing, JobPhase::Printing, JobPhase::Paused];
+    let cold = state.hotend_target_degc <= 0.0 && state.bed_target_degc <= 0.0;
+    let unpowered = !state.mains_on || (state.hotend_duty <= 0.0 && state.bed_duty <= 0.0);
+    let relay = request != Request::EmergencyStop || !state.mains_on;
+    !works.iter().any(|phase| *phase as u8 == state.phase) && cold && unpowered && relay
+}
+
+/// What speaks against it, for people.
+fn says(state: &PrinterState) -> String {
+    format!(
+        "which says: {}, set to {:.0} and {:.0} degC, mains {}",
+        crate::up::words::phase_name(state.phase),
+        state.hotend_target_degc,
+        state.bed_target_degc,
+        if state.mains_on { "on" } else { "off" }
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each of them missing is no confirmation.
+    #[test]
+    fn a_printer_confirms_by_all_that_it_shows() {
+        let off =
+            PrinterState { phase: PrinterState::PHASE_FAILED, mains_on: false, ..PrinterState::default() };
+        for request in [Request::HeatersOff, Request::EmergencyStop] {
+            assert!(is_safe(&off, request), "{request:?}");
+            for hot in [
+                PrinterState { phase: PrinterState::PHASE_PRINTING, ..off.clone() },
+                PrinterState { phase: PrinterState::PHASE_PAUSED, ..off.clone() },
+                PrinterState { hotend_target_degc: 215.0, ..off.clone() },
+                PrinterState { bed_target_degc: 60.0, ..off.clone() },
+                PrinterState { mains_on: true, bed_duty: 0.3, ..off.clone() },
+            ] {
+                assert!(!is_safe(&hot, request), "{request:?}: {hot:?}");
+            }
+        }
+        let fed = PrinterState { mains_on: true, ..off };
+        assert!(is_safe(&fed, Request::HeatersOff) && !is_safe(&fed, Request::EmergencyStop));
+    }
+}
