@@ -2,6 +2,7 @@
 
 use crate::output::{self, Failed};
 use runtime::{Args, Node, RuntimeError};
+use std::sync::Once;
 
 /// Exit code of a command whose participant hears nothing any more.
 const DEAF: i32 = 1;
@@ -12,6 +13,7 @@ const DEAF: i32 = 1;
 /// # Errors
 /// What keeps the participant from starting.
 pub(crate) fn join(name: &str, args: Args) -> Result<Node, RuntimeError> {
+    outlive_farewells();
     Node::start_or(name, args, || {
         let what =
             "was stopped and continued, or hears nothing through DDS any more: start the command again";
@@ -19,4 +21,55 @@ pub(crate) fn join(name: &str, args: Args) -> Result<Node, RuntimeError> {
         runtime::write_last_lines();
         std::process::exit(DEAF);
     })
+}
+
+/// The thread of the middleware that may be the last to let a participant go: it then waits for its own end, and panics.
+const DISCOVERY: &str = "RustDDS discovery thread";
+/// How that panic begins.
+const JOINS_ITSELF: &str = "failed to join thread";
+
+/// Keeps this process alive where the middleware panics at a participant's end: by then all is said, and the command has
+/// its own code to end with. (The thread stands still until then.)
+fn outlive_farewells() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let told = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            let thread = std::thread::current();
+            while is_farewell(thread.name(), panic.payload_as_str()) {
+                std::thread::park();
+            }
+            told(panic);
+        }));
+    });
+}
+
+fn is_farewell(thread: Option<&str>, said: Option<&str>) -> bool {
+    thread == Some(DISCOVERY) && said.is_some_and(|said| said.starts_with(JOINS_ITSELF))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    /// The panic of the standard library where a thread waits for itself is held up; any other one goes on.
+    #[test]
+    fn a_thread_that_waits_for_its_own_end_stands_still() {
+        outlive_farewells();
+        let thread = |name: &str, wait: bool| {
+            let (handle, own) = std::sync::mpsc::channel::<std::thread::JoinHandle<()>>();
+            let (ended, told) = std::sync::mpsc::channel::<()>();
+            let work = move || {
+                let _told_when_it_unwinds = ended;
+                let own = own.recv().unwrap();
+                assert!(wait, "of another kind");
+                own.join().unwrap();
+            };
+            handle.send(std::thread::Builder::new().name(name.to_owned()).spawn(work).unwrap()).unwrap();
+            told.recv_timeout(Duration::from_secs(2)) == Err(std::sync::mpsc::RecvTimeoutError::Timeout)
+        };
+        assert!(thread(DISCOVERY, true), "it panicked");
+        assert!(!thread(DISCOVERY, false) && !thread("another", true), "another panic was held up");
+    }
 }
