@@ -249,6 +249,28 @@ fn a_recorder_that_was_stopped_leaves_a_bag() {
     read_by_all(&bag);
 }
 
+/// Somebody publishes what is to be played, a print that runs or another play: a supervisor would take one's readings for the
+/// other's. Who wants it all the same says so.
+#[test]
+fn a_bag_is_not_played_into_a_graph_that_lives() {
+    let (print, domain) = (Bag::new("beside"), Domain::new(8));
+    played::simulate(&print);
+    let living = played::Group::play(&print, domain, "1");
+    // Its own look for others is over, and its wait for subscribers lasts longer.
+    std::thread::sleep(Duration::from_secs(3));
+    let (code, said) = played::tried(&print, domain, &[]);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(
+        said.contains("is published already in this ROS_DOMAIN_ID") && said.contains("--beside-live"),
+        "{said}"
+    );
+    let how = ["--beside-live", "--topics", "print/info", "--rate", "100"];
+    let (code, said) = played::tried(&print, domain, &how);
+    assert_eq!(code, Some(0), "{said}");
+    living.signal(Signal::INT);
+    assert_eq!(living.ended().0, Some(0));
+}
+
 /// The publishing process of the tests above: they start this program again with a role.
 #[test]
 #[ignore = "a process of the other tests"]

@@ -105,7 +105,8 @@ impl Walk {
     /// What was found, once there is no next record.
     #[must_use]
     pub fn finish(self) -> Walked {
-        Walked { compression: self.chunk.unknown().map(str::to_owned), ..self.walked }
+        let (compression, oversize) = (self.chunk.unknown().map(str::to_owned), self.chunk.oversize());
+        Walked { compression, oversize, ..self.walked }
     }
 
     fn advance(&mut self) -> io::Result<Option<(u8, Held)>> {

@@ -95,6 +95,10 @@ fn request(args: &InjectArgs) -> Result<InjectFaultRequest, FaultError> {
         allowed: allowed_kinds(component),
     })?;
     let course = Course { size: args.size, ramp_s: args.ramp_s, duration_s: args.duration_s };
+    // On the wire 0 is none: who types one is told that the kind has none.
+    if let (Some(size), true) = (args.size, takes_no_size(component, kind)) {
+        return Err(FaultError::Sized { size, kind: args.kind.clone() });
+    }
     // On the wire 0 is for good.
     if let Some(duration_s) = args.duration_s.filter(|duration_s| *duration_s == 0.0) {
         let (name, unit, high) = ("duration_s", "s", LONGEST_S);
@@ -112,6 +116,12 @@ fn request(args: &InjectArgs) -> Result<InjectFaultRequest, FaultError> {
         seed: args.seed.unwrap_or(0),
         ramp_s: args.ramp_s,
     })
+}
+
+/// The component has such a fault, and it is there or not.
+fn takes_no_size(component: Component, kind: Kind) -> bool {
+    size_of(component, kind).is_none()
+        && Entry::at(component, kind, Course { size: None, ramp_s: 0.0, duration_s: None }, 0.0).is_ok()
 }
 
 /// Who is not there, and what to do.
@@ -163,7 +173,15 @@ mod tests {
                 "component = nozzle: there is none of this name; it can be extruder, ",
             ),
             ("extruder slop --size 0.1", "kind = slop: not a fault of extruder; it can be slip, clog, leak"),
-            ("extruder slip", "size: slip needs one"),
+            ("extruder slip", "size: slip needs one in [0, 0.95] (no unit), see "),
+            ("hotend_thermistor bias", "size: bias needs one in [-300, 300] K, see "),
+            (
+                "hotend_thermistor open --size 0.5",
+                "size = 0.5: open has none, it is there or not; leave it out",
+            ),
+            ("hotend_thermistor open --size 0", "size = 0: open has none"),
+            ("stop_input pressed --size 3", "size = 3: pressed has none"),
+            ("part detached --size 0.5", "size = 0.5: detached has none"),
             ("extruder slip --size 2", "size = 2 (no unit): must be in [0, 0.95]"),
             ("extruder slip --size 0.1 --start-s -5", "start_s = -5 s: must be in [0, 604800]"),
             (

@@ -147,8 +147,26 @@ fn absent<T>(answer: &Result<T, CallError>, namespace: &str) -> String {
         Err(CallError::NoServer(_)) => format!(
             "; no supervisor of {namespace} is there: is `fdm up` running, with the same ROS_DOMAIN_ID and --namespace?"
         ),
-        _ => String::new(),
+        // What a server of another form answers is not understood.
+        Err(_) => format!("; {}", other_rmw()),
+        Ok(_) => String::new(),
     }
+}
+
+/// Forms of requests by RMW_IMPLEMENTATION; the first is what any other is taken for.
+const FORMS: [&str; 2] = ["rmw_fastrtps_cpp", "rmw_cyclonedds_cpp"];
+
+/// What to look at where somebody who is there does not answer: a request of another form than his he does not understand.
+pub(crate) fn other_rmw() -> String {
+    forms(std::env::var("RMW_IMPLEMENTATION").ok().as_deref())
+}
+
+fn forms(chosen: Option<&str>) -> String {
+    let (own, other) = if chosen == Some(FORMS[1]) { (FORMS[1], FORMS[0]) } else { (FORMS[0], FORMS[1]) };
+    format!(
+        "the server is on the graph: it hangs, or was started with another RMW_IMPLEMENTATION than this shell, whose \
+         requests have the form of {own}; then: export RMW_IMPLEMENTATION={other}"
+    )
 }
 
 /// What a refusal of the second request leaves open.
@@ -193,7 +211,19 @@ mod tests {
         let told = not_confirmed("safety/pause", &absent(&nobody, "/left"));
         assert!(told.ends_with("no supervisor of /left is there: is `fdm up` running, with the same ROS_DOMAIN_ID and --namespace?"));
         let silent: Result<(), CallError> = Err(CallError::TimedOut("/left/safety/estop".to_owned()));
-        assert_eq!(absent(&silent, "/left"), "");
+        let told = absent(&silent, "/left");
+        let service = "/left/safety/estop".to_owned();
+        let garbled: Result<(), CallError> = Err(CallError::Failed { service, reason: "read".to_owned() });
+        assert_eq!(absent(&garbled, "/left"), told);
+        assert!(told.contains("export RMW_IMPLEMENTATION=rmw_"), "{told}");
+        for (chosen, own, other) in [(Some(FORMS[1]), FORMS[1], FORMS[0]), (None, FORMS[0], FORMS[1])] {
+            let told = forms(chosen);
+            assert!(
+                told.contains(&format!("the form of {own};")) && told.ends_with(&format!("={other}")),
+                "{told}"
+            );
+        }
+        assert_eq!(absent(&Ok(()), "/left"), "");
     }
 
     /// A request that is refused the second time is not sent twice because the disk took its time.

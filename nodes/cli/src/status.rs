@@ -1,7 +1,9 @@
 //! `fdm status`: who is there, and what the printer does.
 
+mod life;
+
 use crate::operate::{executor, in_namespace};
-use crate::output::{self, Json};
+use crate::output::{self, Failed, Json};
 use crate::participant;
 use crate::up::words::{mode_name, phase_name, todo};
 use anyhow::bail;
@@ -28,16 +30,20 @@ pub struct StatusArgs {
 }
 
 /// What was heard of a node.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 struct Seen {
     beats: u64,
     work_counter: u64,
+    /// Its state by its own word: `active`, or what it is else; `None` where it did not answer.
+    state: Option<String>,
 }
 
 /// What was heard of a graph.
 #[derive(Debug, Clone, Serialize)]
 struct Status {
     nodes: BTreeMap<String, Seen>,
+    /// Nodes of this graph whose heart is not heard.
+    silent: Vec<String>,
     mode: Option<String>,
     cause: Option<String>,
     what_to_do: Option<String>,
@@ -58,7 +64,7 @@ struct Status {
 /// Listens for a while and says who is there and what the printer does.
 ///
 /// # Errors
-/// No graph in this domain; exit code 2.
+/// No graph in this domain, exit code 2; nodes and no supervisor, exit code 1.
 pub fn run(args: &StatusArgs) -> anyhow::Result<()> {
     let json = Json::new(args.json.as_deref());
     json.check()?;
@@ -66,7 +72,19 @@ pub fn run(args: &StatusArgs) -> anyhow::Result<()> {
     if !json.is_stdout() {
         output::line(&text(&seen))?;
     }
-    json.write(&seen)
+    json.write(&seen)?;
+    match seen.mode {
+        None => Err(Failed(no_supervisor(&args.namespace)).into()),
+        Some(_) => Ok(()),
+    }
+}
+
+/// What to do where nodes are there and nobody guards them.
+fn no_supervisor(namespace: &str) -> String {
+    format!(
+        "no supervisor of {namespace} was heard: nobody guards this printer, and `fdm pause` and `fdm estop` may reach nobody. \
+         Use the printer's own switch where it must stop; look into the log of safety_supervisor, and start it again"
+    )
 }
 
 async fn listen(args: &StatusArgs) -> anyhow::Result<Status> {
@@ -96,19 +114,24 @@ async fn listen(args: &StatusArgs) -> anyhow::Result<Status> {
     if nodes.is_empty() {
         bail!(nothing_heard(args, &node.published_topics()));
     }
+    let silent = life::silent(&args.namespace, &nodes, &node.published_topics());
+    if life::states(&mut node, &mut nodes).await? {
+        output::note(&format!("no node told its state: {}", crate::operate::other_rmw()));
+    }
     let degc = |read: Option<Received<Temperature>>| read.map(|read| read.message.temperature);
-    Ok(status(nodes, supervisor, state, (degc(hotend), degc(bed))))
+    Ok(status((nodes, silent), supervisor, state, (degc(hotend), degc(bed))))
 }
 
 /// What the newest messages say.
 fn status(
-    nodes: BTreeMap<String, Seen>,
+    (nodes, silent): (BTreeMap<String, Seen>, Vec<String>),
     supervisor: Option<SafetyState>,
     state: Option<PrinterState>,
     (hotend_degc, bed_degc): (Option<f64>, Option<f64>),
 ) -> Status {
     Status {
         nodes,
+        silent,
         mode: supervisor.as_ref().map(|safety| mode_name(safety.mode).to_owned()),
         cause: supervisor.as_ref().map(|safety| safety.cause.clone()),
         latched: supervisor.as_ref().map(|safety| safety.latched),
@@ -142,7 +165,7 @@ fn nothing_heard(args: &StatusArgs, published: &BTreeSet<String>) -> String {
 }
 
 fn note(nodes: &mut BTreeMap<String, Seen>, beat: &Heartbeat) {
-    let seen = nodes.entry(beat.node.clone()).or_insert(Seen { beats: 0, work_counter: 0 });
+    let seen = nodes.entry(beat.node.clone()).or_default();
     seen.beats += 1;
     seen.work_counter = beat.work_counter;
 }
@@ -151,7 +174,17 @@ fn text(status: &Status) -> String {
     let mut lines: Vec<String> = status
         .nodes
         .iter()
-        .map(|(name, seen)| format!("{name:<32} {} heartbeats, work {}", seen.beats, seen.work_counter))
+        .map(|(name, seen)| {
+            let state = seen.state.as_deref().filter(|state| *state != "active");
+            let state = state.map_or(String::new(), |state| format!(", NOT ACTIVE: {state}"));
+            format!("{name:<32} {} heartbeats, work {}{state}", seen.beats, seen.work_counter)
+        })
+        .chain(
+            status
+                .silent
+                .iter()
+                .map(|name| format!("{name:<32} silent: no heartbeat, it hangs or has ended")),
+        )
         .collect();
     let mode = status.mode.as_deref().unwrap_or("not heard");
     let cause = status.cause.as_deref().filter(|cause| !cause.is_empty());
@@ -208,9 +241,29 @@ mod tests {
         }
     }
 
+    /// Who hangs, and who was deactivated, stands among those that work, and does not look like them.
+    #[test]
+    fn a_silent_node_and_one_that_is_not_active_are_told() {
+        let seen = |state: &str| Seen { beats: 20, work_counter: 7, state: Some(state.to_owned()) };
+        let nodes = [("/printer/imu", seen("active")), ("/printer/camera", seen("inactive"))];
+        let nodes = nodes.map(|(name, seen)| (name.to_owned(), seen)).into();
+        let told =
+            text(&status((nodes, vec!["/printer/mpc_controller".to_owned()]), None, None, (None, None)));
+        let lines: Vec<&str> = told.lines().collect();
+        assert!(
+            lines[0].starts_with("/printer/camera ") && lines[0].ends_with(", NOT ACTIVE: inactive"),
+            "{told}"
+        );
+        assert!(
+            lines[1].starts_with("/printer/imu ") && lines[1].ends_with("20 heartbeats, work 7"),
+            "{told}"
+        );
+        assert!(lines[2].starts_with("/printer/mpc_controller ") && lines[2].contains(" silent: "), "{told}");
+    }
+
     #[test]
     fn temperatures_stand_beside_their_set_points() {
-        let mut seen = status(BTreeMap::new(), None, Some(printer()), (Some(211.44), None));
+        let mut seen = status(<_>::default(), None, Some(printer()), (Some(211.44), None));
         let told = text(&seen);
         assert!(told.contains("supervisor: not heard\nprinter: paused, 25.0 %, layer 3\n"), "{told}");
         let line = "temperatures: hot end 211.4 degC, set to 215 degC; bed not heard, set to 60 degC";
@@ -229,7 +282,7 @@ mod tests {
                 ..SafetyState::default()
             };
             let state = PrinterState { phase, ..printer() };
-            let seen = status(BTreeMap::new(), Some(safety), Some(state), (None, None));
+            let seen = status(<_>::default(), Some(safety), Some(state), (None, None));
             (text(&seen), serde_json::to_value(seen).unwrap())
         };
         let (lines, json) = told(true, PrinterState::PHASE_FAILED);
@@ -239,7 +292,7 @@ mod tests {
         let (lines, json) = told(false, PrinterState::PHASE_DONE);
         assert!(lines.contains("supervisor: safe_off (S1)\n"), "{lines}");
         assert_eq!((&json["latched"], &json["phase"]), (&false.into(), &"done".into()));
-        let nobody = serde_json::to_value(status(BTreeMap::new(), None, None, (None, None))).unwrap();
+        let nobody = serde_json::to_value(status(<_>::default(), None, None, (None, None))).unwrap();
         assert!(nobody["latched"].is_null() && nobody["phase"].is_null());
     }
 }

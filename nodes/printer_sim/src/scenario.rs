@@ -79,10 +79,16 @@ struct RawEntry {
 }
 
 impl RawEntry {
-    /// The size, which only kinds without one may leave out.
-    fn size_or_none(&self) -> Result<f64, FaultError> {
-        let without = has_no_size(self.component, self.kind);
-        self.size.or(without.then_some(0.0)).ok_or_else(|| FaultError::NoSize { kind: name_of(&self.kind) })
+    /// The size, which kinds that have one need, and no others take; 0 is none.
+    fn size_within(&self, limits: (&'static str, f64, f64)) -> Result<f64, FaultError> {
+        let kind = || name_of(&self.kind);
+        let (unit, low, high) = limits;
+        match (self.size, has_no_size(self.component, self.kind)) {
+            (None, false) => Err(FaultError::NoSize { kind: kind(), unit, low, high }),
+            (Some(size), true) if size != 0.0 => Err(FaultError::Sized { size, kind: kind() }),
+            (size, true) => Ok(size.unwrap_or(0.0)),
+            (Some(size), false) => bounded("size", size, limits),
+        }
     }
 
     /// Refuses a course in time where there is none: a skip or a knock is a moment, and a part that came off stays off.
@@ -117,7 +123,7 @@ impl TryFrom<RawEntry> for Entry {
             Onset::TimeS(time_s) => Onset::TimeS(bounded("time_s", time_s, ("s", 0.0, LONGEST_S))?),
         };
         let duration = raw.duration_s.map(|s| bounded("duration_s", s, ("s", 0.0, LONGEST_S))).transpose()?;
-        let size = bounded("size", raw.size_or_none()?, range(raw.component, raw.kind)?)?;
+        let size = raw.size_within(range(raw.component, raw.kind)?)?;
         raw.check_course()?;
         Ok(Self {
             component: raw.component,

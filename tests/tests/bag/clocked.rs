@@ -23,6 +23,8 @@ fn fdm_record_follows_a_clock_that_is_published() {
     let begin_s = seconds(end_ns - begin_ns) - LENGTH_S;
     assert!(begin_s > 1.0, "the print is too short");
     let play = played::Group::clock(&print, domain, (RATE, begin_s, TIMES));
+    // Its own look for others is over, and it tells the time.
+    std::thread::sleep(std::time::Duration::from_secs(3));
     let record = played::Group::record(&bag, domain);
     played::until(|| bag.active_bytes_of(1) > 20_000);
     record.signal(Signal::INT);

@@ -27,6 +27,13 @@ pub(crate) fn play(bag: &Bag, domain: Domain) -> Value {
     serde_json::from_slice(&told).unwrap()
 }
 
+/// Plays a bag, or tries to; code and what is told on standard error.
+pub(crate) fn tried(bag: &Bag, domain: Domain, how: &[&str]) -> (Option<i32>, String) {
+    let mut command = domain.command(&program("fdm"));
+    let output = command.current_dir(root()).arg("play").arg(bag.path()).args(how).output().unwrap();
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
 /// A command of `fdm` with a process group of its own, as a shell gives it one.
 pub(crate) struct Group(Option<Child>);
 

@@ -62,11 +62,13 @@ impl Report {
             let (received, written) = (counts.received.get(), counts.written.get());
             let (dropped, missed) = (counts.dropped.get(), counts.missed.get());
             if received > 0 {
-                tracing::info!(
+                tracing::debug!(
                     "{name}: {received} received, {written} written, {dropped} dropped, {missed} missed"
                 );
             }
         }
+        let (written, missed) = (self.tally.written(), self.tally.missed());
+        tracing::info!("{written} messages written, {missed} missed");
         if self.tally.dropped() > 0 {
             tracing::warn!("{} messages were dropped", self.tally.dropped());
         }

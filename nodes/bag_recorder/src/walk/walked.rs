@@ -1,5 +1,7 @@
 //! What a walk through a file has found.
 
+use super::chunk::CHUNK_MAX;
+
 /// How a file ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
@@ -41,6 +43,8 @@ pub struct Walked {
     pub first_damage: Option<u64>,
     /// Name of a compression of chunks that cannot be read.
     pub compression: Option<String>,
+    /// What a chunk says to unpack to that is not unpacked, for it is too large `[byte]`.
+    pub oversize: Option<u64>,
 }
 
 impl Walked {
@@ -55,6 +59,7 @@ impl Walked {
             lost_bytes: 0,
             first_damage: None,
             compression: None,
+            oversize: None,
         }
     }
 
@@ -105,9 +110,31 @@ impl Walked {
                 "has chunks compressed by '{name}', not by lz4 or zstd: {lost_bytes} bytes could not be read, {lost}"
             ));
         }
+        if let Some(size) = self.oversize {
+            return Some(format!(
+                "has a chunk that says to unpack to {size} bytes: at most {CHUNK_MAX} are read; {} bytes of the file were \
+                 left out, {lost}",
+                self.lost_bytes
+            ));
+        }
         Some(format!(
             "is damaged in {places}, from byte {first} on: {} bytes could not be read, {lost}; what stands behind was read",
             self.lost_bytes
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chunk_that_is_too_large_is_told_with_its_size_and_the_bound() {
+        let mut walked = Walked { oversize: Some(1_610_612_736), ..Walked::begun(Ended::Closed) };
+        walked.damaged(30, 49_223);
+        let told = walked.damage_in_words().unwrap();
+        let start =
+            "has a chunk that says to unpack to 1610612736 bytes: at most 268435456 are read; 49223 bytes of";
+        assert!(told.starts_with(start) && !walked.is_sound(), "{told}");
     }
 }

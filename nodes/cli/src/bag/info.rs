@@ -192,7 +192,8 @@ fn compare(figures: &mut Figures, counts: &Counts) {
             .push(format!("the recorder counted {} messages in closed files, not {closed}", counts.messages));
     }
     if counts.run.dropped > 0 {
-        figures.remarks.push(format!("{} messages were dropped: the disk was slow", counts.run.dropped));
+        let dropped = counts.run.dropped;
+        figures.remarks.push(format!("{dropped} messages were dropped: the disk was slow, or nearly full"));
     }
     if counts.run.missed > 0 {
         figures.remarks.push(format!("{} messages did not arrive at the recorder", counts.run.missed));

@@ -1,5 +1,6 @@
 //! A recorder that somebody waits for: what a person wants reaches it, and what it leaves behind becomes a bag.
 
+use super::shown::{LOOK, Shown};
 use crate::output::Failed;
 use crate::suspension::Suspension;
 use crate::up::close;
@@ -10,6 +11,7 @@ use std::path::Path;
 use std::process::ExitStatus;
 use tokio::process::Command;
 use tokio::signal::unix::{SignalKind, signal};
+use tokio::time::MissedTickBehavior;
 
 /// Exit code of a command whose recorder was ended by a signal, as shells have it: this and the signal's number.
 const SIGNALLED: i32 = 128;
@@ -18,9 +20,12 @@ const SIGNALLED: i32 = 128;
 ///
 /// # Errors
 /// A recorder that cannot be started.
-pub(super) fn run(program: &Path, arguments: &[String], bag: &Path) -> anyhow::Result<()> {
+pub(super) fn run(program: &Path, arguments: &[String], shown: &mut Shown<'_>) -> anyhow::Result<()> {
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    let ended = executor.block_on(wait(program, arguments)).with_context(|| program.display().to_string())?;
+    let ended =
+        executor.block_on(wait(program, arguments, shown)).with_context(|| program.display().to_string())?;
+    let bag = shown.bag;
+    shown.end()?;
     if ended.success() {
         return Ok(());
     }
@@ -33,7 +38,7 @@ pub(super) fn run(program: &Path, arguments: &[String], bag: &Path) -> anyhow::R
     std::process::exit(ended.code().unwrap_or(SIGNALLED));
 }
 
-async fn wait(program: &Path, arguments: &[String]) -> std::io::Result<ExitStatus> {
+async fn wait(program: &Path, arguments: &[String], shown: &mut Shown<'_>) -> std::io::Result<ExitStatus> {
     let mut interrupt = signal(SignalKind::interrupt())?;
     let mut terminate = signal(SignalKind::terminate())?;
     let mut hang_up = signal(SignalKind::hangup())?;
@@ -41,6 +46,8 @@ async fn wait(program: &Path, arguments: &[String]) -> std::io::Result<ExitStatu
     let parent = std::process::id().to_string();
     let mut recorder =
         Command::new(program).args(arguments).env(runtime::STOP_WITH_PARENT, parent).spawn()?;
+    let mut looks = tokio::time::interval(LOOK);
+    looks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let pid = recorder.id().and_then(|id| Pid::from_raw(id.cast_signed()));
     loop {
         let wanted = tokio::select! {
@@ -48,6 +55,10 @@ async fn wait(program: &Path, arguments: &[String]) -> std::io::Result<ExitStatu
             _ = interrupt.recv() => Signal::INT,
             _ = terminate.recv() => Signal::TERM,
             _ = hang_up.recv() => Signal::HUP,
+            _ = looks.tick() => {
+                shown.look();
+                continue;
+            }
             // A recorder does not heed Ctrl-Z either: what it listens to goes on.
             () = suspended.asked() => continue,
         };

@@ -6,6 +6,8 @@ pub mod play;
 mod qos;
 pub mod record;
 pub mod recover;
+mod shown;
+mod watched;
 
 use clap::{Args, Subcommand};
 use std::path::PathBuf;

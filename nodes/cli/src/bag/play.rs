@@ -11,6 +11,7 @@ use std::time::Duration;
 use tokio::time::timeout;
 
 mod deck;
+mod living;
 mod progress;
 mod reel;
 mod roles;
@@ -39,6 +40,9 @@ pub struct PlayArgs {
     /// Play commands and permits too: a printer that listens obeys them.
     #[arg(long)]
     commands: bool,
+    /// Play beside a live graph too: its supervisor and controller take the bag for their printer.
+    #[arg(long)]
+    beside_live: bool,
     /// Begin so far into the bag `[s]`.
     #[arg(long, default_value_t = 0.0)]
     start: f64,
@@ -101,7 +105,8 @@ pub fn run(args: &PlayArgs) -> anyhow::Result<()> {
 
 async fn play(args: &PlayArgs, reel: &Reel) -> anyhow::Result<Figures> {
     let wait = Duration::from_secs_f64(args.wait);
-    let mut deck = Deck::join(args, reel)?;
+    let mut deck =
+        if args.beside_live { Deck::join(args, reel)? } else { Deck::join_alone(args, reel).await? };
     let mut progress = Progress::new(reel, args.rate, args.times);
     let mut suspended = Suspension::listen();
     let (mut tally, mut remarks) = (Tally::default(), reel.remarks.clone());

@@ -1,5 +1,6 @@
 //! `fdm record`: starts the recorder on its own.
 
+use super::shown::Shown;
 use crate::config::ConfigDir;
 use crate::output;
 use crate::participant;
@@ -74,10 +75,6 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
         bail!("{} is missing: build all nodes with `cargo build --release`", program.display());
     }
     check(args)?;
-    if args.dry_run {
-        let arguments = arguments(args, args.use_sim_time, (&config, &bag_of(args)));
-        return output::line(&format!("{} {}", program.display(), arguments.join(" ")));
-    }
     let simulated = match args.use_sim_time {
         None => match hear_clock(&args.namespace)? {
             Heard::Clock => Some(true),
@@ -88,7 +85,11 @@ pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
     };
     let bag = bag_of(args);
     let arguments = arguments(args, simulated, (&config, &bag));
-    super::kept::run(&program, &arguments, &bag)
+    if args.dry_run {
+        return output::line(&format!("{} {}", program.display(), arguments.join(" ")));
+    }
+    let mut shown = Shown::begin(&bag, &args.namespace, args.paused);
+    super::kept::run(&program, &arguments, &mut shown)
 }
 
 /// What cannot be recorded so is told before anything is started.

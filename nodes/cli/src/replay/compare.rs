@@ -1,5 +1,6 @@
 //! Outputs of two runs beside each other.
 
+use super::events::{ALONE_MAX, Alone, unplaced};
 use super::schedule::{seconds, stamp_ns};
 use crate::report::decode::decode;
 use fdm_loop_msgs::{
@@ -32,6 +33,9 @@ pub(crate) struct Output {
     pub(crate) first_difference: Option<Difference>,
     /// Fields that differ anywhere.
     pub(crate) fields: BTreeMap<String, Field>,
+    /// Events that only one run has, the first of them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) alone: Vec<Alone>,
 }
 
 /// Where two runs part.
@@ -87,6 +91,7 @@ pub(crate) fn compare(topic: &'static str, before: &[&[u8]], after: &[&[u8]], ex
         sha256: runtime::params::sha256_hex(&after.concat()),
         first_difference: None,
         fields: BTreeMap::new(),
+        alone: Vec::new(),
     };
     let (mut one, mut other) = (0, 0);
     while let (Some(left), Some(right)) = (before.get(one), after.get(other)) {
@@ -102,12 +107,8 @@ pub(crate) fn compare(topic: &'static str, before: &[&[u8]], after: &[&[u8]], ex
             other += 1;
         }
     }
-    if let Some(left) = before.get(one) {
-        output.alone(left, true);
-    }
-    if let Some(right) = after.get(other) {
-        output.alone(right, false);
-    }
+    before.iter().skip(one).for_each(|left| output.alone(left, true));
+    after.iter().skip(other).for_each(|right| output.alone(right, false));
     for field in output.fields.values_mut() {
         #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
         let pairs = output.matched as f64;
@@ -119,6 +120,9 @@ pub(crate) fn compare(topic: &'static str, before: &[&[u8]], after: &[&[u8]], ex
 impl Output {
     /// A message that only one run has.
     fn alone(&mut self, payload: &[u8], before: bool) {
+        if self.topic == topics::EVENTS.name() && self.alone.len() < ALONE_MAX {
+            self.alone.extend(Alone::of(payload, before));
+        }
         self.first_difference.get_or_insert_with(|| Difference {
             stamp_s: seconds(stamp_ns(payload).unwrap_or(0)).0,
             field: "a message".to_owned(),
@@ -132,6 +136,8 @@ impl Output {
         let without = |bytes: &[u8]| {
             [&bytes[..STAMP.start.min(bytes.len())], bytes.get(STAMP.end..).unwrap_or_default()].concat()
         };
+        let (left, right) = (unplaced(self.topic, left), unplaced(self.topic, right));
+        let (left, right) = (left.as_ref(), right.as_ref());
         if left == right || (!exact && without(left) == without(right)) {
             self.identical += 1;
             return;

@@ -6,6 +6,7 @@
 
 mod brains;
 mod compare;
+mod events;
 mod record;
 mod schedule;
 mod set;

@@ -2,6 +2,7 @@
 
 use super::Figures;
 use super::compare::Output;
+use super::events::Alone;
 use crate::options::significant;
 use serde_json::Value;
 use std::fmt::Write;
@@ -63,6 +64,10 @@ fn differing(output: &Output) -> String {
     for (name, field) in fields.iter().take(FIELDS) {
         let (rms, max) = (significant(field.rms, 3), significant(field.max, 3));
         _ = writeln!(text, "  {name:<28} differs in {:>7}   RMS {rms:>10}   max {max:>10}", field.differing);
+    }
+    for Alone { stamp_s, before, text: said } in &output.alone {
+        let which = if *before { "before" } else { "after" };
+        _ = writeln!(text, "  only {which} at {stamp_s:.3} s: {said}");
     }
     if fields.len() > FIELDS {
         _ = writeln!(text, "  and {} more fields: --json", fields.len() - FIELDS);

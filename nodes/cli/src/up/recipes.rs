@@ -7,7 +7,7 @@ use runtime::params::{NodePath, Parameters};
 use std::path::PathBuf;
 
 /// The node that is started with `--advance predicted` alone.
-const FORESIGHT: &str = "advance_predictor";
+pub(crate) const FORESIGHT: &str = "advance_predictor";
 
 /// The nodes of the simulated printer in the order of their start: who records and who guards come first.
 /// The advance predictor is started where it is asked for alone: without multicast on `lo` twelve processes see each

@@ -25,8 +25,22 @@ pub enum FaultError {
         allowed: &'static str,
     },
     /// A kind that has a size came without.
-    #[error("size: {kind} needs one, see config/scenarios/README.md")]
+    #[error("size: {kind} needs one in {}, see config/scenarios/README.md", with_unit(format!("[{low}, {high}]"), .unit))]
     NoSize {
+        /// Kind asked for.
+        kind: String,
+        /// Unit.
+        unit: &'static str,
+        /// Smallest allowed.
+        low: f64,
+        /// Largest allowed.
+        high: f64,
+    },
+    /// A size for a kind that has none.
+    #[error("size = {size}: {kind} has none, it is there or not; leave it out")]
+    Sized {
+        /// Size asked for.
+        size: f64,
         /// Kind asked for.
         kind: String,
     },
@@ -199,7 +213,7 @@ mod tests {
             let told = format!("kind = noise: not a fault of {}; it can be off, stuck", component.name());
             assert_eq!(entry(component, Kind::Noise, Some(2.0)).unwrap_err().to_string(), told);
             let error = entry(component, Kind::Off, Some(2.0)).unwrap_err();
-            assert_eq!(error.to_string(), "size = 2 (no unit): must be in [0, 1]");
+            assert_eq!(error.to_string(), "size = 2: off has none, it is there or not; leave it out");
         }
     }
 }

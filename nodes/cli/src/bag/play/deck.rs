@@ -1,7 +1,7 @@
 //! The participant that plays.
 
-use super::PlayArgs;
 use super::reel::Reel;
+use super::{PlayArgs, living};
 use runtime::{Args as NodeArgs, ClockDriver, Node, RawPublisher, Shutdown};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,11 +23,21 @@ impl Deck {
     /// # Errors
     /// What keeps the participant from starting.
     pub(super) fn join(args: &PlayArgs, reel: &Reel) -> anyhow::Result<Self> {
-        let use_sim_time = ("use_sim_time".to_owned(), args.clock.to_string());
-        let node_args = NodeArgs { parameters: vec![use_sim_time], ..NodeArgs::default() };
-        let deaf = Arc::new(Notify::new());
-        let told = Arc::clone(&deaf);
-        let mut node = Node::start_or("fdm_play", node_args, move || told.notify_one())?;
+        let (node, deaf) = start(args)?;
+        Self::with(node, deaf, args, reel)
+    }
+
+    /// Joins the graph, and plays only where nobody lives there.
+    ///
+    /// # Errors
+    /// As [`Deck::join`]; who lives there.
+    pub(super) async fn join_alone(args: &PlayArgs, reel: &Reel) -> anyhow::Result<Self> {
+        let (mut node, deaf) = start(args)?;
+        living::refuse(&mut node, args, reel).await?;
+        Self::with(node, deaf, args, reel)
+    }
+
+    fn with(mut node: Node, deaf: Arc<Notify>, args: &PlayArgs, reel: &Reel) -> anyhow::Result<Self> {
         let publishers = reel
             .channels
             .iter()
@@ -36,6 +46,15 @@ impl Deck {
         let driver = args.clock.then(|| node.drive_clock()).transpose()?;
         Ok(Self { publishers, driver, shutdown: node.shutdown_handle(), deaf, _node: node })
     }
+}
+
+/// The node, and who is told where what it sends may not arrive any more.
+fn start(args: &PlayArgs) -> anyhow::Result<(Node, Arc<Notify>)> {
+    let use_sim_time = ("use_sim_time".to_owned(), args.clock.to_string());
+    let node_args = NodeArgs { parameters: vec![use_sim_time], ..NodeArgs::default() };
+    let deaf = Arc::new(Notify::new());
+    let told = Arc::clone(&deaf);
+    Ok((Node::start_or("fdm_play", node_args, move || told.notify_one())?, deaf))
 }
 
 /// What became of the messages, by all participants one after the other.
