@@ -149,12 +149,11 @@ struct Inlets {
 
 impl Inlets {
     fn open(node: &mut Node, params: &Params) -> Result<Self, RuntimeError> {
-        let telemetry = Seconds(params.status_age_limit_s);
+        let (telemetry, estimate) =
+            (Seconds(params.status_age_limit_s), Seconds(params.estimate_age_limit_s));
         let prediction = Seconds(params.advance.age_limit_s);
         Ok(Self {
-            estimate: node
-                .inlet(&topics::ESTIMATE, Seconds(params.estimate_age_limit_s))?
-                .from_one_source(HANDOVER),
+            estimate: node.inlet(&topics::ESTIMATE, estimate)?.from_one_source(HANDOVER),
             printer: node.inlet(&topics::PRINTER_STATE, telemetry)?.from_one_source(HANDOVER),
             encoder: node.inlet(&topics::FILAMENT_MOTION, telemetry)?.from_one_source(HANDOVER),
             width: node
