@@ -150,11 +150,12 @@ fn failed(print: &Print) -> Failed {
 /// All prints, checked before the first one starts.
 fn plans(args: &UpArgs, config: &ConfigDir, material: &str) -> anyhow::Result<Vec<Plan>> {
     let mut plans: Vec<Plan> = Vec::new();
-    for control in &args.control {
-        let plan = Plan::new(args, config, material, control)?;
-        if plans.iter().any(|other| other.bag == plan.bag) {
+    for (nth, control) in args.control.iter().enumerate() {
+        // Not by the names of their bags: these tell the second, which may be the next one by now.
+        if args.control[..nth].contains(control) {
             bail!("--control {}: the same level twice would write one bag", args.control.join(","));
         }
+        let plan = Plan::new(args, config, material, control)?;
         plan.check()?;
         plans.push(plan);
     }
