@@ -82,8 +82,8 @@ pub fn run(args: &StatusArgs) -> anyhow::Result<()> {
 /// What to do where nodes are there and nobody guards them.
 fn no_supervisor(namespace: &str) -> String {
     format!(
-        "no supervisor of {namespace} was heard: nobody guards this printer, and `fdm pause` and `fdm estop` may reach nobody. \
-         Use the printer's own switch where it must stop; look into the log of safety_supervisor, and start it again"
+        "no supervisor of {namespace} was heard: nobody guards this printer, and `fdm pause` may reach nobody. `fdm estop` tells \
+         the printer itself where it must stop; look into the log of safety_supervisor, and start it again"
     )
 }
 

@@ -132,7 +132,7 @@ impl<T: RosType> Inlet<T> {
     }
 
     /// Takes messages of one process alone, until it has been silent for `handover` of real time in which another one spoke
-    /// on: longer than its period. What others send meanwhile is counted and, where both go on, refused.
+    /// on: longer than its period. What others send meanwhile is refused and counted, and told where both go on.
     #[must_use]
     pub fn from_one_source(mut self, handover: Seconds) -> Self {
         self.owner = Some(Owner::handing_over_after(handover));
@@ -169,7 +169,7 @@ impl<T: RosType> Inlet<T> {
                 self.refused.count(reason);
             }
             // A successor that is not believed yet is no reason to tell anybody of.
-            if taken.is_ok() || !matches!(taken, Err(Reason::Gate)) || self.has_rival() {
+            if !matches!(taken, Err(Reason::Gate)) || self.has_rival() {
                 return taken;
             }
         }
