@@ -149,9 +149,8 @@ struct Inlets {
 
 impl Inlets {
     fn open(node: &mut Node, params: &Params) -> Result<Self, RuntimeError> {
-        let (telemetry, estimate) =
-            (Seconds(params.status_age_limit_s), Seconds(params.estimate_age_limit_s));
-        let prediction = Seconds(params.advance.age_limit_s);
+        let limits = [params.status_age_limit_s, params.estimate_age_limit_s, params.advance.age_limit_s];
+        let [telemetry, estimate, prediction] = limits.map(Seconds);
         Ok(Self {
             estimate: node.inlet(&topics::ESTIMATE, estimate)?.from_one_source(HANDOVER),
             printer: node.inlet(&topics::PRINTER_STATE, telemetry)?.from_one_source(HANDOVER),
