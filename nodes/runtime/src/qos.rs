@@ -85,6 +85,11 @@ pub const SENSOR: Qos = Qos { offered: reliable(10), requested: best_effort(10) 
 /// forgets what is older than `depth` samples whether it was sent or not: the depth covers 0.5 s at 2 kHz.
 pub const SENSOR_BURSTS: Qos = Qos { offered: reliable(1000), requested: best_effort(1000) };
 
+/// What a printer's own hardware says, from its bridge to the sensor nodes beside it, which pass it on as [`SENSOR`]: nobody
+/// else asks. Offered as it is requested: a reliable publisher of RustDDS 0.15.1 asks each subscriber of best effort ten times
+/// a second for an acknowledgement that never comes.
+pub const REPORT: Qos = Qos { offered: best_effort(10), requested: best_effort(10) };
+
 /// Beats: two in a row may be lost before the supervisor misses anybody (`stale.hang_s`), five before the witness does, so
 /// nobody acknowledges them, and nobody can: a reliable publisher of RustDDS 0.15.1 asks every subscriber ten times a second
 /// for an acknowledgement that one of best effort never sends, and ten nodes that beat were asked for more than they said.

@@ -1,7 +1,7 @@
 //! Watchdog over the middleware itself: a message through DDS to oneself.
 //!
 //! A signal that interrupts its poll (SIGSTOP and SIGCONT, suspend, a debugger) ends both event loops of RustDDS 0.15.1:
-//! the process lives on deaf and mute, and publishing still answers Ok. So each process sends itself a number five times
+//! the process lives on deaf and mute, and publishing still answers Ok. So each process sends itself a number four times
 //! a second. Where `lo` carries multicast its participant hears it. Elsewhere it does not, but a second small one in the
 //! same process hears it and sends the number back, which proves both directions:
 //!
@@ -34,12 +34,12 @@ use ring::Ring;
 use silence::Silence;
 
 /// Time between two numbers. Where `lo` carries multicast each of them wakes every process of the domain.
-const TICK: Duration = Duration::from_millis(200);
+const TICK: Duration = Duration::from_millis(250);
 /// Ticks in which a node still announces new streams, and ticks between two acknowledgements of its own announcements,
 /// then and later.
-const ANNOUNCING: u64 = 100;
-const ACK_AT_FIRST: u64 = 5;
-const ACK: u64 = 50;
+const ANNOUNCING: u64 = 80;
+const ACK_AT_FIRST: u64 = 4;
+const ACK: u64 = 40;
 /// A participant that should hear itself and has not for so long gets an echo.
 const ALONE_LIMIT: Seconds = Seconds(5.0);
 /// A wall clock that is set back by more deafens for longer than anybody is patient with a stream `[ns]`.

@@ -106,13 +106,13 @@ pub const PRINTER_MOTION: Topic<MotionSegment> = Topic::new("printer/motion", qo
 pub const PRINTER_COMING: Topic<MotionSegment> = Topic::new("printer/coming", qos::RELIABLE);
 /// Raw temperatures of the firmware.
 pub const TEMPERATURE_REPORT: Topic<TemperatureReport> =
-    Topic::new("printer/report/temperature", qos::SENSOR);
+    Topic::new("printer/report/temperature", qos::REPORT);
 /// Raw counts of the filament encoder.
-pub const FILAMENT_REPORT: Topic<FilamentReport> = Topic::new("printer/report/filament", qos::SENSOR);
+pub const FILAMENT_REPORT: Topic<FilamentReport> = Topic::new("printer/report/filament", qos::REPORT);
 /// Raw accelerations of the printer's own unit.
-pub const IMU_REPORT: Topic<ImuBatch> = Topic::new("printer/report/imu", qos::SENSOR);
+pub const IMU_REPORT: Topic<ImuBatch> = Topic::new("printer/report/imu", qos::REPORT);
 /// Frames of the printer's own camera.
-pub const CAMERA_REPORT: Topic<CompressedImage> = Topic::new("printer/report/camera/compressed", qos::SENSOR);
+pub const CAMERA_REPORT: Topic<CompressedImage> = Topic::new("printer/report/camera/compressed", qos::REPORT);
 /// What the frames show.
 pub const DEFECTS: Topic<DefectReport> = Topic::new("vision/defects", qos::RELIABLE);
 /// Frames with what was found in them drawn.
@@ -141,6 +141,9 @@ pub const EVENTS: Topic<PrintEvent> = Topic::new("events", qos::RELIABLE);
 pub const PRINT_INFO: Topic<PrintInfo> = Topic::new("print/info", qos::LATCHED);
 /// Proof of work of all nodes.
 pub const HEARTBEAT: Topic<Heartbeat> = Topic::new("heartbeat", qos::BEAT);
+/// The supervisor's beats once more, for who witnesses that one: to hear a dozen nodes for the sake of one costs more than
+/// the rest of a thermistor's work. Recorded as [`HEARTBEAT`].
+pub const SAFETY_HEARTBEAT: Topic<Heartbeat> = Topic::new("safety/heartbeat", qos::BEAT);
 /// What the simulated printer really does: tests and reports only.
 pub const SIM_TRUTH: Topic<SimTruth> = Topic::new("sim/truth/state", qos::SENSOR);
 /// What the simulated wire process really is: tests and reports only.
@@ -167,7 +170,7 @@ pub const PERMIT_JITTER: Seconds = Seconds(0.01);
 /// Longest time between two messages on [`SAFETY_STATE`]: 2 Hz.
 pub const SAFETY_STATE_PERIOD: Seconds = Seconds(0.5);
 
-/// Every topic above: what a recorder may record.
+/// Every topic above but [`SAFETY_HEARTBEAT`]: what a recorder may record.
 pub const ALL: &[TopicInfo] = &[
     HOTEND_TEMPERATURE.info(),
     NOZZLE_TEMPERATURE.info(),

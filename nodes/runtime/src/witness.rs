@@ -7,7 +7,7 @@ use crate::error::RuntimeError;
 use crate::node::Node;
 use crate::publisher::Publisher;
 use crate::subscription::Subscription;
-use crate::topics;
+use crate::topics::{self, Topic};
 use fdm_loop_msgs::{DiagnosticArray, Header, Heartbeat};
 use models::units::Seconds;
 use std::collections::BTreeMap;
@@ -92,27 +92,40 @@ impl Hearts {
 }
 
 impl Node {
-    /// Tells on `/diagnostics` which nodes of this namespace have gone, of `nodes`, or of all where none is named. Works
-    /// beside the shell.
+    /// Tells on `/diagnostics` which nodes of this namespace have gone, and beats for its own witness. Works beside the shell.
     ///
     /// # Errors
     /// As [`Node::subscribe`].
-    pub fn witness(&mut self, nodes: &[&str]) -> Result<(), RuntimeError> {
-        // One is enough, however often the shell is configured.
+    pub fn witness_all(&mut self) -> Result<(), RuntimeError> {
+        // Once is enough, however often the shell is configured.
         if self.is_witness() {
             return Ok(());
         }
-        let beats = self.listen(&topics::HEARTBEAT)?;
+        self.beat_on(&topics::SAFETY_HEARTBEAT)?;
+        self.witness(&topics::HEARTBEAT)
+    }
+
+    /// Tells on `/diagnostics` when the supervisor has gone, which witnesses all others. Works beside the shell.
+    ///
+    /// # Errors
+    /// As [`Node::subscribe`].
+    pub fn witness_supervisor(&mut self) -> Result<(), RuntimeError> {
+        if self.is_witness() {
+            return Ok(());
+        }
+        self.witness(&topics::SAFETY_HEARTBEAT)
+    }
+
+    fn witness(&mut self, topic: &Topic<Heartbeat>) -> Result<(), RuntimeError> {
+        let beats = self.listen(topic)?;
         let words = self.publish_on(&topics::DIAGNOSTICS)?;
-        let named = nodes.iter().map(|node| self.resolve(node)).collect();
         let (clock, own) = (self.clock(), self.name());
-        self.spawn(watch(beats, words, Subject { named, own, clock }));
+        self.spawn(watch(beats, words, Subject { own, clock }));
         Ok(())
     }
 }
 
 struct Subject {
-    named: Vec<String>,
     own: String,
     clock: Clock,
 }
@@ -127,8 +140,7 @@ async fn watch(mut beats: Subscription<Heartbeat>, words: Publisher<DiagnosticAr
         // first, too.
         for beat in std::iter::from_fn(|| beats.try_recv()).take(MOST_BEATS) {
             let Heartbeat { node, session_id, .. } = &beat.message;
-            let meant = subject.named.is_empty() || subject.named.contains(node);
-            if meant && *node != subject.own {
+            if *node != subject.own {
                 hearts.beat(monotonic(), node, *session_id);
             }
         }

@@ -48,7 +48,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut ticks =
         node.timer(topics::PERMIT_PERIOD).tell_irregular(node.diagnostics(), topics::PERMIT_JITTER);
     let (clock, work) = (node.clock(), node.work());
-    node.witness(&[])?;
+    node.witness_all()?;
     let mut hearts = Hearts::open(&mut node)?;
     let mut looks = interval(rivals::LOOK);
     looks.set_missed_tick_behavior(MissedTickBehavior::Skip);

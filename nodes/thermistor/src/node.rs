@@ -39,7 +39,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut live = node.live_parameters(&LIVE);
     let (clock, work) = (node.clock(), node.work());
     // Who watches the others is watched too.
-    node.witness(&["safety_supervisor"])?;
+    node.witness_supervisor()?;
     node.activated().await;
     loop {
         tokio::select! {

@@ -19,6 +19,13 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Oldest sample that is waited for `[ns]`.
 const OLD_NS: i64 = 1_000_000_000;
+/// From when nobody looks on until the graph has noticed.
+const LEFT_ALONE: Duration = Duration::from_secs(2);
+/// Time in which processor and memory are measured, as a share of the samples' own: apart, for to send all of them to one
+/// more reader costs three nodes a good part of their work, and a print has no such reader.
+const ALONE_SHARE: f64 = 0.5;
+/// Samples of the filament encoder in a second.
+const SAMPLES_1_S: f64 = 100.0;
 /// Node that stands for the printer, and is none of ours.
 const PRINTER: &str = "printer_sim";
 
@@ -156,8 +163,6 @@ async fn follow(samples: u64, graph: u32) -> anyhow::Result<Vec<Benchmark>> {
     };
     let flows = tokio::time::timeout(PATIENCE, command.next()).await;
     flows.context("no command within a minute: is the graph up? see fdm up")?;
-    let before = usage(graph);
-    let begin = Instant::now();
     while encoder.heard < samples {
         tokio::select! {
             () = hotend.next() => (),
@@ -168,13 +173,23 @@ async fn follow(samples: u64, graph: u32) -> anyhow::Result<Vec<Benchmark>> {
             () = tokio::time::sleep(PATIENCE) => bail!("the graph fell silent"),
         }
     }
-    let wall_s = begin.elapsed().as_secs_f64();
     for station in [&mut hotend, &mut encoder, &mut estimate, &mut command, &mut permit] {
         station.sent_ns.sort_unstable();
     }
     let mut all = figures([&hotend, &encoder, &estimate, &command, &permit]);
-    all.extend(nodes(&before, &usage(graph), wall_s)?);
+    drop((hotend, encoder, estimate, command, permit));
+    drop(node);
+    tokio::time::sleep(LEFT_ALONE).await;
+    let (before, begin) = (usage(graph), Instant::now());
+    tokio::time::sleep(Duration::from_secs_f64(samples_s(samples) * ALONE_SHARE)).await;
+    all.extend(nodes(&before, &usage(graph), begin.elapsed().as_secs_f64())?);
     Ok(all)
+}
+
+/// Time of so many samples `[s]`.
+#[allow(clippy::cast_precision_loss, reason = "a count of samples")]
+fn samples_s(samples: u64) -> f64 {
+    samples as f64 / SAMPLES_1_S
 }
 
 /// How long samples took, and what of each topic was lost.

@@ -16,16 +16,17 @@ pub use happening::Happening;
 const FIRST_DELAY_S: f64 = 0.1;
 /// Delay of the second start within a minute `[s]`; doubles with every further one.
 const BACKOFF_MIN_S: f64 = 0.5;
-/// Longest delay `[s]`.
-const BACKOFF_MAX_S: f64 = 8.0;
-/// Starts within [`RESTART_WINDOW_S`] after which a process is tried again every [`SLOW_S`] alone.
+/// Longest delay `[s]`: what the network ends six times in a storm is back within 5 s of the storm all the same (X1).
+const BACKOFF_MAX_S: f64 = 2.0;
+/// Starts within [`RESTART_WINDOW_S`] after which a process keeps ending: its ends are not told any more.
 const RESTARTS_MAX: usize = 5;
-/// Window of [`RESTARTS_MAX`] `[s]`.
+/// Window of [`RESTARTS_MAX`] `[s]`; a process that keeps ending for as long is tried again every [`SLOW_S`] alone.
 const RESTART_WINDOW_S: f64 = 60.0;
-/// Delay before a process that keeps ending is tried again `[s]`: what keeps it down (a full disk, a garbled network) may
-/// pass, and who stayed down for good, a supervisor or a recorder, would be missing for the rest of the print. Such a
-/// process is back when it has run for as long.
+/// Delay before a process that has kept ending for a minute is tried again `[s]`: what keeps it down (a full disk, a broken
+/// file) may pass, and who stayed down for good, a supervisor or a recorder, would be missing for the rest of the print.
 const SLOW_S: f64 = 10.0;
+/// A process that kept ending and has run for so long is back `[s]`.
+const STAYED_S: f64 = 10.0;
 /// Delay before a process that the network has driven out again within that window is started again `[s]`: as often as
 /// it takes, for who stayed down would be missing when the network is sound again (X1: whole within 5 s).
 const DRIVEN_OUT_DELAY_S: f64 = 0.5;
@@ -59,8 +60,8 @@ struct Member {
     driven_out: Option<Seconds>,
     due: Option<Seconds>,
     given_up: bool,
-    /// It keeps ending, and is tried again now and then.
-    slow: bool,
+    /// Since when it keeps ending.
+    keeps_ending: Option<Seconds>,
     /// When it was started last, of a process that keeps ending.
     tried: Option<Seconds>,
 }
@@ -100,7 +101,7 @@ impl Fleet {
                 driven_out: None,
                 due: None,
                 given_up: false,
-                slow: false,
+                keeps_ending: None,
                 tried: None,
             });
         }
@@ -197,9 +198,8 @@ impl Member {
             self.given_up = true;
             return Happening::GivenUp { name };
         }
-        if !driven_out && (self.slow || self.restarts.len() >= RESTARTS_MAX) {
-            self.due = Some(now + Seconds(SLOW_S));
-            let told = std::mem::replace(&mut self.slow, true);
+        if !driven_out && (self.keeps_ending.is_some() || self.restarts.len() >= RESTARTS_MAX) {
+            let told = self.try_later(now);
             let how = status.to_string();
             return if told { Happening::EndedAgain { name } } else { Happening::KeepsEnding { name, how } };
         }
@@ -210,6 +210,15 @@ impl Member {
             self.restarts.push(now);
         }
         Happening::Ended { name, how: status.to_string() }
+    }
+
+    /// Plans a try of a process that keeps ending; whether that was known.
+    fn try_later(&mut self, now: Seconds) -> bool {
+        let known = self.keeps_ending.is_some();
+        let since = *self.keeps_ending.get_or_insert(now);
+        let long = (now - since).0 >= RESTART_WINDOW_S;
+        self.due = Some(now + Seconds(if long { SLOW_S } else { BACKOFF_MAX_S }));
+        known
     }
 
     /// Delay before a process that was driven out is started again.
@@ -226,12 +235,11 @@ impl Member {
                 let pid = child.id();
                 self.child = Some(child);
                 self.tried = Some(now);
-                (!self.slow).then_some(Happening::Restarted { name, pid })
+                self.keeps_ending.is_none().then_some(Happening::Restarted { name, pid })
             }
             // As after a process that ended at once.
             Err(error) => {
-                self.due = Some(now + Seconds(SLOW_S));
-                let told = std::mem::replace(&mut self.slow, true);
+                let told = self.try_later(now);
                 (!told).then(|| Happening::KeepsEnding { name, how: error.to_string() })
             }
         }
@@ -240,11 +248,11 @@ impl Member {
     /// Tells of a process that kept ending and has stayed now.
     fn back(&mut self, now: Seconds) -> Option<Happening> {
         let pid = self.child.as_ref()?.id();
-        let stayed = self.slow && self.tried.is_some_and(|tried| (now - tried).0 >= SLOW_S);
-        if !stayed {
+        self.keeps_ending?;
+        if self.tried.is_none_or(|tried| (now - tried).0 < STAYED_S) {
             return None;
         }
-        self.slow = false;
+        self.keeps_ending = None;
         self.restarts.clear();
         Some(Happening::Restarted { name: self.recipe.name, pid })
     }

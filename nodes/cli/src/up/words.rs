@@ -62,7 +62,9 @@ pub fn text(happening: &Happening) -> String {
         Happening::Restarted { name, pid } => format!("{name} runs again as process {pid}"),
         Happening::GivenUp { name } => format!("{name} ended and stays down: see its log"),
         Happening::KeepsEnding { name, how } => {
-            format!("{name} keeps ending ({how}): it is tried again every 10 s, see its log")
+            format!(
+                "{name} keeps ending ({how}): it is tried again every 2 s, after a minute every 10 s, see its log"
+            )
         }
         Happening::EndedAgain { name } => format!("{name} ended again"),
         Happening::Silent { name } => format!("{name} is silent: its heart stands still"),

@@ -7,7 +7,8 @@ use crate::heartbeat::{self, Heart};
 use crate::lifecycle::{Gate, Life, LifecycleServices, Order, Stage};
 use crate::logging;
 use crate::params::services::{ParameterServices, Subject};
-use crate::topics;
+use crate::topics::{self, Topic};
+use fdm_loop_msgs::Heartbeat;
 use ros2_client::Context;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -39,18 +40,24 @@ impl Node {
             self_loop: self.core.self_loop.age(),
         };
         self.spawn(background::publish_diagnostics(reporter, publisher));
-        let publisher = self.publish_on(&topics::HEARTBEAT)?;
+        self.beat_on(&topics::HEARTBEAT)?;
+        let services = ParameterServices::open(self)?;
+        let (store, life) = (self.core.store.clone(), self.life());
+        self.spawn(services.serve(Subject { store, life, clock, node: self.name() }));
+        Ok(())
+    }
+
+    /// Beats on a topic from now on, whatever the shell does.
+    pub(crate) fn beat_on(&mut self, topic: &Topic<Heartbeat>) -> Result<(), RuntimeError> {
+        let publisher = self.publish_on(topic)?;
         let heart = Heart {
             node: self.name(),
             session: self.session(),
             work: self.work(),
-            clock: clock.clone(),
+            clock: self.clock(),
             self_loop: self.core.self_loop.age(),
         };
         self.spawn(heartbeat::beat(heart, publisher));
-        let services = ParameterServices::open(self)?;
-        let (store, life) = (self.core.store.clone(), self.life());
-        self.spawn(services.serve(Subject { store, life, clock, node: self.name() }));
         Ok(())
     }
 
