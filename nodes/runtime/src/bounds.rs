@@ -61,8 +61,20 @@ pub(crate) fn set() -> Result<(), RuntimeError> {
     std::panic::set_hook(Box::new(move |panic| {
         NOT_OURS.store(false, Ordering::SeqCst);
         told(panic);
+        let said = panic.payload().downcast_ref::<String>();
+        if is_middleware(std::thread::current().name(), said.map(String::as_str)) {
+            end_deaf();
+        }
     }));
     Ok(())
+}
+
+/// Whether a thread of RustDDS 0.15.1 has panicked: overflow checks end its event loop by an acknowledgement of the last
+/// number there is (X1), and what is left of the process would be deaf until the self loop notices. Not a participant's end,
+/// which its discovery thread may wait for in vain.
+fn is_middleware(thread: Option<&str>, said: Option<&str>) -> bool {
+    thread.is_some_and(|name| name.starts_with("RustDDS"))
+        && !said.is_some_and(|said| said.starts_with("failed to join thread"))
 }
 
 /// Ends a process that hears nothing any more. Nothing is tidied up: what would do that may be what hangs.
@@ -85,6 +97,18 @@ fn memory_mib(told: Option<String>) -> Result<u64, ArgsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_panic_of_the_middleware_is_told_from_others_and_from_its_farewell() {
+        let event_loop = Some("RustDDS Participant 12 event loop");
+        assert!(is_middleware(event_loop, Some("attempt to add with overflow")));
+        assert!(is_middleware(event_loop, None), "a text that was known when it was compiled");
+        assert!(!is_middleware(
+            Some("RustDDS discovery thread"),
+            Some("failed to join thread: Resource deadlock avoided")
+        ));
+        assert!(!is_middleware(Some("thermistor"), None) && !is_middleware(None, None));
+    }
 
     #[test]
     fn a_limit_is_a_number_of_mebibytes_that_a_node_can_live_in() {
