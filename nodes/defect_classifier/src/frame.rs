@@ -13,13 +13,11 @@ pub use header::{JpegSize, jpeg_size};
 
 use crate::camera::Camera;
 use models::params::{ParamError, in_range};
-use opencv::core::{
-    CV_8UC1, CV_64F, Mat, MatTraitConst, MatTraitConstManual, Scalar, Size, mean_std_dev_def,
-};
-use opencv::{imgcodecs, imgproc};
+use opencv::core::{CV_64F, Mat, MatTraitConst, MatTraitConstManual, Scalar, Size, mean_std_dev_def};
+use opencv::imgproc;
 use serde::Deserialize;
 use std::hash::{DefaultHasher, Hasher};
-use whole::{before_end, is_whole};
+use whole::{before_end, luma};
 
 /// What may change while the node is active: when the light is good enough to judge a frame. Evidence, confirmation and
 /// measurement are chosen together: they decide over a pause, and may change while the node is inactive.
@@ -185,16 +183,11 @@ impl FrameGate {
         if self.last.replace(hash) == Some(hash) {
             return Err(Unusable::Frozen);
         }
-        if !is_whole(before_end) {
-            return Err(Unusable::Corrupt);
-        }
-        let grey = imgcodecs::imdecode(&Mat::from_slice(jpeg)?, imgcodecs::IMREAD_GRAYSCALE)
-            .map_err(|_| Unusable::Corrupt)?;
-        let decoded = grey.typ() == CV_8UC1
-            && (grey.cols(), grey.rows()) == (i32::from(width_px), i32::from(height_px));
-        if !decoded {
-            return Err(Unusable::Corrupt);
-        }
+        let luma = luma(before_end)
+            .filter(|luma| u64::try_from(luma.len()) == Ok(pixels))
+            .ok_or(Unusable::Corrupt)?;
+        let grey = Mat::new_rows_cols_with_data(i32::from(height_px), i32::from(width_px), &luma)?;
+        let grey = grey.try_clone()?;
         self.look(&grey)?;
         Ok(grey)
     }

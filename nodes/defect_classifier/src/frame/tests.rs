@@ -1,6 +1,7 @@
 use super::*;
 use crate::camera::tests::camera;
 use opencv::core::{Mat, Vector, VectorToVec};
+use opencv::imgcodecs;
 use proptest::prelude::*;
 
 pub(crate) fn checks() -> FrameChecks {
@@ -39,6 +40,19 @@ fn opened(picture: &Mat) -> Result<Mat, Unusable> {
 #[test]
 fn a_sharp_lit_frame_is_opened() {
     assert_eq!(opened(&bars()).unwrap().cols(), 640);
+}
+
+/// Networks and edges were learned from pictures that OpenCV decoded: at most two grey levels lie between the decoders.
+#[test]
+fn the_levels_are_those_that_opencv_decodes() {
+    let wavy = picture(640, 480, |u, v| u8::try_from(90 + (u * u / 300 + v * 7) % 120).unwrap());
+    let ours = opened(&wavy).unwrap();
+    let bytes = jpeg(&wavy);
+    let theirs = imgcodecs::imdecode(&Mat::from_slice(&bytes).unwrap(), imgcodecs::IMREAD_GRAYSCALE).unwrap();
+    let pairs = ours.data_bytes().unwrap().iter().zip(theirs.data_bytes().unwrap());
+    let apart = pairs.map(|(ours, theirs)| ours.abs_diff(*theirs)).max();
+    assert!(apart <= Some(2), "{apart:?}");
+    assert_eq!((ours.rows(), ours.cols()), (theirs.rows(), theirs.cols()));
 }
 
 #[test]

@@ -15,16 +15,16 @@ pub(super) fn before_end(jpeg: &[u8]) -> Option<&[u8]> {
     jpeg[..jpeg.len() - filled].strip_suffix(&END)
 }
 
-/// Whether the rows of blocks are there to the last. This decoder is strict where the data ends, but believes an end
-/// marker: it gets what lies before it.
-pub(super) fn is_whole(before_end: &[u8]) -> bool {
+/// Grey levels row by row, where the rows of blocks are there to the last. This decoder is strict where the data ends, but
+/// believes an end marker: it gets what lies before it.
+pub(super) fn luma(before_end: &[u8]) -> Option<Vec<u8>> {
     let options = DecoderOptions::default().set_strict_mode(true).jpeg_set_out_colorspace(ColorSpace::Luma);
-    JpegDecoder::new_with_options(ZCursor::new(before_end), options).decode().is_ok()
+    JpegDecoder::new_with_options(ZCursor::new(before_end), options).decode().ok()
 }
 
 /// The same for a file of a person: what a phone appends behind the picture is left alone. Of a progressive picture the end
 /// marker stays, as its decoder looks for it.
 pub(crate) fn is_whole_file(jpeg: &[u8]) -> bool {
     let Some(at) = jpeg.windows(END.len()).rposition(|pair| pair == END) else { return false };
-    is_whole(if is_progressive(jpeg) { &jpeg[..at + END.len()] } else { &jpeg[..at] })
+    luma(if is_progressive(jpeg) { &jpeg[..at + END.len()] } else { &jpeg[..at] }).is_some()
 }
