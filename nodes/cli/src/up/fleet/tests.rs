@@ -17,7 +17,8 @@ fn next(fleet: &mut Fleet, now: &mut Seconds) -> Happening {
             return happening;
         }
         // Virtual time; the child itself needs some real time to end.
-        now.0 += 0.01;
+        // A sum of such steps and of whole seconds is exact: a time that is due is due.
+        now.0 += 1.0 / 128.0;
         std::thread::yield_now();
     }
 }
