@@ -35,6 +35,14 @@ pub enum HostProfile {
     Octoprint = 3,
 }
 
+impl HostProfile {
+    /// Whether trims that are attached to coming moves are executed with them: its corners are planned.
+    #[must_use]
+    pub const fn executes_schedules(self) -> bool {
+        matches!(self, Self::Native | Self::Serial)
+    }
+}
+
 /// State of printer and job at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PrinterStatus {

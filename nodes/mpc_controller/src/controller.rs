@@ -10,6 +10,7 @@ use crate::nominal::Nominal;
 use crate::params::{Level, Params};
 use crate::qp::{BuildError, Move, Qp, input};
 use crate::saturation::Saturation;
+use crate::slowing::Slowing;
 use models::command::{Command, ControlHealth};
 use models::extruder::Extruder;
 use models::hotend::Hotend;
@@ -43,6 +44,7 @@ pub struct Controller {
     nominal: Nominal,
     base: Base,
     transient: Transient,
+    slowing: Slowing,
     ladder: Ladder,
     saturation: Saturation,
     /// Slow mean of the flow error `[-]`.
@@ -89,6 +91,7 @@ impl Controller {
             nominal: Nominal::new(material.lag_s),
             base: Base::new(params.base, params.limits.feed),
             transient: Transient::default(),
+            slowing: Slowing::default(),
             ladder: Ladder::new(&params.health),
             saturation: Saturation::new(params.health, params.limits.low(), params.limits.high()),
             flow_error: FlowError::default(),
@@ -152,6 +155,7 @@ impl Controller {
         let dt_s = before.map_or(0.0, |before| estimate.stamp.0 - before.stamp.0);
         self.follow_flow(&status, &estimate, dt_s);
         self.calibrate(&status, &estimate, dt_s);
+        self.slow_down(&estimate, dt_s);
         let trims = self.trims(&status, &estimate, dt_s);
         self.sequence += 1;
         Some(Command {
@@ -183,6 +187,7 @@ impl Controller {
             self.rest();
         }
         self.adopt(status);
+        self.slowing.on_status(status.stamp.0, status.trims.speed / (1.0 + self.held[input::SPEED]));
         self.status = Some(*status);
     }
 
@@ -224,6 +229,7 @@ impl Controller {
         self.nominal.clear();
         self.base.clear();
         self.transient = Transient::default();
+        self.slowing.forget();
         self.flow_error = FlowError::default();
         self.catch_up.open();
         self.balance.open();
@@ -238,7 +244,8 @@ impl Controller {
         let tolerance = self.params.bumpless.tolerance;
         let differ = (in_force[input::FEED] - self.held[input::FEED]).abs() > tolerance
             || (in_force[input::SPEED] - self.held[input::SPEED]).abs() > tolerance;
-        if !differ || self.params.control != Level::Mpc {
+        // A path that is being slowed down differs by what is on its way.
+        if !differ || self.slowing.is_active() || self.params.control != Level::Mpc {
             self.differ_since_s = None;
             return;
         }
@@ -257,6 +264,7 @@ impl Controller {
     }
 }
 
+mod passing;
 mod planning;
 mod preview;
 mod report;

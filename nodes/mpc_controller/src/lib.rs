@@ -32,6 +32,7 @@ pub mod params;
 pub mod qp;
 pub mod reference;
 mod saturation;
+mod slowing;
 pub mod trims;
 pub mod wire;
 

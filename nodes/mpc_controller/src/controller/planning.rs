@@ -32,6 +32,7 @@ impl Controller {
         let error = width_m / target_m - 1.0;
         let vouched = self.estimate.is_some_and(|estimate| estimate.encoder_alive);
         if vouched && self.is_transient(exposed.0, error) {
+            self.see_dip(&status, exposed, (target_m, error));
             return;
         }
         let error = self.params.deadband.relative(error);
@@ -55,18 +56,6 @@ impl Controller {
         let (feed, speed) = trimmed(&gains, (self.held[input::FEED], self.held[input::SPEED]), error, &[]);
         self.held[input::FEED] = feed;
         self.held[input::SPEED] = speed;
-    }
-
-    /// Whether a width error is of a flow that comes back by itself, or its rest is.
-    fn is_transient(&mut self, at_s: f64, error: f64) -> bool {
-        if error.abs() > self.params.trims.transient {
-            self.transient.on_error(at_s, error, self.fade_s());
-        }
-        self.transient.rest(at_s, self.fade_s()) > self.params.deadband.start
-    }
-
-    fn fade_s(&self) -> f64 {
-        self.params.trims.transient_lags * self.printer.material.lag_s
     }
 
     /// Learns what is the spool's own, where nothing else passes through the nozzle. Without an encoder the gain is that of

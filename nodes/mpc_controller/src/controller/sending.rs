@@ -35,8 +35,10 @@ impl Controller {
         let most = self.params.limits.feed;
         // The move is feed over time, the printer's trim is feed over path. Slow and fed high at once, the quotient
         // would leave the range that the supervisor lets through (K6).
-        let flow = self.base.feed() * (1.0 + feed) / (1.0 + speed);
-        (flow.clamp(1.0 - most, 1.0 + most), 1.0 + speed)
+        let path = (1.0 + speed) * self.slowing.factor();
+        let flow = self.base.feed() * (1.0 + feed) / path;
+        let (slowest, fastest) = (1.0 + self.params.limits.speed_low, 1.0 + self.params.limits.speed_high);
+        (flow.clamp(1.0 - most, 1.0 + most), path.clamp(slowest, fastest))
     }
 
     fn slip(&mut self, status: &PrinterStatus, estimate: &Estimate, dt_s: f64) -> Option<f64> {

@@ -30,6 +30,10 @@ pub struct RawTrims {
     pub delay_s: f64,
     /// A larger relative width error is one of the flow while the encoder speaks: a diameter does not jump `[-]`.
     pub transient: f64,
+    /// Share of the section from which on a slower path makes up for it while it passes `[-]`.
+    pub transient_slowed: f64,
+    /// Share of such an error that the speed of the path makes up for while it passes `[-]`.
+    pub transient_speed: f64,
     /// Time constant with which such an error passes by itself `[lags of the melt]`.
     pub transient_lags: f64,
     /// Wait after a change of path speed `[s]`.

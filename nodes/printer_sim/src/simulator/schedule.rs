@@ -4,7 +4,6 @@ use super::Simulator;
 use crate::drive::Goal;
 use crate::executor::Ahead;
 use models::command::{AdvanceOf, Mode, Refusal, Request, Scheduled, Trims};
-use models::status::HostProfile;
 use models::units::Seconds;
 
 /// Why a scheduled trim is not attached to its move.
@@ -44,7 +43,7 @@ impl Simulator {
     /// Whether this host attaches trims to moves: it streams the file itself, or plans it.
     #[must_use]
     pub fn schedules(&self) -> bool {
-        matches!(self.params.simulator.executor.host, HostProfile::Native | HostProfile::Serial)
+        self.params.simulator.executor.host.executes_schedules()
     }
 
     /// Attaches a scheduled trim, as the supervisor sends it, to its coming move, or refuses and counts it. It is void once

@@ -52,6 +52,7 @@ fn every_command_is_within_bounds_and_rates() {
     let params = controller.params;
     let mut dice = Dice(0x9E37_79B9_7F4A_7C15);
     let (mut sent, mut in_force, mut wanted_m) = (0_u32, Trims::NEUTRAL, 0.0);
+    let mut planned = 0.0;
     for round in 0..rounds() {
         let now_s = 0.05 * f64::from(round + 1);
         wanted_m += FEED_M_S * 0.05;
@@ -88,6 +89,14 @@ fn every_command_is_within_bounds_and_rates() {
         let gain = dice.poisoned(seen.gain);
         if let Some(command) = controller.on_event(Event::Estimate(Estimate { gain, ..seen })) {
             inside(&command.trims, &params);
+            // The path is slowed down beside the plan by what the plan's own moves leave of the rate.
+            let (now, rate) = (controller.held[SPEED], params.limits.speed_rate);
+            let by_plan = (now - std::mem::replace(&mut planned, now)).abs();
+            let moved = (command.trims.speed - in_force.speed).abs();
+            assert!(
+                moved <= ((1.0 + params.limits.speed_high) * by_plan).max(rate) + 1e-9,
+                "{in_force:?} -> {command:?}"
+            );
             in_force = command.trims;
             sent += 1;
         }

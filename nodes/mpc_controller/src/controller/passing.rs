@@ -1,0 +1,53 @@
+//! A dip of the flow that passes by itself: whether there is one, and the path's speed while it passes.
+
+use super::Controller;
+use crate::input::Estimate;
+use crate::params::Level;
+use models::bead::ROUND_SIDES;
+use models::status::PrinterStatus;
+use models::units::Seconds;
+
+impl Controller {
+    /// Whether a width error is of a flow that comes back by itself, or its rest is.
+    pub(super) fn is_transient(&mut self, at_s: f64, error: f64) -> bool {
+        if error.abs() > self.params.trims.transient {
+            self.transient.on_error(at_s, error, self.fade_s());
+        }
+        self.transient.rest(at_s, self.fade_s()) > self.params.deadband.start
+    }
+
+    /// A width error while a dip passes. Where corners are not planned their widths are off by as much.
+    pub(super) fn see_dip(
+        &mut self,
+        status: &PrinterStatus,
+        exposed: Seconds,
+        (target_m, error): (f64, f64),
+    ) {
+        if !status.host.executes_schedules() {
+            return;
+        }
+        let section = status.layer_height_m.map_or(1.0, |height_m| 1.0 - height_m * ROUND_SIDES / target_m);
+        let (least, band) = (self.params.trims.transient_slowed, &self.params.deadband);
+        self.slowing.on_section(exposed.0, section.max(0.0) * error, least, band);
+    }
+
+    /// Moves the path's speed towards what gives a road its section while a dip of the flow passes, at the same feed over
+    /// time: within the limits of speed and flow, by their rates.
+    pub(super) fn slow_down(&mut self, estimate: &Estimate, dt_s: f64) {
+        if !estimate.encoder_alive || self.params.control != Level::Mpc {
+            self.slowing.forget();
+            return;
+        }
+        let (limits, [feed, speed, _]) = (&self.params.limits, self.held);
+        let flow = self.base.feed() * (1.0 + feed) / (1.0 + speed);
+        let low = ((1.0 + limits.speed_low) / (1.0 + speed)).max(flow / (1.0 + limits.feed)) - 1.0;
+        let high = ((1.0 + limits.speed_high) / (1.0 + speed)).min(flow / (1.0 - limits.feed)) - 1.0;
+        let most = limits.speed_rate * (dt_s / self.params.period_s).clamp(0.0, 1.0);
+        let fading = (self.fade_s().max(1e-3), self.params.trims.transient_speed);
+        self.slowing.advance(estimate.stamp.0, fading, ((low, high), most), speed);
+    }
+
+    pub(super) fn fade_s(&self) -> f64 {
+        self.params.trims.transient_lags * self.printer.material.lag_s
+    }
+}
