@@ -47,3 +47,33 @@ fn a_burst_of_frames_moves_no_further_than_its_time_allows() {
     }
     assert!((controller.held[FEED] - before[FEED]).abs() > 0.5 * rate[FEED], "{:?}", controller.held);
 }
+
+/// A quarter of the section lacks while the encoder sees all of the feed: the path runs slower by as much at the same feed
+/// over time, at once up to its rate, and is back at its speed once that has passed.
+#[test]
+fn a_dip_of_the_flow_is_made_up_for_by_a_slower_path() {
+    let mut rig = Rig::new(Level::Mpc);
+    rig.run(59, |estimate| estimate);
+    let before = rig.in_force;
+    rig.controller.on_event(Event::Width { exposed: Seconds(2.9), width_m: 0.75 * 4.8e-4 });
+    let sent = rig.run(20, |estimate| estimate);
+    let slowest = sent.iter().map(|trims| trims.speed).fold(1.0, f64::min);
+    assert!((0.85..0.92).contains(&slowest), "{slowest}");
+    for trims in &sent {
+        let feed = trims.flow * trims.speed / (before.flow * before.speed);
+        assert!((feed - 1.0).abs() < 5e-3, "the feed over time stays: {trims:?}");
+    }
+    let later = rig.run(200, |estimate| estimate);
+    assert!((later[199].speed - before.speed).abs() < 5e-3, "{:?}", later[199]);
+}
+
+/// Nobody vouches for the feed: it may be slip that makes the road thin, and more feed that it needs.
+#[test]
+fn without_an_encoder_a_thin_road_slows_nothing_beyond_the_gains() {
+    let mut rig = Rig::new(Level::Mpc);
+    let alone = |estimate| Estimate { encoder_alive: false, ..estimate };
+    rig.run(59, alone);
+    rig.controller.on_event(Event::Width { exposed: Seconds(2.9), width_m: 0.75 * 4.8e-4 });
+    let sent = rig.run(3, alone);
+    assert!(sent.iter().all(|trims| trims.speed > 0.97 && trims.flow > 1.0), "{sent:?}");
+}
