@@ -19,6 +19,7 @@ from ros_types import value
 
 #: Of each type; the last one is extreme.
 SAMPLES = 4
+#: Of all that the mirror hears, what is offered best effort.
 BEST_EFFORT_TOPICS = {"/in/clock", "/in/heartbeat", "/in/printer/report/filament", "/in/printer/report/temperature"}
 ANY = SampleState.Any | ViewState.Any | InstanceState.Any
 

@@ -77,7 +77,12 @@ impl Slowing {
     ) {
         let lacking = self.lacking * (-(now_s - self.at_s).max(0.0) / fade_s).exp();
         let wanted = (-share * lacking).clamp(range.0.min(0.0), range.1.max(0.0));
-        let wanted = if wanted.abs() < LEAST { 0.0 } else { wanted };
+        let passed = wanted.abs() < LEAST;
+        if passed {
+            // The next one has to begin anew.
+            self.lacking = 0.0;
+        }
+        let wanted = if passed { 0.0 } else { wanted };
         let room = (most - (planned - self.planned).abs() * self.factor()).max(0.0) / (1.0 + planned);
         self.planned = planned;
         self.speed += (wanted - self.speed).clamp(-room, room);
@@ -135,6 +140,15 @@ mod tests {
         assert!(run(&mut slowing, 0.1, 0.2, 1.0) < -0.05);
         slowing.on_section(0.2, 0.02, LEAST_DIP, &BAND);
         assert!((-0.045..-0.035).contains(&run(&mut slowing, 0.2, 0.25, 1.0)), "{}", slowing.factor());
+    }
+
+    #[test]
+    fn after_a_dip_the_next_one_has_to_begin_anew() {
+        let mut slowing = Slowing::default();
+        slowing.on_section(0.0, -0.12, LEAST_DIP, &BAND);
+        run(&mut slowing, 0.0, 9.0, 1.0);
+        slowing.on_section(9.0, -0.04, LEAST_DIP, &BAND);
+        assert!(run(&mut slowing, 9.0, 9.1, 1.0).abs() < f64::EPSILON);
     }
 
     #[test]

@@ -32,9 +32,9 @@ impl Controller {
     }
 
     /// Moves the path's speed towards what gives a road its section while a dip of the flow passes, at the same feed over
-    /// time: within the limits of speed and flow, by their rates.
+    /// time: within the limits of speed and flow, by their rates. Once nobody vouches for the feed any more, back it goes.
     pub(super) fn slow_down(&mut self, estimate: &Estimate, dt_s: f64) {
-        if !estimate.encoder_alive || self.params.control != Level::Mpc {
+        if self.params.control != Level::Mpc {
             self.slowing.forget();
             return;
         }
@@ -43,8 +43,8 @@ impl Controller {
         let low = ((1.0 + limits.speed_low) / (1.0 + speed)).max(flow / (1.0 + limits.feed)) - 1.0;
         let high = ((1.0 + limits.speed_high) / (1.0 + speed)).min(flow / (1.0 - limits.feed)) - 1.0;
         let most = limits.speed_rate * (dt_s / self.params.period_s).clamp(0.0, 1.0);
-        let fading = (self.fade_s().max(1e-3), self.params.trims.transient_speed);
-        self.slowing.advance(estimate.stamp.0, fading, ((low, high), most), speed);
+        let share = if estimate.encoder_alive { self.params.trims.transient_speed } else { 0.0 };
+        self.slowing.advance(estimate.stamp.0, (self.fade_s().max(1e-3), share), ((low, high), most), speed);
     }
 
     pub(super) fn fade_s(&self) -> f64 {

@@ -77,3 +77,39 @@ fn without_an_encoder_a_thin_road_slows_nothing_beyond_the_gains() {
     let sent = rig.run(3, alone);
     assert!(sent.iter().all(|trims| trims.speed > 0.97 && trims.flow > 1.0), "{sent:?}");
 }
+
+/// The encoder falls silent in the midst of a dip: the path goes back to its speed by its rate, and not at once.
+#[test]
+fn a_slowed_path_without_an_encoder_goes_back_by_its_rate() {
+    let mut rig = Rig::new(Level::Mpc);
+    rig.run(59, |estimate| estimate);
+    rig.controller.on_event(Event::Width { exposed: Seconds(2.9), width_m: 0.6 * 4.8e-4 });
+    let slowed = rig.run(15, |estimate| estimate);
+    let mut before = slowed[14].speed;
+    assert!(before < 0.9, "{before}");
+    let (period_s, rate) = (rig.controller.params.period_s, rig.controller.params.limits.speed_rate);
+    for trims in rig.run(40, |estimate| Estimate { encoder_alive: false, ..estimate }) {
+        assert!(trims.speed - before <= rate * 0.05 / period_s + 1e-9, "{before} -> {trims:?}");
+        before = trims.speed;
+    }
+    assert!(before > 0.99, "{before}");
+}
+
+/// Where corners are not planned, their roads are as thin as those of a dip.
+#[test]
+fn only_a_host_that_executes_schedules_is_slowed() {
+    for (host, is_slowed) in [
+        (HostProfile::Native, true),
+        (HostProfile::Serial, true),
+        (HostProfile::Moonraker, false),
+        (HostProfile::Octoprint, false),
+    ] {
+        let mut rig = Rig::new(Level::Mpc);
+        rig.run(59, |estimate| estimate);
+        let reported = PrinterStatus { host, ..status(2.96, rig.wanted_m, rig.in_force) };
+        rig.controller.on_event(Event::Printer(reported));
+        rig.controller.on_event(Event::Width { exposed: Seconds(2.9), width_m: 0.75 * 4.8e-4 });
+        let sent = rig.run(1, |estimate| estimate);
+        assert_eq!(sent[0].speed < 0.995, is_slowed, "{host:?}: {sent:?}");
+    }
+}
