@@ -143,9 +143,16 @@ class Service:
 
 
 class PlainService(Service):
-    """The same as Fast DDS has it: who asked stands in the protocol's own header, and an answer is of the newest call."""
+    """The same as Fast DDS has it: who asked stands in the protocol's own header, which is not read here. What came before
+    a call is the first word of a server, which is nobody's, or an answer that was given up; what comes after is its own.
+    """
 
     header = False
+
+    def __call__(self, limit_s: float = PATIENCE_S, **fields):
+        self.wait(limit_s)
+        self.reader.take(100)
+        return super().__call__(limit_s, **fields)
 
 
 class Node:
