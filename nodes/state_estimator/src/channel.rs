@@ -105,14 +105,14 @@ impl Record {
             self.against = self.against.saturating_sub(1);
         }
 
-        // whether a state has stepped is judged as if nothing passed
+        // whether the model fits is judged as if nothing passed; a step is what no passing transient explains
         let normalised = innovation.residual.x / (innovation.covariance.x - passing).sqrt();
         self.count += 1;
         self.sum_nis += innovation.nis;
         self.nis = Some(innovation.nis);
         self.innovation = Some(innovation.residual.x);
         self.normalised.push(normalised);
-        self.recent.push(normalised);
+        self.recent.push(innovation.residual.x / innovation.covariance.x.sqrt());
         self.rejected = sound == Verdict::Rejected;
         let stepped = !self.fades()
             && mean_of(&self.recent, self.trust.step_samples as usize)

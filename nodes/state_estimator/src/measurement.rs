@@ -173,7 +173,7 @@ pub(crate) fn width(
         if frame.exposed_s >= past.at_s { past.flow_m_s } else { past.flows.value_at(frame.exposed_s)? };
     let unbalanced_m = sensor.imbalance * past.imbalance * frame.width_m;
     let sigma_m = frame.sigma_m.max(sensor.sigma_min_m);
-    let passing = past.transient_m.powi(2);
+    let passing = (sensor.transient_doubt * past.transient_m).powi(2);
     Some(Observation {
         value: frame.width_m,
         variance: scale * (sigma_m * sigma_m + unbalanced_m * unbalanced_m) + passing,

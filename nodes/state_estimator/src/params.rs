@@ -190,6 +190,8 @@ pub struct RawWidth {
     pub memory_lags: f64,
     /// Time constant with which a rejected width fades while the encoder vouches for the feed, in lags `[-]`.
     pub transient_lags: f64,
+    /// Standard deviation of a width while it fades, over what is left of the rejected one `[-]`.
+    pub transient_doubt: f64,
     /// Slowest path on which a width is looked at `[m/s]`.
     pub path_speed_min_m_s: f64,
     /// Spread of path speed around the exposure at which a width is not looked at `[-]`.

@@ -41,6 +41,7 @@ pub(super) fn check_width(raw: &RawWidth) -> Result<(), ParamError> {
     in_range("width.imbalance", raw.imbalance, "-", (0.0, 5.0))?;
     in_range("width.memory_lags", raw.memory_lags, "-", (0.01, 20.0))?;
     in_range("width.transient_lags", raw.transient_lags, "lags", (0.01, 20.0))?;
+    in_range("width.transient_doubt", raw.transient_doubt, "-", (0.0, 10.0))?;
     in_range("width.path_speed_min_m_s", raw.path_speed_min_m_s, "m/s", (1e-5, 1.0))?;
     in_range("width.path_speed_spread", raw.path_speed_spread, "-", (0.0, 1.0))?;
     in_range("width.steady_s", raw.steady_s, "s", (0.0, 2.0))?;

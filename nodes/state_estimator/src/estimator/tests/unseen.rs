@@ -73,3 +73,21 @@ fn readings_between_slow_reports_are_judged_at_their_own_time() {
     let nis = last.unwrap().nis_mean[Channel::Thermistor as usize].unwrap();
     assert!(nis < 0.5, "{nis}");
 }
+
+/// A clog that narrows, as widths show it where the path is slowed meanwhile: the dip passes more slowly than it would by
+/// itself. It is no gain, and no step of one.
+#[test]
+fn a_dip_that_passes_is_not_learnt_as_a_gain() {
+    for fades_s in [1.0, 1.6, 2.2] {
+        let mut rig = Rig::new();
+        rig.run(3000);
+        let steps = rig.run(5).steps;
+        let mut farthest = 0.0_f64;
+        for step in 0..160 {
+            rig.gain = 1.0 - 0.6 * (-f64::from(step) * 0.05 / fades_s).exp();
+            farthest = farthest.max((rig.run(5).x[state::GAIN] - 1.0).abs());
+        }
+        assert!(farthest < 0.02, "{fades_s}: {farthest}");
+        assert_eq!(rig.run(5).steps, steps, "{fades_s}");
+    }
+}
