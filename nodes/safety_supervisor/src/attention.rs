@@ -111,6 +111,18 @@ mod tests {
     }
 
     #[test]
+    fn the_newest_confidence_is_told_until_a_person_has_looked() {
+        let mut attention = Attention::new(params());
+        assert_eq!(attention.newest(), None);
+        for confidence in [0.9, 0.2] {
+            attention.on_confidence(confidence);
+            assert_eq!(attention.newest(), Some(confidence));
+        }
+        attention.reset();
+        assert_eq!(attention.newest(), None);
+    }
+
+    #[test]
     fn a_value_that_is_not_a_number_breaks_every_row() {
         assert_eq!(levels(params(), &[0.9, 0.9, f64::NAN, 0.9]), [0, 1, 1, 1]);
     }

@@ -86,6 +86,19 @@ fn a_fall_is_known_before_it_trips() {
     assert_eq!(falling(9, 207.0), (false, false));
 }
 
+/// A fifth of 5 K/s is at rest, either way.
+#[test]
+fn a_reading_that_has_all_but_stopped_is_at_rest() {
+    for (rate_k_s, at_rest) in [(0.9, true), (1.1, false), (4.0, false), (-0.9, true), (-1.1, false)] {
+        let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 });
+        for number in 0..5 {
+            let time_s = f64::from(number) * 0.1;
+            check.on_sample(Seconds(time_s), Celsius(210.0 - rate_k_s * time_s));
+        }
+        assert_eq!(check.is_at_rest(), at_rest, "{rate_k_s}");
+    }
+}
+
 #[test]
 fn a_spike_is_no_fall() {
     let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 });

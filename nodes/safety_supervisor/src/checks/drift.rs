@@ -196,6 +196,7 @@ mod tests {
             feed(&mut check, 0.0, 400.0, (2.0, Some(4.0)));
             feed(&mut check, 400.0, 30.0, (2.0 + sign * 3.34, Some(4.0)));
             assert!(check.is_doubtful() && !check.tripped(), "{}", check.residual_k());
+            assert!((check.limit_k() - sign * 5.0).abs() < 1e-12 && check.residual_k() * sign > 5.0);
             let time_s = 30.0 + feed(&mut check, 430.0, 60.0, (2.0 + sign * 3.34, Some(4.0)));
             // This balance comes without the lag of 6 s that is made up for; the doubt takes 15 J / 1.7 W = 9 s, in
             // which the usual power learns 9/180 of the change: (250 J - 19 J) / 3.2 W = 73 s.

@@ -97,7 +97,9 @@ mod tests {
             readings_c.extend([210.0 + step_k; 7]);
             assert!(!after(&readings_c).tripped());
             readings_c.push(210.0 + step_k);
-            assert!(after(&readings_c).tripped());
+            let check = after(&readings_c);
+            assert!(check.tripped() && check.is_apart());
+            assert_eq!(check.step_k(), Some(step_k));
         }
     }
 
@@ -105,9 +107,24 @@ mod tests {
     #[test]
     fn heat_up_and_spikes_are_none() {
         let ramp_c: Vec<f64> = (0..500).map(|number| 25.0 + 0.24 * f64::from(number)).collect();
-        assert!(!after(&ramp_c).tripped());
+        assert!(!after(&ramp_c).tripped() && after(&ramp_c).step_k().is_none());
         let spiky_c: Vec<f64> = (0..500).map(|number| if number % 3 == 0 { 240.0 } else { 210.0 }).collect();
         assert!(!after(&spiky_c).tripped());
+    }
+
+    /// What was on its way for longer counts for nothing; time that jumped back begins anew.
+    #[test]
+    fn an_overtaken_reading_is_left_out_and_time_set_back_begins_anew() {
+        let mut check = after(&[210.0; 9]);
+        for stamp_s in [0.75, 0.0, -2.0] {
+            check.on_sample(Seconds(stamp_s), Celsius(240.0));
+            assert!(!check.is_apart(), "{stamp_s}");
+        }
+        check.on_sample(Seconds(0.9), Celsius(240.0));
+        assert!(check.is_apart());
+        check.on_sample(Seconds(-10.0), Celsius(240.0));
+        check.on_sample(Seconds(-9.9), Celsius(240.0));
+        assert!(!check.is_apart(), "the level of then is taken for what it is");
     }
 
     #[test]
