@@ -96,6 +96,11 @@ fn cold(seed: u64) -> Heater {
     Heater::new(seed)
 }
 
+fn rough(mut heater: Heater, noise_k: f64) -> Heater {
+    heater.noise_k = noise_k;
+    heater
+}
+
 /// P1: 5 s from injection at target or idle, 8 s while printing with fan.
 #[test]
 fn p1_a_heater_that_heats_unordered_is_cut_off() {
@@ -184,17 +189,24 @@ fn s4_single_spikes_do_not_trip() {
 /// Readings twice as rough make the balance twice as rough: nothing is missing, and what is missing still shows.
 #[test]
 fn p2_rough_readings_are_no_missing_power() {
-    let rough = |seed: u64| {
-        let mut heater = Heater::settled(seed, 240.0, 0.96, 4.0);
-        heater.noise_k = 0.3;
-        heater
-    };
+    let start = |seed: u64| rough(Heater::settled(seed, 240.0, 0.96, 4.0), 0.3);
     for seed in 0..seeds() {
-        let mut run = Loop::new(rough(seed));
+        let mut run = Loop::new(start(seed));
         assert_eq!(run.run(1200.0), None, "seed {seed}: {:?} {:?}", run.cause, run.excess_w);
     }
     let dead = |heater: &mut Heater| heater.gain = 0.0;
-    assert!(reaction("P2 dead, rough readings", rough, dead, &[Cause::HeaterDeficit]) <= 8.0);
+    assert!(reaction("P2 dead, rough readings", start, dead, &[Cause::HeaterDeficit]) <= 8.0);
+}
+
+/// Readings five times as rough degrade (S4), and of them only large heat means anything: it is still cut off, later.
+#[test]
+fn p1_heat_that_nobody_ordered_shows_under_rough_readings() {
+    let start = |seed: u64| rough(idle(seed), 0.8);
+    let stuck = |heater: &mut Heater| heater.stuck_on = true;
+    let causes = [Cause::HeaterStuckOn, Cause::HeaterDeficit];
+    assert!(reaction("P1 stuck on, readings five times as rough", start, stuck, &causes) <= 10.0);
+    let mut run = Loop::new(start(1));
+    assert_eq!((run.run(60.0), run.cause), (None, Some(Cause::HotendNoisy)));
 }
 
 /// Heat-up, fan, flow steps, cool-down and a draught: no trip, whatever the seed.
