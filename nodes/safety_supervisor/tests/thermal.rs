@@ -92,13 +92,13 @@ fn printing(seed: u64) -> Heater {
     Heater::settled(seed, 210.0, 1.0, 4.8)
 }
 
-fn cold(seed: u64) -> Heater {
-    Heater::new(seed)
-}
-
 fn rough(mut heater: Heater, noise_k: f64) -> Heater {
     heater.noise_k = noise_k;
     heater
+}
+
+fn cold(seed: u64) -> Heater {
+    Heater::new(seed)
 }
 
 /// P1: 5 s from injection at target or idle, 8 s while printing with fan.
@@ -189,7 +189,7 @@ fn s4_single_spikes_do_not_trip() {
 /// Readings twice as rough make the balance twice as rough: nothing is missing, and what is missing still shows.
 #[test]
 fn p2_rough_readings_are_no_missing_power() {
-    let start = |seed: u64| rough(Heater::settled(seed, 240.0, 0.96, 4.0), 0.3);
+    let start = |seed| rough(Heater::settled(seed, 240.0, 0.96, 4.0), 0.3);
     for seed in 0..seeds() {
         let mut run = Loop::new(start(seed));
         assert_eq!(run.run(1200.0), None, "seed {seed}: {:?} {:?}", run.cause, run.excess_w);
@@ -201,12 +201,9 @@ fn p2_rough_readings_are_no_missing_power() {
 /// Readings five times as rough degrade (S4), and of them only large heat means anything: it is still cut off, later.
 #[test]
 fn p1_heat_that_nobody_ordered_shows_under_rough_readings() {
-    let start = |seed: u64| rough(idle(seed), 0.8);
     let stuck = |heater: &mut Heater| heater.stuck_on = true;
-    let causes = [Cause::HeaterStuckOn, Cause::HeaterDeficit];
-    assert!(reaction("P1 stuck on, readings five times as rough", start, stuck, &causes) <= 10.0);
-    let mut run = Loop::new(start(1));
-    assert_eq!((run.run(60.0), run.cause), (None, Some(Cause::HotendNoisy)));
+    let start = |seed| rough(idle(seed), 0.8);
+    assert!(reaction("P1 stuck on, rough readings", start, stuck, &[Cause::HeaterStuckOn]) <= 10.0);
 }
 
 /// Heat-up, fan, flow steps, cool-down and a draught: no trip, whatever the seed.
