@@ -144,6 +144,12 @@ impl Heater {
         }
     }
 
+    /// With readings so rough `[K]`.
+    pub(crate) fn with_noise(mut self, noise_k: f64) -> Self {
+        self.noise_k = noise_k;
+        self
+    }
+
     /// At rest at a temperature, with the duty that holds it.
     pub(crate) fn settled(seed: u64, target_c: f64, fan: f64, flow_mm3_s: f64) -> Self {
         let mut heater = Self::new(seed);
