@@ -149,6 +149,21 @@ mod tests {
         assert!((means.feed_m_s - 0.006 / 0.1).abs() < 1e-9, "{means:?}");
     }
 
+    #[test]
+    fn an_overtaken_state_is_left_out_and_time_set_back_begins_anew() {
+        let mut history = DriveHistory::default();
+        history.push(Seconds(100.0), drive(0.1, 0.0));
+        for (stamp_s, newest_s) in [(99.5, 100.0), (100.0, 100.0), (99.0, 100.0), (98.9, 98.9), (99.0, 99.0)]
+        {
+            history.push(Seconds(stamp_s), drive(0.2, 0.0));
+            let newest = history.newest().map(|(stamp, _)| stamp);
+            assert_eq!(newest, Some(Seconds(newest_s)), "{stamp_s}");
+        }
+        assert!(
+            history.means(Seconds(98.9), Seconds(99.0)).is_some_and(|means| (means.duty - 0.2).abs() < 1e-12)
+        );
+    }
+
     /// Fed until now, of states 20 ms apart at these positions.
     fn fed_m(positions_m: &[f64]) -> f64 {
         let mut history = DriveHistory::default();

@@ -112,6 +112,7 @@ mod tests {
     fn a_single_spike_is_one_reading_off() {
         let check = after((0..60).map(|number| if number == 50 { 240.0 } else { 210.0 }));
         assert_eq!(check.off_among(50), 1);
+        assert!((check.share() - 0.02).abs() < 1e-12);
         assert!(!check.is_suspect() && !check.tripped());
     }
 

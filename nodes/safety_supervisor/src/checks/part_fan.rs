@@ -116,6 +116,10 @@ mod tests {
     fn a_fan_that_stands_or_crawls_trips_after_its_spin_up() {
         assert!(!tripped(1.0, Some(0.0), 3.9) && tripped(1.0, Some(0.0), 4.0));
         assert!(tripped(1.0, Some(15.0), 4.0) && !tripped(1.0, Some(17.0), 60.0));
+        assert!(
+            tripped(0.5, Some(7.0), 4.0) && !tripped(0.5, Some(9.0), 60.0),
+            "half the duty, half the speed"
+        );
     }
 
     #[test]
