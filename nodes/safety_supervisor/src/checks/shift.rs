@@ -86,6 +86,8 @@ mod tests {
                 check.on_offset(Some([-8e-4, 0.0]), impulse);
             }
             assert!(check.tripped());
+            check.reset();
+            assert!(!check.tripped(), "a person has looked");
         }
     }
 

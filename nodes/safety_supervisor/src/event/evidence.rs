@@ -67,3 +67,39 @@ impl fmt::Display for Evidence {
         write!(f, ", limit {limit:.digits$} {unit}")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_told_in_the_unit_of_its_cause() {
+        for (cause, value, limit, text) in [
+            (Cause::BedRange, 131.25, Some(130.0), "131.2 degC, limit 130.0 degC"),
+            (Cause::BedFrozen, 20.04, None, "20.0 s"),
+            (Cause::BedDeficit, -40.0, Some(-35.5), "-40.0 W, limit -35.5 W"),
+            (Cause::BedThermistorDetached, 6.1, Some(5.0), "6.1 K/s, limit 5.0 K/s"),
+            (Cause::HotendNoisy, 24.0, Some(20.0), "24 % of the readings, limit 20 %"),
+            (Cause::HotendStep, 20.0, Some(12.0), "20.0 K, limit 12.0 K"),
+            (Cause::StaleImu, 0.301, Some(0.25), "0.30 s, limit 0.25 s"),
+            (Cause::JudgeIdle, 5.04, Some(5.0), "5.0 s, limit 5.0 s"),
+            (Cause::BadValues, 3.0, None, "3 since the start"),
+            (Cause::Envelope, 3.0, None, "3 commands since the start"),
+            (Cause::SecondPublisher, 7.0, None, "7 commands refused since the start"),
+            (Cause::PartFan, 12.0, Some(48.0), "12.0 1/s, limit 48.0 1/s"),
+            (Cause::FilamentSlip, 61.0, Some(50.0), "61 % slip, limit 50 %"),
+            (Cause::EncoderSurplus, 31.0, Some(30.0), "31 % beyond the motor's way, limit 30 %"),
+            (Cause::LayerShift, 0.8, Some(0.5), "0.80 mm, limit 0.50 mm"),
+            (Cause::Confidence, 0.9, Some(0.8), "0.90 confidence, limit 0.80 confidence"),
+        ] {
+            let told = Evidence::of(cause, value, limit).map(|evidence| evidence.to_string());
+            assert_eq!(told.as_deref(), Some(text), "{cause:?}");
+        }
+        for cause in [Cause::RunOut, Cause::OperatorStop, Cause::LatchUnreadable] {
+            assert_eq!(Evidence::of(cause, 1.0, None), None, "{cause:?}");
+        }
+        assert_eq!(Evidence::of(Cause::PartFan, f64::NAN, None), None);
+        let endless = Evidence::of(Cause::PartFan, 1.0, Some(f64::INFINITY));
+        assert!(endless.is_some_and(|evidence| evidence.limit.is_none()));
+    }
+}
