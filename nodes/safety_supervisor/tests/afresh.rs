@@ -127,6 +127,8 @@ fn what_a_person_has_not_looked_at_pauses_all_the_same() {
     print.slip = 1.0;
     assert!(print.until(Mode::Paused) <= 4.5);
     assert_eq!(print.output.state.cause, Some(Cause::FilamentSlip));
+    let told = print.output.state.evidence.map(|evidence| evidence.to_string());
+    assert_eq!(told.as_deref(), Some("100 % slip, limit 42 %"));
     let mut print = looked_at(None);
     print.watch(LOOSE, 0.6);
     assert_eq!(print.mode(), Mode::Paused, "no layer is told");

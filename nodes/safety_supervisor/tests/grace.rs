@@ -76,6 +76,8 @@ fn a_second_layer_shift_pauses() {
     assert_eq!(print.mode(), Mode::Degraded, "the same one, within the limit");
     print.watch(shifted(1.8e-3), 6.0);
     assert_eq!((print.mode(), print.output.state.cause), (Mode::Paused, Some(Cause::LayerShift)));
+    let told = print.output.state.evidence.map(|evidence| evidence.to_string());
+    assert_eq!(told.as_deref(), Some("1.80 mm, limit 0.50 mm"));
 }
 
 /// The next object of the plate, or the next job between two reports: nobody has looked at that.

@@ -224,6 +224,9 @@ fn s4_noise_degrades_and_does_not_trip() {
         assert_eq!(rig.until(Mode::Degraded, 60.0), None);
         rig.noise_k = 1.5;
         assert_eq!(rig.until(Mode::Paused, 60.0), None, "seed {seed}: {:?}", rig.cause);
+        let told = rig.supervisor.evidence_of(Cause::HotendNoisy).unwrap();
+        assert_eq!((told.unit, told.limit), ("% of the readings", Some(16.0)));
+        assert!((16.0..=100.0).contains(&told.value), "seed {seed}: {told}");
     }
 }
 

@@ -81,6 +81,8 @@ fn sections_outside_of_the_law_are_clamped_counted_and_degrade() {
         }
         assert_eq!((print.mode(), print.output.state.cause), (Mode::Degraded, Some(Cause::Envelope)));
         assert!((reached - kept).abs() < 1e-12 && print.output.state.clamped_commands >= 3, "{reached}");
+        let told = print.output.state.evidence.map(|evidence| evidence.to_string());
+        assert_eq!(told.as_deref(), Some("3 commands since the start"));
     }
 }
 
