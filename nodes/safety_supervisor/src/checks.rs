@@ -17,6 +17,7 @@ pub mod noise;
 pub mod oscillation;
 pub mod part_fan;
 pub mod range;
+pub mod rising;
 mod roughness;
 pub mod run_out;
 pub mod shift;

@@ -44,6 +44,8 @@ impl Supervisor {
             Cause::BedRange => (checks.bed_range.newest()?.0, checks.bed_range.limit_c()),
             Cause::HotendFrozen => (checks.frozen.still().0, None),
             Cause::BedFrozen => (checks.bed_frozen.still().0, None),
+            // It warms behind a latch: no balance says that.
+            Cause::HeaterStuckOn if checks.rising.tripped() => return None,
             Cause::HeaterStuckOn | Cause::HeaterDeficit => checks.heater.beyond_w(),
             Cause::BedStuckOn | Cause::BedDeficit => checks.bed_heater.beyond_w(),
             Cause::ThermistorDetached => (-checks.detached.fall_k_s(), Some(-params.detached.fall_k_s)),

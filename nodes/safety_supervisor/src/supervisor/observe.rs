@@ -10,6 +10,10 @@ use crate::cause::{Cause, Reaction};
 use crate::event::{PrinterReport, VisionReport};
 use crate::modes::Raised;
 
+/// What is judged before the start is over: a person's hand, and heat.
+const AT_ONCE: [Cause; 5] =
+    [Cause::StopInput, Cause::HotendRange, Cause::BedRange, Cause::HeaterStuckOn, Cause::BedStuckOn];
+
 impl Supervisor {
     pub(super) fn on_encoder(&mut self, now: Seconds, position_m: f64) {
         if !is_a_position(position_m) {
@@ -94,13 +98,22 @@ impl Supervisor {
         self.printer = Some(report);
     }
 
+    /// What calls for a reaction before the start is over: what is not heard yet may be late, what is heard counts.
+    fn raised_at_once(&self, now: Seconds) -> Raised {
+        let mut raised: Raised = [None; Cause::COUNT];
+        for (cause, reaction) in self.checks.thermal_causes(now, &self.params) {
+            raised[cause as usize] = reaction.filter(|_| AT_ONCE.contains(&cause));
+        }
+        raised
+    }
+
     /// What each cause calls for now.
     pub(super) fn raised(&mut self, now: Seconds) -> Raised {
-        let mut raised: Raised = [None; Cause::COUNT];
         self.follow_grace();
         if !self.modes.is_initialised() {
-            return raised;
+            return self.raised_at_once(now);
         }
+        let mut raised: Raised = [None; Cause::COUNT];
         let mut set = |cause: Cause, reaction: Option<Reaction>| raised[cause as usize] = reaction;
         let acting = self.modes.set_mode() == Mode::Act;
         if acting {

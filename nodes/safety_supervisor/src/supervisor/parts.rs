@@ -16,6 +16,7 @@ use crate::checks::noise::NoiseCheck;
 use crate::checks::oscillation::OscillationCheck;
 use crate::checks::part_fan::PartFanCheck;
 use crate::checks::range::RangeCheck;
+use crate::checks::rising::RisingCheck;
 use crate::checks::run_out::RunOutCheck;
 use crate::checks::shift::ShiftCheck;
 use crate::checks::stale::StaleCheck;
@@ -151,6 +152,7 @@ pub(super) struct Checks {
     pub(super) frozen: FrozenCheck,
     pub(super) detached: DetachedCheck,
     pub(super) heater: HeaterCheck,
+    pub(super) rising: RisingCheck,
     pub(super) step: JumpCheck,
     pub(super) noise: NoiseCheck,
     pub(super) drift: DriftCheck,
@@ -182,6 +184,7 @@ impl Checks {
             frozen: FrozenCheck::new(params.frozen),
             detached: DetachedCheck::new(params.detached),
             heater: HeaterCheck::new(params.heater),
+            rising: RisingCheck::default(),
             step: JumpCheck::new(params.hotend_step),
             noise: NoiseCheck::new(params.noise),
             drift: DriftCheck::new(params.drift),
@@ -219,6 +222,7 @@ impl Checks {
         self.heater.reset();
         self.frozen.reset();
         self.detached.reset();
+        self.rising.reset();
         self.step.reset();
         self.bed_frozen.reset();
         self.bed_detached.reset();

@@ -1,5 +1,6 @@
 //! Heaters, thermistors, part fan and stop contact: what goes into their checks and what they call for.
 
+use models::command::Mode;
 use models::units::{Celsius, Seconds};
 
 use super::Supervisor;
@@ -19,7 +20,9 @@ impl Supervisor {
         // Nor is there a balance without the orders: it begins anew when they are heard again.
         let unordered = self.ages.printer.is_seen() && self.ages.printer.reaction(now).is_some();
         let lost = self.modes.latch().is_some_and(|latch| latch.cause == Cause::ThermistorDetached);
+        let is_off = self.modes.mode() == Mode::SafeOff && !lost;
         let checks = &mut self.checks;
+        checks.rising.on_sample(now, temp, is_off);
         checks.hotend_range.on_sample(temp);
         checks.frozen.on_sample(now, temp);
         checks.noise.on_sample(temp, checks.hotend_range.is_inside());
@@ -103,7 +106,7 @@ impl Checks {
             (Cause::BedRange, safe_off(self.bed_range.tripped())),
             (Cause::HotendFrozen, safe_off(self.frozen.tripped(self.heater.moved_k()))),
             (Cause::ThermistorDetached, safe_off(self.detached.tripped() && !noisy)),
-            (Cause::HeaterStuckOn, estop(fault == Some(HeaterFault::StuckOn))),
+            (Cause::HeaterStuckOn, estop(fault == Some(HeaterFault::StuckOn) || self.rising.tripped())),
             (Cause::HeaterDeficit, safe_off(fault == Some(HeaterFault::Deficit))),
             (Cause::HotendStep, safe_off(self.step.tripped())),
             (Cause::HotendNoisy, degrade(self.noise.tripped())),

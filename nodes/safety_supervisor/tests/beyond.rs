@@ -1,0 +1,90 @@
+//! P1 where its balance sees nothing: beyond the range of S1, and without the printer's orders.
+
+mod common;
+
+use common::{Heater, params};
+use models::command::Mode;
+use models::units::Seconds;
+use safety_supervisor::{Cause, Event, PrinterReport, Supervisor};
+
+/// Runs for `span_s`, with the printer's state lost where `is_lost`; the block's highest temperature, and when each mode
+/// was reached first `[s]`.
+fn run(
+    heater: &mut Heater,
+    supervisor: &mut Supervisor,
+    span_s: f64,
+    is_lost: bool,
+) -> (f64, Mode, Option<Cause>) {
+    let (from_s, mut highest_c) = (heater.now_s, heater.block_c);
+    let (mut mode, mut cause) = (Mode::Init, None);
+    while heater.now_s - from_s < span_s && mode != Mode::Estop {
+        for event in heater.step() {
+            if is_lost && matches!(event, Event::Printer(_)) && heater.now_s % 1.0 > 0.05 {
+                continue;
+            }
+            if let Some(output) = supervisor.on_event(Seconds(heater.now_s), event) {
+                (mode, cause) = (output.permit.mode, output.state.cause);
+            }
+        }
+        if mode >= Mode::SafeOff {
+            heater.target_c = 0.0;
+        }
+        highest_c = highest_c.max(heater.block_c);
+    }
+    (highest_c, mode, cause)
+}
+
+/// Heaters off does not reach a switch that conducts by itself: what warms on is cut off the mains.
+#[test]
+fn p1_a_heater_that_warms_behind_a_latch_is_cut_off_the_mains() {
+    for seed in 0..20 {
+        let mut heater = Heater::settled(seed, 210.0, 0.0, 0.0);
+        let mut supervisor = Supervisor::new(params(), 1, None);
+        assert_eq!(run(&mut heater, &mut supervisor, 60.0, false).2, None);
+        heater.stuck_on = true;
+        let (highest_c, mode, _) = run(&mut heater, &mut supervisor, 120.0, true);
+        assert_eq!(mode, Mode::Estop, "seed {seed}: {highest_c}");
+        assert!(highest_c < 350.0, "seed {seed}: {highest_c}");
+    }
+}
+
+/// A heater that obeys is left to cool, at the end of a heat-up at full power too.
+#[test]
+fn what_cools_behind_a_latch_stays_there() {
+    for seed in 0..20 {
+        let mut heater = Heater::new(seed);
+        let mut supervisor = Supervisor::new(params(), 1, None);
+        heater.target_c = 240.0;
+        run(&mut heater, &mut supervisor, 60.0 + f64::from(u32::try_from(seed).unwrap_or(0)), false);
+        heater.spike_k = 400.0;
+        for _ in 0..3 {
+            heater.spike_k = 400.0;
+            run(&mut heater, &mut supervisor, 0.1, false);
+        }
+        let (_, mode, cause) = run(&mut heater, &mut supervisor, 200.0, false);
+        assert_eq!(mode, Mode::SafeOff, "seed {seed}: {cause:?}");
+    }
+}
+
+/// P13: the stop contact counts from the first reports on, while streams are still awaited.
+#[test]
+fn p13_the_stop_contact_counts_before_the_start_is_over() {
+    let (mut heater, mut supervisor) = (Heater::new(1), Supervisor::new(params(), 1, None));
+    let mut stopped_s = None;
+    while heater.now_s < 1.0 && stopped_s.is_none() {
+        for event in heater.step() {
+            let event = match event {
+                Event::Printer(report) => Event::Printer(PrinterReport { stop_input: Some(true), ..report }),
+                Event::Hotend { .. } => continue,
+                event => event,
+            };
+            if let Some(output) = supervisor.on_event(Seconds(heater.now_s), event)
+                && output.permit.mode == Mode::Estop
+            {
+                stopped_s = Some(heater.now_s);
+                assert_eq!(output.state.cause, Some(Cause::StopInput));
+            }
+        }
+    }
+    assert!(stopped_s.is_some_and(|stopped_s| stopped_s <= 0.25), "{stopped_s:?}");
+}
