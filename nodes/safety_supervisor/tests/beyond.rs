@@ -88,3 +88,32 @@ fn p13_the_stop_contact_counts_before_the_start_is_over() {
     }
     assert!(stopped_s.is_some_and(|stopped_s| stopped_s <= 0.25), "{stopped_s:?}");
 }
+
+/// One reading in ten is stamped a second and more off, late or early: the others are judged.
+#[test]
+fn p1_stray_stamps_do_not_hide_a_heater_that_heats() {
+    let worst_s = (0..20).map(|seed| {
+        let (mut heater, mut supervisor) =
+            (Heater::settled(seed, 210.0, 0.0, 0.0), Supervisor::new(params(), 1, None));
+        let mut stopped_s = None;
+        while heater.now_s < 120.0 && stopped_s.is_none() {
+            heater.stuck_on = heater.now_s >= 60.0;
+            for event in heater.step() {
+                let event = match event {
+                    Event::Hotend { stamp, temp } if heater.random.uniform() < 0.1 => {
+                        let off_s = if heater.random.uniform() < 0.5 { 1.4 } else { -1.4 };
+                        Event::Hotend { stamp: Seconds(stamp.0 + off_s), temp }
+                    }
+                    event => event,
+                };
+                let output = supervisor.on_event(Seconds(heater.now_s), event);
+                if output.is_some_and(|output| output.permit.mode >= Mode::SafeOff) {
+                    stopped_s = Some(heater.now_s - 60.0);
+                }
+            }
+        }
+        stopped_s.unwrap_or(f64::INFINITY)
+    });
+    let worst_s = worst_s.fold(0.0, |worst: f64, s| if s < 0.0 { f64::INFINITY } else { worst.max(s) });
+    assert!(worst_s <= 8.0, "{worst_s}");
+}

@@ -21,6 +21,8 @@ use crate::params::HeaterParams;
 
 /// Longest step of the balance: after a longer gap the observer starts anew `[s]`.
 const GAP_MAX_S: f64 = 1.0;
+/// So many samples in a row far from the last one are a gap, or time that was set.
+const ASTRAY_SAMPLES: u32 = 3;
 
 /// What drives the heater's temperature, as the printer reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +61,8 @@ pub struct HeaterCheck {
     history: DriveHistory,
     waiting: [Option<(Seconds, Celsius)>; WAITING],
     last_sample: Option<Seconds>,
+    /// Samples in a row that are of no time near the last one.
+    astray: u32,
     /// Samples before the balance begins; `None` while it runs.
     start: Option<Start>,
     skipped: u32,
@@ -80,6 +84,7 @@ impl HeaterCheck {
             history: DriveHistory::default(),
             waiting: [None; WAITING],
             last_sample: None,
+            astray: 0,
             start: Some(Start::default()),
             skipped: 0,
             quiet: 0,
@@ -119,6 +124,12 @@ impl HeaterCheck {
     /// One step of the balance. A second sample of the same moment says nothing new.
     fn judge(&mut self, now: Seconds, temp: Celsius) {
         if self.last_sample.is_some_and(|last| (-GAP_MAX_S..=0.0).contains(&(now.0 - last.0))) {
+            return;
+        }
+        let near = self.last_sample.is_none_or(|last| (now - last).0.abs() <= GAP_MAX_S);
+        self.astray = if near { 0 } else { self.astray + 1 };
+        if (1..ASTRAY_SAMPLES).contains(&self.astray) {
+            // A single stamp that is wrong is no gap, and no reason to begin anew.
             return;
         }
         let last = self.last_sample.replace(now);
