@@ -120,10 +120,10 @@ impl Peer {
         let topics: Vec<_> = self.entries.iter().map(|entry| entry.topic.to_owned()).collect();
         for _ in 0..2 {
             self.shown = Shown::default();
-            let found = self.until(None, |shown| {
+            let all = |shown: &Shown| {
                 fleet::NODES.iter().all(|node| shown.knows(node)) && unheard(&topics, shown).is_empty()
-            });
-            let found = found.await;
+            };
+            let found = self.until(None, all).await;
             let (nodes, unheard) = (self.shown.nodes(), unheard(&topics, &self.shown));
             assert!(found, "of all nodes only {nodes:?} report; nobody subscribes {unheard:?} of the table");
         }

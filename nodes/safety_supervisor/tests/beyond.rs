@@ -7,8 +7,8 @@ use models::command::Mode;
 use models::units::Seconds;
 use safety_supervisor::{Cause, Event, PrinterReport, Supervisor};
 
-/// Runs for `span_s`, with the printer's state lost where `is_lost`; the block's highest temperature, and when each mode
-/// was reached first `[s]`.
+/// Runs for `span_s` or until ESTOP, with 95 % of the printer's state lost where `is_lost`: the block's highest temperature
+/// `[degC]`, and mode and cause at the end.
 fn run(
     heater: &mut Heater,
     supervisor: &mut Supervisor,
@@ -51,12 +51,11 @@ fn p1_a_heater_that_warms_behind_a_latch_is_cut_off_the_mains() {
 /// A heater that obeys is left to cool, at the end of a heat-up at full power too.
 #[test]
 fn what_cools_behind_a_latch_stays_there() {
-    for seed in 0..20 {
-        let mut heater = Heater::new(seed);
+    for seed in 0..20_u32 {
+        let mut heater = Heater::new(seed.into());
         let mut supervisor = Supervisor::new(params(), 1, None);
         heater.target_c = 240.0;
-        run(&mut heater, &mut supervisor, 60.0 + f64::from(u32::try_from(seed).unwrap_or(0)), false);
-        heater.spike_k = 400.0;
+        run(&mut heater, &mut supervisor, 60.0 + f64::from(seed), false);
         for _ in 0..3 {
             heater.spike_k = 400.0;
             run(&mut heater, &mut supervisor, 0.1, false);
@@ -92,28 +91,31 @@ fn p13_the_stop_contact_counts_before_the_start_is_over() {
 /// One reading in ten is stamped a second and more off, late or early: the others are judged.
 #[test]
 fn p1_stray_stamps_do_not_hide_a_heater_that_heats() {
-    let worst_s = (0..20).map(|seed| {
-        let (mut heater, mut supervisor) =
-            (Heater::settled(seed, 210.0, 0.0, 0.0), Supervisor::new(params(), 1, None));
+    for seed in 0..20 {
+        let mut heater = Heater::settled(seed, 210.0, 0.0, 0.0);
+        let mut supervisor = Supervisor::new(params(), 1, None);
         let mut stopped_s = None;
         while heater.now_s < 120.0 && stopped_s.is_none() {
             heater.stuck_on = heater.now_s >= 60.0;
             for event in heater.step() {
-                let event = match event {
-                    Event::Hotend { stamp, temp } if heater.random.uniform() < 0.1 => {
-                        let off_s = if heater.random.uniform() < 0.5 { 1.4 } else { -1.4 };
-                        Event::Hotend { stamp: Seconds(stamp.0 + off_s), temp }
-                    }
-                    event => event,
-                };
+                let event = stamped_astray(&mut heater, event);
                 let output = supervisor.on_event(Seconds(heater.now_s), event);
                 if output.is_some_and(|output| output.permit.mode >= Mode::SafeOff) {
                     stopped_s = Some(heater.now_s - 60.0);
                 }
             }
         }
-        stopped_s.unwrap_or(f64::INFINITY)
-    });
-    let worst_s = worst_s.fold(0.0, |worst: f64, s| if s < 0.0 { f64::INFINITY } else { worst.max(s) });
-    assert!(worst_s <= 8.0, "{worst_s}");
+        assert!(stopped_s.is_some_and(|s| (0.0..=8.0).contains(&s)), "seed {seed}: {stopped_s:?}");
+    }
+}
+
+/// One temperature in ten as if it had been read 1.4 s later or earlier.
+fn stamped_astray(heater: &mut Heater, event: Event) -> Event {
+    match event {
+        Event::Hotend { stamp, temp } if heater.random.uniform() < 0.1 => {
+            let off_s = if heater.random.uniform() < 0.5 { 1.4 } else { -1.4 };
+            Event::Hotend { stamp: Seconds(stamp.0 + off_s), temp }
+        }
+        event => event,
+    }
 }

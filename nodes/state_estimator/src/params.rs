@@ -118,96 +118,6 @@ pub struct RawReference {
     pub averaging_s: f64,
 }
 
-/// When a channel is believed.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RawTrust {
-    /// Beyond this age of its newest sample the channel is out `[s]`.
-    pub age_limit_s: f64,
-    /// Innovations whose normalised square is above are rejected `[-]`.
-    pub gate: f64,
-    /// Innovations looked at for a step of the state behind the channel.
-    pub step_samples: u32,
-    /// Share of the older half's mean below which the newer half's tells of a transient that fades, not of a step `[-]`.
-    pub step_fade: f64,
-    /// Gate after a rejection until one is accepted again, where the encoder vouches for the flow `[-]`.
-    pub gate_again: f64,
-    /// Bound of their sum over the root of their number, above which a step is taken as given `[-]`.
-    pub step_threshold: f64,
-}
-
-/// Block thermistor.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RawThermistor {
-    /// Noise `[K]`.
-    pub sigma_k: f64,
-    /// Lowest credible reading `[degC]`.
-    pub low_c: f64,
-    /// Highest credible reading `[degC]`.
-    pub high_c: f64,
-    /// Deviation added to the thermal states on a step `[K]`.
-    pub step_std_k: f64,
-    /// When it is believed.
-    pub trust: RawTrust,
-}
-
-/// Filament encoder.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RawEncoder {
-    /// Quantum of the position `[m]`.
-    pub quantum_m: f64,
-    /// Error relative to the speed `[-]`.
-    pub relative: f64,
-    /// Unknown shift of the encoder's stamps against the motor's `[s]`.
-    pub skew_s: f64,
-    /// Shortest interval of a speed `[s]`.
-    pub interval_min_s: f64,
-    /// Longest interval of a speed `[s]`.
-    pub interval_max_s: f64,
-    /// Slower than this share of the reference feed is not looked at `[-]`.
-    pub speed_min_rel: f64,
-    /// Time after a stroke back for which the encoder tells the flow itself `[s]`, in `[0, 2]`.
-    pub strokes_s: f64,
-    /// Deviation added to the slip on a step `[-]`.
-    pub step_std: f64,
-    /// When it is believed.
-    pub trust: RawTrust,
-}
-
-/// Road width from vision.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RawWidth {
-    /// Smallest noise taken `[m]`.
-    pub sigma_min_m: f64,
-    /// Largest credible width `[m]`.
-    pub width_max_m: f64,
-    /// Share of the flow's recent imbalance by which a width may be off `[-]`.
-    pub imbalance: f64,
-    /// Memory of the imbalance in lags `[-]`.
-    pub memory_lags: f64,
-    /// Time constant with which a rejected width fades while the encoder vouches for the feed, in lags `[-]`.
-    pub transient_lags: f64,
-    /// Standard deviation of a width while it fades, over what is left of the rejected one `[-]`.
-    pub transient_doubt: f64,
-    /// Slowest path on which a width is looked at `[m/s]`.
-    pub path_speed_min_m_s: f64,
-    /// Spread of path speed around the exposure at which a width is not looked at `[-]`.
-    pub path_speed_spread: f64,
-    /// The path must be steady from this long before the exposure on `[s]`.
-    pub steady_s: f64,
-    /// Path over which the road's width is averaged `[m]`: one nozzle diameter.
-    pub smear_m: f64,
-    /// Deviation added to the gain on a step `[-]`.
-    pub step_std: f64,
-    /// How the noise behind a width is adapted.
-    pub adaptation: RawAdaptation,
-    /// When it is believed.
-    pub trust: RawTrust,
-}
-
 /// The printer's own telemetry.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -298,4 +208,5 @@ mod adaptive;
 mod channel;
 
 pub use adaptive::{RawAdaptation, RawHealth};
+pub use channel::{RawEncoder, RawThermistor, RawTrust, RawWidth};
 use channel::{check_bounds, check_encoder, check_thermistor, check_width};

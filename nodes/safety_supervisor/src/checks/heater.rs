@@ -127,7 +127,7 @@ impl HeaterCheck {
             return;
         }
         let near = self.last_sample.is_none_or(|last| (now - last).0.abs() <= GAP_MAX_S);
-        self.astray = if near { 0 } else { self.astray + 1 };
+        self.astray = if near { 0 } else { self.astray.saturating_add(1) };
         if (1..ASTRAY_SAMPLES).contains(&self.astray) {
             // A single stamp that is wrong is no gap, and no reason to begin anew.
             return;

@@ -29,12 +29,11 @@ impl RisingCheck {
     pub fn on_sample(&mut self, now: Seconds, temp: Celsius, is_off: bool) {
         let near = self.newest_c.is_some_and(|newest_c| (temp.0 - newest_c).abs() <= JUMP_K);
         self.newest_c = Some(temp.0);
-        let off_s = self.off_since.filter(|_| is_off && near).map_or(-1.0, |since| (now - since).0);
-        if off_s < 0.0 {
+        let Some(since) = self.off_since.filter(|since| is_off && near && *since <= now) else {
             (self.off_since, self.least_c, self.above) = (is_off.then_some(now), None, 0);
             return;
-        }
-        if off_s < SETTLE_S {
+        };
+        if (now - since).0 < SETTLE_S {
             return;
         }
         let least_c = self.least_c.map_or(temp.0, |least_c| least_c.min(temp.0));
@@ -58,7 +57,7 @@ impl RisingCheck {
 mod tests {
     use super::*;
 
-    /// Readings of 10 Hz from `from_c` on, which change by `rate_k_s`; returns when it trips `[s]`.
+    /// Readings of 10 Hz from 290 degC on, which change by `rate_k_s`, one in twenty by `spike_k`; when it trips `[s]`.
     fn tripped_s(rate_k_s: f64, is_off: bool, spike_k: f64) -> Option<f64> {
         let mut check = RisingCheck::default();
         let tick = (0..600_u32).find(|tick| {
