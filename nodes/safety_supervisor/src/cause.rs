@@ -126,15 +126,45 @@ causes! {
         "look at the print, then `fdm resume`, and `fdm mode` for another mode";
     SecondSource, "C8", "a second publisher of a sensor, of the printer's state or of an estimate",
         "end it: `refused_..._gate` on /diagnostics names the topic, `ros2 topic info -v` who publishes it";
+    HotendUnjudged, "S7", "readings of the hot end, or the printer's orders, come too seldom to judge its heater",
+        "check the link to the printer and the load of this machine, then `fdm acknowledge`";
+    BedUnjudged, "S7", "readings of the bed, or the printer's orders, come too seldom to judge its heater",
+        "check the link to the printer and the load of this machine, then `fdm acknowledge`";
     SecondSupervisor, "C8", "a second publisher of permits", "end the other supervisor: the printer obeys one alone";
 }
 
 impl Cause {
-    /// Whether it is seen by the bed's thermistor.
+    /// Whether the bed's thermistor or heater is at fault.
     #[must_use]
     pub fn is_of_bed(self) -> bool {
-        use Cause::{BedDeficit, BedFrozen, BedRange, BedStuckOn, BedThermistorDetached, StaleBed};
-        matches!(self, BedRange | StaleBed | BedFrozen | BedStuckOn | BedDeficit | BedThermistorDetached)
+        use Cause as C;
+        matches!(
+            self,
+            C::BedRange
+                | C::StaleBed
+                | C::BedFrozen
+                | C::BedStuckOn
+                | C::BedDeficit
+                | C::BedThermistorDetached
+                | C::BedUnjudged
+        )
+    }
+
+    /// Whether the balance of a heater has to run before it counts as gone.
+    #[must_use]
+    pub fn is_of_balance(self) -> bool {
+        use Cause as C;
+        matches!(
+            self,
+            C::HeaterStuckOn
+                | C::HeaterDeficit
+                | C::HotendFrozen
+                | C::HotendUnjudged
+                | C::BedStuckOn
+                | C::BedDeficit
+                | C::BedFrozen
+                | C::BedUnjudged
+        )
     }
 
     /// The cause of a pause for a confidence that this defect carries.
@@ -199,6 +229,8 @@ mod tests {
             C::BedThermistorDetached,
             C::HotendStep,
             C::HotendDrift,
+            C::HotendUnjudged,
+            C::BedUnjudged,
             C::StaleHotend,
             C::StopInput,
             C::OperatorStop,

@@ -121,6 +121,10 @@ pub struct Stales {
     pub hang_s: f64,
     /// C4: time without the work that is due that degrades `[s]`, of the node's clock and of real time.
     pub work_s: f64,
+    /// P1, P2: time for which a hot end in use may go unjudged until it is switched off `[s]`.
+    pub hotend_unjudged_s: f64,
+    /// P12: as of the hot end, of the bed `[s]`.
+    pub bed_unjudged_s: f64,
 }
 
 /// All parameters. Built only from valid [`RawParams`].
@@ -212,6 +216,8 @@ impl TryFrom<RawParams> for Params {
         raw.envelope.schedule.check()?;
         in_range("stale.hang_s", raw.stale.hang_s, "s", (0.2, 10.0))?;
         in_range("stale.work_s", raw.stale.work_s, "s", (1.0, 60.0))?;
+        in_range("stale.hotend_unjudged_s", raw.stale.hotend_unjudged_s, "s", (1.0, 600.0))?;
+        in_range("stale.bed_unjudged_s", raw.stale.bed_unjudged_s, "s", (1.0, 600.0))?;
         raw.hotend_step.check()?;
         raw.noise.check()?;
         raw.drift.check()?;

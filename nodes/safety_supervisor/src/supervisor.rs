@@ -239,19 +239,6 @@ impl Supervisor {
         }
     }
 
-    fn initialise(&mut self, now: Seconds) {
-        if self.modes.is_initialised() {
-            return;
-        }
-        let waited_s = self.started.map_or(0.0, |started| now.0 - started.0);
-        let complete = self.params.required.iter().all(|stream| self.is_seen(stream));
-        if complete || waited_s > self.params.modes.startup_s {
-            self.ages.expect(self.params.required, now);
-            self.modes.initialise();
-            self.tell_left();
-        }
-    }
-
     fn output(&mut self, now: Seconds) -> Output {
         if self.modes.mode() >= Mode::SafeOff {
             self.allowed = Trims::NEUTRAL;

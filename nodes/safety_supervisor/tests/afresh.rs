@@ -57,10 +57,26 @@ fn a_latch_of_the_bed_ends_with_a_bed_that_reads_well() {
         let mut print = restarted(false, cause);
         print.run(1.0);
         assert_eq!(print.ask(Operator::Acknowledge), REFUSED, "{cause:?}: never heard");
-        for (temp_c, answer) in [(-14.0, REFUSED), (24.0, ACKNOWLEDGED)] {
-            print.event(Event::Bed { stamp: Seconds(print.now()), temp: Celsius(temp_c) });
-            assert_eq!(print.ask(Operator::Acknowledge), answer, "{cause:?} at {temp_c} degC");
+        // What the balance of the bed says is known after ten readings and five of its time constants.
+        let balance = if cause.is_of_balance() { REFUSED } else { ACKNOWLEDGED };
+        for (temp_c, readings, answer) in [(-14.0, 1, REFUSED), (24.0, 1, balance), (24.0, 120, ACKNOWLEDGED)]
+        {
+            for reading in 0..readings {
+                print.run(0.1);
+                let temp = Celsius(temp_c + 0.01 * f64::from(reading % 7));
+                print.event(Event::Bed { stamp: Seconds(print.now()), temp });
+            }
+            let asked = print.ask(Operator::Acknowledge);
+            assert_eq!(asked, answer, "{cause:?} at {temp_c} degC, {readings} readings");
+            if asked == ACKNOWLEDGED {
+                break;
+            }
         }
+    }
+    for (span_s, answer) in [(1.0, REFUSED), (10.0, ACKNOWLEDGED)] {
+        let mut print = restarted(true, Cause::HeaterStuckOn);
+        print.run(span_s);
+        assert_eq!(print.ask(Operator::Acknowledge), answer, "P1: not judged yet, hence not gone");
     }
     let mut print = restarted(false, Cause::HotendRange);
     print.run(1.0);

@@ -158,7 +158,7 @@ fn s2_what_is_usual_does_not_add_up() {
     assert!((check.moved_k() - before_k).abs() < 0.01, "{}", check.moved_k() - before_k);
 }
 
-/// A gap of more than a second says nothing of the heat in between: the balance begins anew, and what it says counts
+/// A gap of more than 1.5 s says nothing of the heat in between: the balance begins anew, and what it says counts
 /// after ten samples and five time constants.
 #[test]
 fn a_gap_begins_anew() {
@@ -166,13 +166,17 @@ fn a_gap_begins_anew() {
     let mut check = HeaterCheck::new(strict());
     follow(&mut check, (0.0, 30.0), dead);
     assert!(check.balance().is_some() && check.excess_w().abs() > 1.0);
-    follow(&mut check, (30.8, 0.1), dead);
-    assert!(check.balance().is_some(), "0.9 s are none");
-    follow(&mut check, (32.0, 1.0), dead);
+    follow(&mut check, (31.3, 0.1), dead);
+    assert!(check.balance().is_some() && check.is_judging(), "1.4 s are none");
+    follow(&mut check, (33.0, 1.0), dead);
     assert!(check.balance().is_none() && check.excess_w().abs() < 1e-12);
-    follow(&mut check, (33.0, 9.5), dead);
+    follow(&mut check, (34.0, 4.5), dead);
+    assert!(!check.is_judging(), "the fast one needs 5 s");
+    follow(&mut check, (38.5, 1.0), dead);
+    assert!(check.is_judging() && check.balance().is_none());
+    follow(&mut check, (39.5, 4.0), dead);
     assert!(check.balance().is_none(), "the slow one needs 10 s");
-    follow(&mut check, (42.5, 2.0), dead);
+    follow(&mut check, (43.5, 2.0), dead);
     assert!(check.balance().is_some());
 }
 

@@ -2,10 +2,11 @@
 
 mod common;
 
+use common::print::Print;
 use common::{Heater, params};
 use models::command::Mode;
-use models::units::Seconds;
-use safety_supervisor::{Cause, Event, PrinterReport, Supervisor};
+use models::units::{Celsius, Seconds};
+use safety_supervisor::{Cause, Event, Operator, PrinterReport, Supervisor};
 
 /// Runs for `span_s` or until ESTOP, with 95 % of the printer's state lost where `is_lost`: the block's highest temperature
 /// `[degC]`, and mode and cause at the end.
@@ -62,6 +63,26 @@ fn what_cools_behind_a_latch_stays_there() {
         }
         let (_, mode, cause) = run(&mut heater, &mut supervisor, 200.0, false);
         assert_eq!(mode, Mode::SafeOff, "seed {seed}: {cause:?}");
+    }
+}
+
+/// P12: above its range no balance of the bed is judged, and warm as it is it must not become warmer.
+#[test]
+fn p12_a_bed_that_warms_behind_a_latch_is_cut_off_the_mains() {
+    for (rate_k_s, cut) in [(0.3, true), (-0.1, false), (0.0, false)] {
+        let mut print = Print::acting();
+        print.ask(Operator::Stop);
+        print.report.bed_duty = 0.0;
+        let from_s = print.now();
+        while print.now() - from_s < 90.0 && print.mode() != Mode::Estop {
+            let bed_c = 145.0 + rate_k_s * (print.now() - from_s);
+            print.event(Event::Bed { stamp: Seconds(print.now()), temp: Celsius(bed_c) });
+            print.run(0.1);
+        }
+        let mode = if cut { Mode::Estop } else { Mode::SafeOff };
+        assert_eq!(print.mode(), mode, "{rate_k_s} K/s: {:?}", print.output.state.cause);
+        assert!(!cut || print.output.state.cause == Some(Cause::BedStuckOn));
+        assert!(!cut || print.now() - from_s < 60.0, "15 K at 0.3 K/s, and 6 s");
     }
 }
 

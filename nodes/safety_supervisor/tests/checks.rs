@@ -50,7 +50,7 @@ fn a_range_trips_on_samples_in_a_row_at_either_end() {
 /// Four samples of 10 Hz and the one before them span 0.4 s.
 #[test]
 fn a_fall_faster_than_any_cooling_trips_and_nothing_slower_or_shorter() {
-    let params = DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 };
+    let params = DetachedParams { fall_k_s: 5.0, span_max_s: 1.2, samples: 5 };
     let after = |samples: u32, fall_k_s: f64, period_s: f64| {
         let mut check = DetachedCheck::new(params);
         for number in 0..samples {
@@ -71,7 +71,7 @@ fn a_fall_faster_than_any_cooling_trips_and_nothing_slower_or_shorter() {
 /// A fall is known with its first fast span, long before it trips, and over with the first slow one.
 #[test]
 fn a_fall_is_known_before_it_trips() {
-    let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 });
+    let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.2, samples: 5 });
     let mut falling = |number: u32, temp_c: f64| {
         check.on_sample(Seconds(f64::from(number) * 0.1), Celsius(temp_c));
         (check.is_falling(), check.tripped())
@@ -90,7 +90,7 @@ fn a_fall_is_known_before_it_trips() {
 #[test]
 fn a_reading_that_has_all_but_stopped_is_at_rest() {
     for (rate_k_s, at_rest) in [(0.9, true), (1.1, false), (4.0, false), (-0.9, true), (-1.1, false)] {
-        let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 });
+        let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.2, samples: 5 });
         for number in 0..5 {
             let time_s = f64::from(number) * 0.1;
             check.on_sample(Seconds(time_s), Celsius(210.0 - rate_k_s * time_s));
@@ -101,7 +101,7 @@ fn a_reading_that_has_all_but_stopped_is_at_rest() {
 
 #[test]
 fn a_spike_is_no_fall() {
-    let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 });
+    let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.2, samples: 5 });
     for number in 0..100 {
         let temp_c = if number % 10 == 4 { 40.0 } else { 210.0 };
         check.on_sample(Seconds(f64::from(number) * 0.1), Celsius(temp_c));
@@ -112,7 +112,7 @@ fn a_spike_is_no_fall() {
 #[test]
 fn the_file_is_what_is_tested_here() {
     let params = params();
-    assert_eq!(params.detached, DetachedParams { fall_k_s: 5.0, span_max_s: 1.0, samples: 5 });
+    assert_eq!(params.detached, DetachedParams { fall_k_s: 5.0, span_max_s: 1.2, samples: 5 });
     assert_eq!(params.run_out, RunOutParams { debounce_s: 0.3 });
     assert_eq!(
         params.filament,

@@ -235,3 +235,17 @@ fn what_is_latched_while_it_starts_is_not_taken_over() {
     print.ask(Operator::Stop);
     assert_eq!(taken_over(&mut print), None);
 }
+
+/// The first change of mode is told as all others are, and once.
+#[test]
+fn the_end_of_the_start_is_told() {
+    let mut print = Print::with(Supervisor::new(params(), 7, None));
+    let mut told = Vec::new();
+    for _ in 0..100 {
+        print.step();
+        told.extend(
+            print.output.events.iter().map(|event| (event.what, event.before, event.after, event.why)),
+        );
+    }
+    assert_eq!(told, [(What::ModeChanged, Mode::Init, Mode::Observe, "the start is over")]);
+}

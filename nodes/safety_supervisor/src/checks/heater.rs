@@ -14,13 +14,15 @@ use models::units::{Celsius, Seconds};
 
 use super::drift::Balance;
 use super::drive_history::DriveHistory;
-use super::heater_observer::{Observer, Reading};
+use super::heater_observer::Observer;
 use super::heater_start::Start;
 use super::roughness::Roughness;
 use crate::params::HeaterParams;
 
-/// Longest step of the balance: after a longer gap the observer starts anew `[s]`.
-const GAP_MAX_S: f64 = 1.0;
+/// Longest step of the balance: after a longer gap the observer starts anew `[s]`. S7 pauses then.
+const GAP_MAX_S: f64 = 1.5;
+/// Step of the observers between readings that are farther apart `[s]`: with whole seconds they would swing.
+const STEP_S: f64 = 0.1;
 /// So many samples in a row far from the last one are a gap, or time that was set.
 const ASTRAY_SAMPLES: u32 = 3;
 
@@ -49,8 +51,8 @@ pub enum HeaterFault {
 /// So many samples in a row far off: it is the balance that is off, not they. As many as it takes to begin.
 const LOST_SAMPLES: u32 = 10;
 
-/// Samples that wait for the printer's state of their moment: 0.8 s at 10 Hz.
-const WAITING: usize = 8;
+/// Samples that wait for the printer's state of their moment: 1.2 s at 10 Hz.
+const WAITING: usize = 12;
 
 /// Watches one heater.
 #[derive(Debug, Clone)]
@@ -69,6 +71,8 @@ pub struct HeaterCheck {
     /// Samples since the last spike.
     quiet: u32,
     roughness: Roughness,
+    /// The last reading, where it was not left out.
+    measured_c: Option<f64>,
     reading_c: f64,
     moved_k: f64,
 }
@@ -89,6 +93,7 @@ impl HeaterCheck {
             skipped: 0,
             quiet: 0,
             roughness: Roughness::new(params.usual_noise_k),
+            measured_c: None,
             reading_c: f64::NAN,
             moved_k: 0.0,
         }
@@ -150,21 +155,56 @@ impl HeaterCheck {
             return;
         }
         // A single spike is no heat; a jump that stays is taken for what it is.
-        let spike = (temp.0 - self.fast.sensor_c).abs() > self.params.spike_k;
+        let spike = (temp.0 - self.fast.sensor_c).abs() > self.spike_k(dt_s);
         self.skipped = if spike { self.skipped + 1 } else { 0 };
         self.quiet = if spike { 0 } else { self.quiet.saturating_add(1) };
         if self.skipped > LOST_SAMPLES {
             return self.begin_anew(now, temp);
         }
         let measured = (self.skipped == 0 || self.skipped > self.params.spike_samples).then_some(temp.0);
-        self.roughness.on_sample(measured);
-        let reading = Reading { measured_c: measured, noise_k: self.roughness.deviation_k() };
-        self.fast.step(&self.params, inputs, reading, dt_s);
-        self.slow.step(&self.params, inputs, reading, dt_s);
+        self.roughness.on_sample(now, measured.map(Celsius));
+        self.follow(last, now, measured);
         let changed = self.reading_c.to_bits() != temp.0.to_bits();
         self.reading_c = temp.0;
         let rate_k_s = (self.params.balance_w(inputs, temp.0) + self.slow.usual_w) / self.params.capacity_j_k;
         self.moved_k = if changed { 0.0 } else { self.moved_k + rate_k_s * dt_s };
+    }
+
+    /// How far a reading is off that is a spike `[K]`: over a longer span a heater that is at fault moves it.
+    fn spike_k(&self, span_s: f64) -> f64 {
+        let rate_k_s = self.params.power_w / self.params.capacity_j_k;
+        self.params.spike_k + rate_k_s * (span_s - STEP_S).max(0.0)
+    }
+
+    /// Steps the observers to the reading of `now`, or past one that is left out.
+    fn follow(&mut self, last: Seconds, now: Seconds, measured_c: Option<f64>) {
+        let (span_s, before_c) = ((now - last).0, std::mem::replace(&mut self.measured_c, measured_c));
+        let pieces = (span_s / STEP_S).round().max(1.0);
+        let noise_k = self.roughness.deviation_k();
+        let mut share = 0.0;
+        while share < 1.0 {
+            let from = Seconds(last.0 + share * span_s);
+            share = (share + 1.0 / pieces).min(1.0);
+            let to = Seconds(last.0 + share * span_s);
+            // Between two readings it went from one to the other.
+            let at_c = measured_c.and_then(|end_c| match before_c {
+                Some(start_c) => Some(start_c + share * (end_c - start_c)),
+                None => (share >= 1.0).then_some(end_c),
+            });
+            let Some(inputs) = self.history.means(from, to) else { continue };
+            for observer in [&mut self.fast, &mut self.slow] {
+                observer.step(&self.params, inputs, at_c, (to - from).0);
+            }
+        }
+        for observer in [&mut self.fast, &mut self.slow] {
+            observer.judge(&self.params, noise_k, span_s);
+        }
+    }
+
+    /// Whether a fault would show: the balance runs, and an error of its beginning has died away.
+    #[must_use]
+    pub fn is_judging(&self) -> bool {
+        self.start.is_none() && self.fast.settling_s <= 0.0
     }
 
     /// The fault in force. Of a `noisy` reading the fast observer means nothing, and the slow one as much as its own
@@ -222,6 +262,7 @@ impl HeaterCheck {
         // The first of several samples never begins a balance.
         _ = start.on_sample(now, temp, self.params.sensor_lag_s);
         self.start = Some(start);
+        self.measured_c = None;
         self.skipped = 0;
         self.roughness = Roughness::new(self.params.usual_noise_k);
         (self.fast, self.slow) = (Observer::new(self.params.fast), Observer::new(self.params.slow));

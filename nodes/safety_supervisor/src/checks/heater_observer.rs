@@ -41,15 +41,6 @@ const IN_DOUBT: f64 = 4.0;
 /// Standard deviations of the disturbance by which noise beyond the usual widens the limits `[-]`.
 const NOISE_DEVIATIONS: f64 = 4.0;
 
-/// What a thermistor said.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Reading {
-    /// Temperature, unless it is left out `[degC]`.
-    pub(super) measured_c: Option<f64>,
-    /// Standard deviation of its noise `[K]`.
-    pub(super) noise_k: f64,
-}
-
 impl Observer {
     pub(super) fn new(params: ObserverParams) -> Self {
         let settling_s = SETTLED / params.pole_1_s;
@@ -73,7 +64,8 @@ impl Observer {
         *self = Self { block_c: begun.block_c, sensor_c: begun.sensor_c, ..Self::new(self.params) };
     }
 
-    pub(super) fn step(&mut self, heater: &HeaterParams, inputs: Means, reading: Reading, dt_s: f64) {
+    /// Follows the block for `dt_s` to a reading `[degC]`, or past one that is left out.
+    pub(super) fn step(&mut self, heater: &HeaterParams, inputs: Means, measured_c: Option<f64>, dt_s: f64) {
         let balance_w = heater.balance_w(inputs, self.block_c);
         let capacity = heater.capacity_j_k;
         self.sensor_c += (self.block_c - self.sensor_c) * (1.0 - (-dt_s / heater.sensor_lag_s).exp());
@@ -81,8 +73,7 @@ impl Observer {
         // Triple pole at -w of the error: gains 3w - 1/tau, 3w^2 tau, w^3 C tau.
         let pole = self.params.pole_1_s;
         // No fault of a heater moves a reading faster: what is further off is noise that came several times in a row.
-        let residual_k = reading
-            .measured_c
+        let residual_k = measured_c
             .map_or(0.0, |measured_c| (measured_c - self.sensor_c).clamp(-heater.spike_k, heater.spike_k));
         self.sensor_c += (3.0 * pole - 1.0 / heater.sensor_lag_s) * residual_k * dt_s;
         self.block_c += 3.0 * pole.powi(2) * heater.sensor_lag_s * residual_k * dt_s;
@@ -105,11 +96,15 @@ impl Observer {
         self.balance_w = smooth(self.balance_w, balance_w);
         self.warming_w = smooth(self.warming_w, balance_w + self.disturbance_w);
         self.settling_s -= dt_s;
+    }
+
+    /// Counts a reading with so much noise `[K]`, one standard deviation, `span_s` after the last one.
+    pub(super) fn judge(&mut self, heater: &HeaterParams, noise_k: f64, span_s: f64) {
         if self.settling_s > 0.0 {
             return;
         }
         let warming_slack_w = heater.capacity_error * agreement(self.balance_w, self.warming_w);
-        self.count(warming_slack_w + self.noise_slack_w(heater, reading.noise_k, dt_s));
+        self.count(warming_slack_w + self.noise_slack_w(heater, noise_k, span_s));
     }
 
     /// By how much noise beyond the usual widens the limits `[W]`.

@@ -1,35 +1,47 @@
 //! How rough a reading is: the noise that its heater's balance has to live with.
 //!
-//! The second difference `y_k - 2 y_{k-1} + y_{k-2}` of a heater's readings holds next to nothing of its temperature
-//! (2.4 K/s set in over the lag of a thermistor bend a line by 5 mK in 0.1 s) and six times the variance of their
-//! noise.
+//! A reading off the line between those before and after it holds next to nothing of its temperature (2.4 K/s set in over
+//! the lag of a thermistor bend a line by 3 mK in 0.1 s). With shares `a` and `1 - a` of its neighbours its variance is
+//! `1 + a^2 + (1 - a)^2` times that of one reading's noise.
+
+use models::units::{Celsius, Seconds};
 
 /// Readings over which the variance is smoothed: 3 s at 10 Hz, known to a fifth.
 const SMOOTHED: f64 = 30.0;
-
-/// Variance of a second difference over that of one reading.
-const SECOND_DIFFERENCE: f64 = 6.0;
+/// Between readings that are farther apart a temperature bends by more than its noise `[s]`.
+const APART_MAX_S: f64 = 0.6;
 
 /// Follows the standard deviation of a reading's noise.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Roughness {
-    last_c: [Option<f64>; 2],
+    /// The last reading and the one before it.
+    last: [Option<(Seconds, Celsius)>; 2],
     variance_k2: f64,
 }
 
 impl Roughness {
     /// Begins with what is usual `[K]`.
     pub(super) fn new(usual_k: f64) -> Self {
-        Self { last_c: [None; 2], variance_k2: usual_k.powi(2) }
+        Self { last: [None; 2], variance_k2: usual_k.powi(2) }
     }
 
-    /// Takes a reading; one that is left out, or the first after a gap, ends the row.
-    pub(super) fn on_sample(&mut self, temp_c: Option<f64>) {
-        if let (Some(temp_c), [Some(before_c), Some(first_c)]) = (temp_c, self.last_c) {
-            let bend_k = temp_c - 2.0 * before_c + first_c;
-            self.variance_k2 += (bend_k.powi(2) / SECOND_DIFFERENCE - self.variance_k2) / SMOOTHED;
+    /// Takes a reading of `stamp`; one that is left out, or the first after a gap, ends the row.
+    pub(super) fn on_sample(&mut self, stamp: Seconds, temp: Option<Celsius>) {
+        let reading = temp.map(|temp| (stamp, temp));
+        let follows = |before: Seconds, after: Seconds| {
+            let apart_s = (after - before).0;
+            apart_s > 0.0 && apart_s <= APART_MAX_S
+        };
+        if let (Some((after, end)), [Some((at, middle)), Some((before, start))]) = (reading, self.last)
+            && follows(before, at)
+            && follows(at, after)
+        {
+            let share = (at - before).0 / (after - before).0;
+            let off_k = middle.0 - start.0 - share * (end.0 - start.0);
+            let variances = 1.0 + share.powi(2) + (1.0 - share).powi(2);
+            self.variance_k2 += (off_k.powi(2) / variances - self.variance_k2) / SMOOTHED;
         }
-        self.last_c = [temp_c, temp_c.and(self.last_c[0])];
+        self.last = [reading, reading.and(self.last[0])];
     }
 
     /// Standard deviation of a reading `[K]`.
@@ -42,28 +54,43 @@ impl Roughness {
 mod tests {
     use super::*;
 
-    /// Readings of +-a in turn have second differences of +-4a, hence 16 a^2 / 6.
-    #[test]
-    fn a_zigzag_shows_and_a_ramp_does_not() {
-        let mut zigzag = Roughness::new(0.15);
-        let mut ramp = zigzag;
-        for number in 0..400_u32 {
-            zigzag.on_sample(Some(if number % 2 == 0 { 0.3 } else { -0.3 }));
-            ramp.on_sample(Some(0.24 * f64::from(number)));
+    /// Takes readings these times apart in turn.
+    fn take(check: &mut Roughness, count: u32, apart_s: [f64; 2], reading_c: impl Fn(u32, f64) -> f64) {
+        let mut stamp_s = 0.0;
+        for number in 0..count {
+            check.on_sample(Seconds(stamp_s), Some(Celsius(reading_c(number, stamp_s))));
+            stamp_s += apart_s[(number % 2) as usize];
         }
-        assert!((zigzag.deviation_k() - 0.3 * (16.0_f64 / 6.0).sqrt()).abs() < 1e-6);
-        assert!(ramp.deviation_k() < 1e-3);
+    }
+
+    /// Readings of +-a in turn lie 2a off their neighbours' line, hence 4 a^2 / 1.5.
+    #[test]
+    fn a_zigzag_shows_and_a_ramp_does_not_however_it_is_sampled() {
+        let zigzag = |number: u32, _| if number.is_multiple_of(2) { 0.3 } else { -0.3 };
+        for apart_s in [[0.1, 0.1], [0.05, 0.25], [0.6, 0.6]] {
+            let mut ramp = Roughness::new(0.15);
+            take(&mut ramp, 400, apart_s, |_, stamp_s| 2.4 * stamp_s);
+            assert!(ramp.deviation_k() < 1e-3, "{apart_s:?}");
+        }
+        let mut even = Roughness::new(0.15);
+        take(&mut even, 400, [0.1, 0.1], zigzag);
+        assert!((even.deviation_k() - 0.3 * (4.0_f64 / 1.5).sqrt()).abs() < 1e-6);
+        // A sixth and five sixths: 1 + 1/36 + 25/36.
+        let mut uneven = Roughness::new(0.15);
+        take(&mut uneven, 400, [0.05, 0.25], zigzag);
+        assert!((uneven.deviation_k() - 0.6 / (62.0_f64 / 36.0).sqrt()).abs() < 1e-6);
     }
 
     #[test]
-    fn what_is_left_out_ends_the_row() {
+    fn what_is_left_out_or_far_apart_ends_the_row() {
         let mut check = Roughness::new(0.15);
-        for temp_c in [Some(210.0), Some(210.0), None, Some(250.0), Some(250.0), None, Some(10.0)] {
-            check.on_sample(temp_c);
+        let readings_c = [Some(210.0), Some(210.0), None, Some(250.0), Some(250.0), None, Some(10.0)];
+        for (stamp_s, temp_c) in [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6].into_iter().zip(readings_c) {
+            check.on_sample(Seconds(stamp_s), temp_c.map(Celsius));
         }
+        take(&mut check, 50, [0.7, 0.7], |number, _| f64::from(number % 2));
         assert!((check.deviation_k() - 0.15).abs() < 1e-12);
-        check.on_sample(Some(10.0));
-        check.on_sample(Some(10.0));
+        take(&mut check, 3, [0.1, 0.1], |_, _| 10.0);
         assert!(check.deviation_k() < 0.15);
     }
 }

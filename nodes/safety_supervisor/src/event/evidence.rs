@@ -43,6 +43,7 @@ fn unit(cause: Cause) -> Option<(&'static str, usize)> {
         | Cause::StaleEstimate
         | Cause::StaleImu
         | Cause::StaleVision => ("s", 2),
+        Cause::HotendUnjudged | Cause::BedUnjudged => ("s", 1),
         Cause::EstimatorIdle | Cause::ControllerIdle | Cause::CameraIdle | Cause::JudgeIdle => ("s", 1),
         Cause::BadValues => ("since the start", 0),
         Cause::Envelope => ("commands since the start", 0),
@@ -83,6 +84,7 @@ mod tests {
             (Cause::HotendStep, 20.0, Some(12.0), "20.0 K, limit 12.0 K"),
             (Cause::StaleImu, 0.301, Some(0.25), "0.30 s, limit 0.25 s"),
             (Cause::JudgeIdle, 5.04, Some(5.0), "5.0 s, limit 5.0 s"),
+            (Cause::BedUnjudged, 30.04, Some(30.0), "30.0 s, limit 30.0 s"),
             (Cause::BadValues, 3.0, None, "3 since the start"),
             (Cause::Envelope, 3.0, None, "3 commands since the start"),
             (Cause::SecondPublisher, 7.0, None, "7 commands refused since the start"),

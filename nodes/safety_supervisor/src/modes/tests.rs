@@ -53,8 +53,12 @@ enum Step {
         job_waits: bool,
     },
     Initialise,
-    /// The process is started again in act and finds what stood.
-    Restart,
+    /// The process is started again in act and finds what stood; the printer's first word may be that no job waits.
+    Restart {
+        job_waits: bool,
+    },
+    /// The clock is set back.
+    SetBack,
 }
 
 fn steps(causes: &[Cause], sets: &[Mode]) -> Vec<Step> {
@@ -63,7 +67,7 @@ fn steps(causes: &[Cause], sets: &[Mode]) -> Vec<Step> {
         Step::Demand(Cause::OperatorStop, Reaction::SafeOff),
         Step::Demand(Cause::OperatorEstop, Reaction::Estop),
         Step::Initialise,
-        Step::Restart,
+        Step::SetBack,
     ];
     for job_runs in [false, true] {
         for after_s in [0.0, 1.0, 2.0 * OLD_S] {
@@ -74,7 +78,7 @@ fn steps(causes: &[Cause], sets: &[Mode]) -> Vec<Step> {
                 steps.push(Step::Tick { after_s: 0.0, change: Some((*cause, reaction)), job_runs });
             }
         }
-        steps.push(Step::Acknowledge { job_waits: job_runs });
+        steps.extend([Step::Acknowledge { job_waits: job_runs }, Step::Restart { job_waits: job_runs }]);
     }
     steps.extend(sets.iter().copied().map(Step::Set));
     for bits in 0..8_u8 {
@@ -115,11 +119,19 @@ fn take(before: &Modes, step: Step) -> After {
             modes.initialise();
             true
         }
-        Step::Restart => {
+        Step::Restart { job_waits } => {
             let left = modes.standing();
             modes = Modes::new(params(), Mode::Act, modes.latch);
             left.into_iter().for_each(|left| modes.restore(left));
             modes.begin(now);
+            if !job_waits {
+                modes.drop_pause(now);
+            }
+            true
+        }
+        Step::SetBack => {
+            now = Seconds(-2.0 * OLD_S);
+            modes.set_back(now, now);
             true
         }
     };

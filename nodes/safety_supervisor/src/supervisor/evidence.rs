@@ -15,6 +15,11 @@ fn count(value: u64) -> f64 {
 /// A number, and the one that it went beyond.
 type Number = (f64, Option<f64>);
 
+/// A number with the limit that it is beyond.
+fn beside((value, limit): (f64, f64)) -> Number {
+    (value, Some(limit))
+}
+
 impl Supervisor {
     /// Keeps what the cause in force rests on, from when it was found.
     pub(super) fn find(&mut self, now: Seconds) {
@@ -24,7 +29,7 @@ impl Supervisor {
     /// The number that a cause rests on now; `None` where its text says all.
     pub(super) fn evidence(&self, now: Seconds, cause: Cause) -> Option<Evidence> {
         let (value, limit) = self
-            .of_heat(cause)
+            .of_heat(now, cause)
             .or_else(|| self.of_silence(now, cause))
             .or_else(|| self.of_the_rest(cause))?;
         Evidence::of(cause, value, limit)
@@ -37,7 +42,7 @@ impl Supervisor {
     }
 
     /// A reading that stands still is judged by several spans: no single one is its limit.
-    fn of_heat(&self, cause: Cause) -> Option<Number> {
+    fn of_heat(&self, now: Seconds, cause: Cause) -> Option<Number> {
         let (checks, params) = (&self.checks, &self.params);
         Some(match cause {
             Cause::HotendRange => (checks.hotend_range.newest()?.0, checks.hotend_range.limit_c()),
@@ -46,12 +51,15 @@ impl Supervisor {
             Cause::BedFrozen => (checks.bed_frozen.still().0, None),
             // It warms behind a latch: no balance says that.
             Cause::HeaterStuckOn if checks.rising.tripped() => return None,
+            Cause::BedStuckOn if checks.bed_rising.tripped() => return None,
             Cause::HeaterStuckOn | Cause::HeaterDeficit => checks.heater.beyond_w(),
             Cause::BedStuckOn | Cause::BedDeficit => checks.bed_heater.beyond_w(),
             Cause::ThermistorDetached => (-checks.detached.fall_k_s(), Some(-params.detached.fall_k_s)),
             Cause::BedThermistorDetached => {
                 (-checks.bed_detached.fall_k_s(), Some(-params.bed_detached.fall_k_s))
             }
+            Cause::HotendUnjudged => beside(checks.unjudged.unjudged_s(now)?),
+            Cause::BedUnjudged => beside(checks.bed_unjudged.unjudged_s(now)?),
             Cause::HotendNoisy => (100.0 * checks.noise.share(), Some(100.0 * params.noise.share_max)),
             Cause::HotendDrift => (checks.drift.residual_k(), Some(checks.drift.limit_k())),
             Cause::HotendStep => {
@@ -63,7 +71,7 @@ impl Supervisor {
 
     fn of_silence(&self, now: Seconds, cause: Cause) -> Option<Number> {
         if let Some((idle_s, work_s)) = self.of_idleness(now, cause) {
-            return Some((idle_s, Some(work_s)));
+            return Some(beside((idle_s, work_s)));
         }
         let age = self.ages.of_cause(cause)?;
         match (age.limit_s(now), self.ages.hang_s(cause)) {

@@ -119,13 +119,7 @@ impl Supervisor {
         if acting {
             self.ages.expect(self.params.required_to_act, now);
         }
-        if self.printer.is_some_and(|printer| heats(&printer)) {
-            // Whatever the parameters require: what heats has to be measured.
-            self.ages.hotend.expect(now);
-        }
-        if self.printer.is_some_and(|printer| printer.bed_duty > 0.0 || printer.bed_target.0 > 0.0) {
-            self.ages.bed.expect(now);
-        }
+        self.look_at_heat(now);
         let printing = self.printer.is_some_and(|printer| printer.phase == JobPhase::Printing);
         for cause in SILENCES {
             let counts = match cause {
@@ -175,6 +169,22 @@ impl Supervisor {
     }
 }
 
+impl Supervisor {
+    /// Whatever the parameters require: what heats has to be measured, and judged.
+    fn look_at_heat(&mut self, now: Seconds) {
+        let (hotend, bed) = self.printer.map_or((false, false), |printer| heats(&printer));
+        if hotend {
+            self.ages.hotend.expect(now);
+        }
+        if bed {
+            self.ages.bed.expect(now);
+        }
+        let checks = &mut self.checks;
+        checks.unjudged.look(now, hotend, checks.heater.is_judging());
+        checks.bed_unjudged.look(now, bed, checks.bed_heater.is_judging());
+    }
+}
+
 /// Causes of somebody who is not heard.
 const SILENCES: [Cause; 8] = [
     Cause::StaleHotend,
@@ -205,7 +215,9 @@ fn leaps(before: &PrinterReport, report: &PrinterReport) -> bool {
     (report.motor_position_m - before.motor_position_m).abs() > MOTOR_MAX_M_S * span_s
 }
 
-/// Whether a hot end is, or is about to be, heated.
-fn heats(printer: &PrinterReport) -> bool {
-    printer.hotend_duty > 0.0 || printer.hotend_target.0 > 0.0 || printer.hotend_sliced_target.0 > 0.0
+/// Whether hot end and bed are, or are about to be, heated.
+fn heats(printer: &PrinterReport) -> (bool, bool) {
+    let hotend =
+        printer.hotend_duty > 0.0 || printer.hotend_target.0 > 0.0 || printer.hotend_sliced_target.0 > 0.0;
+    (hotend, printer.bed_duty > 0.0 || printer.bed_target.0 > 0.0)
 }

@@ -103,9 +103,20 @@ impl Supervisor {
             Some(
                 "the bed temperature is missing or outside of its range: check the bed's thermistor and its node",
             )
+        } else if !self.is_judged() {
+            Some("the balance of the heater has just begun and shows no fault yet: ask again in some seconds")
         } else {
             None
         }
+    }
+
+    /// Whether what is latched for its heat would show if it were still there.
+    fn is_judged(&self) -> bool {
+        let latched = self.modes.latch().map(|latch| latch.cause).filter(|cause| cause.is_of_balance());
+        latched.is_none_or(|cause| {
+            let heater = if cause.is_of_bed() { &self.checks.bed_heater } else { &self.checks.heater };
+            heater.is_judging()
+        })
     }
 
     fn approve(&mut self, now: Seconds) -> Result<(), Refused> {

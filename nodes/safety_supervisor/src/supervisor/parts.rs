@@ -14,6 +14,7 @@ use crate::checks::impulse::ImpulseCheck;
 use crate::checks::jump::JumpCheck;
 use crate::checks::noise::NoiseCheck;
 use crate::checks::oscillation::OscillationCheck;
+use crate::checks::pace::Pace;
 use crate::checks::part_fan::PartFanCheck;
 use crate::checks::range::RangeCheck;
 use crate::checks::rising::RisingCheck;
@@ -21,6 +22,7 @@ use crate::checks::run_out::RunOutCheck;
 use crate::checks::shift::ShiftCheck;
 use crate::checks::stale::StaleCheck;
 use crate::checks::stop_input::StopInputCheck;
+use crate::checks::unjudged::UnjudgedCheck;
 use crate::checks::work::WorkCheck;
 use crate::event::{Defect, Stream, Worker};
 use crate::params::{Params, Streams};
@@ -147,18 +149,23 @@ impl Ages {
 /// The checks beside ages and commands.
 #[derive(Debug, Clone)]
 pub(super) struct Checks {
+    pub(super) hotend_pace: Pace,
     pub(super) hotend_range: RangeCheck,
     pub(super) bed_range: RangeCheck,
     pub(super) frozen: FrozenCheck,
     pub(super) detached: DetachedCheck,
     pub(super) heater: HeaterCheck,
+    pub(super) unjudged: UnjudgedCheck,
     pub(super) rising: RisingCheck,
     pub(super) step: JumpCheck,
     pub(super) noise: NoiseCheck,
     pub(super) drift: DriftCheck,
+    pub(super) bed_pace: Pace,
     pub(super) bed_frozen: FrozenCheck,
     pub(super) bed_detached: DetachedCheck,
     pub(super) bed_heater: HeaterCheck,
+    pub(super) bed_unjudged: UnjudgedCheck,
+    pub(super) bed_rising: RisingCheck,
     pub(super) part_fan: PartFanCheck,
     pub(super) stop_input: StopInputCheck,
     pub(super) filament: FilamentCheck,
@@ -179,18 +186,23 @@ pub(super) struct Checks {
 impl Checks {
     pub(super) fn new(params: &Params) -> Self {
         Self {
+            hotend_pace: Pace::default(),
             hotend_range: RangeCheck::new(params.hotend_range),
             bed_range: RangeCheck::new(params.bed_range),
             frozen: FrozenCheck::new(params.frozen),
             detached: DetachedCheck::new(params.detached),
             heater: HeaterCheck::new(params.heater),
+            unjudged: UnjudgedCheck::new(params.stale.hotend_unjudged_s),
             rising: RisingCheck::default(),
             step: JumpCheck::new(params.hotend_step),
             noise: NoiseCheck::new(params.noise),
             drift: DriftCheck::new(params.drift),
+            bed_pace: Pace::default(),
             bed_frozen: FrozenCheck::new(params.bed_frozen),
             bed_detached: DetachedCheck::new(params.bed_detached),
             bed_heater: HeaterCheck::new(params.bed_heater),
+            bed_unjudged: UnjudgedCheck::new(params.stale.bed_unjudged_s),
+            bed_rising: RisingCheck::default(),
             part_fan: PartFanCheck::new(params.part_fan),
             stop_input: StopInputCheck::new(params.stop_input),
             filament: FilamentCheck::new(params.filament),
@@ -223,6 +235,7 @@ impl Checks {
         self.frozen.reset();
         self.detached.reset();
         self.rising.reset();
+        self.bed_rising.reset();
         self.step.reset();
         self.bed_frozen.reset();
         self.bed_detached.reset();

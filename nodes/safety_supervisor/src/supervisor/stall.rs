@@ -21,6 +21,8 @@ impl Supervisor {
             self.checks.bed_frozen.reset();
             self.checks.detached.reset();
             self.checks.bed_detached.reset();
+            self.checks.unjudged.reset();
+            self.checks.bed_unjudged.reset();
             self.started = self.started.map(|_| now);
         }
         if gap < Seconds(0.0) {

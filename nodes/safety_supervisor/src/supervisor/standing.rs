@@ -49,8 +49,28 @@ impl Supervisor {
         }
     }
 
+    /// Ends the start once every stream that is required was heard, or has been waited for.
+    pub(super) fn initialise(&mut self, now: Seconds) {
+        if self.modes.is_initialised() {
+            return;
+        }
+        let waited_s = self.started.map_or(0.0, |started| now.0 - started.0);
+        let complete = self.params.required.iter().all(|stream| self.is_seen(stream));
+        if complete || waited_s > self.params.modes.startup_s {
+            self.ages.expect(self.params.required, now);
+            let before = self.modes.mode();
+            self.modes.initialise();
+            let after = self.modes.mode();
+            if before != after {
+                let what = What::ModeChanged;
+                self.decisions.push(Decision { what, why: "the start is over", cause: None, before, after });
+            }
+            self.tell_left();
+        }
+    }
+
     /// The start is over: says what of the former run makes a difference, the strictest of it.
-    pub(super) fn tell_left(&mut self) {
+    fn tell_left(&mut self) {
         let (before, set) = (Mode::from(self.params.start_mode), self.modes.set_mode());
         let latch = self.modes.latch().filter(|_| self.modes.was_latched());
         let waits = self.left.paused.and(self.modes.paused_for());

@@ -10,6 +10,9 @@ use crate::checks::heater::{Drive, HeaterFault};
 use crate::event::PrinterReport;
 use crate::params::Params;
 
+/// Age of the printer's state from which nobody knows what the heaters are told `[s]`: until then readings wait for it.
+const UNORDERED_S: f64 = 1.0;
+
 impl Supervisor {
     pub(super) fn on_hotend(&mut self, now: Seconds, stamp: Seconds, temp: Celsius) {
         if !(temp.0.is_finite() && stamp.0.is_finite()) {
@@ -18,15 +21,18 @@ impl Supervisor {
         self.ages.hotend.note(now);
         // A bead on its way to the air is no block; there it may rest, and the balance begins anew.
         // Nor is there a balance without the orders: it begins anew when they are heard again.
-        let unordered = self.ages.printer.is_seen() && self.ages.printer.reaction(now).is_some();
+        let unordered = self.ages.printer.age(now).is_some_and(|age| age.0 > UNORDERED_S);
         let lost = self.modes.latch().is_some_and(|latch| latch.cause == Cause::ThermistorDetached);
         let is_off = self.modes.mode() == Mode::SafeOff && !lost;
         let checks = &mut self.checks;
         checks.rising.on_sample(now, temp, is_off);
         checks.hotend_range.on_sample(temp);
         checks.frozen.on_sample(now, temp);
-        checks.noise.on_sample(temp, checks.hotend_range.is_inside());
         self.hotend = Some(temp);
+        if !checks.hotend_pace.counts(stamp) {
+            return;
+        }
+        checks.noise.on_sample(temp, checks.hotend_range.is_inside());
         if checks.hotend_range.is_inside() {
             checks.step.on_sample(stamp, temp);
             if checks.step.is_apart() {
@@ -49,10 +55,12 @@ impl Supervisor {
             return self.checks.bad_values.note(now);
         }
         self.ages.bed.note(now);
+        let is_off = self.modes.mode() == Mode::SafeOff;
         let checks = &mut self.checks;
+        checks.bed_rising.on_sample(now, temp, is_off);
         checks.bed_range.on_sample(temp);
         checks.bed_frozen.on_sample(now, temp);
-        if checks.bed_range.is_inside() {
+        if checks.bed_range.is_inside() && checks.bed_pace.counts(stamp) {
             checks.bed_heater.on_sample(stamp, temp);
             checks.bed_detached.on_sample(stamp, temp);
         }
@@ -85,7 +93,7 @@ impl Checks {
     }
 
     /// What each thermal cause calls for now.
-    pub(super) fn thermal_causes(&self, now: Seconds, params: &Params) -> [(Cause, Option<Reaction>); 15] {
+    pub(super) fn thermal_causes(&self, now: Seconds, params: &Params) -> [(Cause, Option<Reaction>); 17] {
         let safe_off = |tripped: bool| tripped.then_some(Reaction::SafeOff);
         let estop = |tripped: bool| tripped.then_some(Reaction::Estop);
         let degrade = |tripped: bool| tripped.then_some(Reaction::Degrade);
@@ -114,7 +122,9 @@ impl Checks {
             (Cause::BedFrozen, safe_off(self.bed_frozen.tripped(self.bed_heater.moved_k()))),
             (Cause::BedThermistorDetached, safe_off(self.bed_detached.tripped())),
             // A switch that conducts by itself stops at the mains relay alone.
-            (Cause::BedStuckOn, estop(bed_fault == Some(HeaterFault::StuckOn))),
+            (Cause::BedStuckOn, estop(bed_fault == Some(HeaterFault::StuckOn) || self.bed_rising.tripped())),
+            (Cause::HotendUnjudged, safe_off(self.unjudged.unjudged_s(now).is_some())),
+            (Cause::BedUnjudged, safe_off(self.bed_unjudged.unjudged_s(now).is_some())),
             (Cause::BedDeficit, safe_off(bed_fault == Some(HeaterFault::Deficit))),
             (Cause::PartFan, degrade(self.part_fan.tripped(now))),
             (Cause::StopInput, estop(self.stop_input.tripped())),

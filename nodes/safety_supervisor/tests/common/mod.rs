@@ -110,6 +110,8 @@ pub(crate) struct Heater {
     motor_m: f64,
     constants: [f64; 8],
     ticks: u64,
+    /// Steps between two readings.
+    sample_ticks: u64,
 }
 
 impl Heater {
@@ -141,12 +143,19 @@ impl Heater {
             motor_m: 0.0,
             constants,
             ticks: 0,
+            sample_ticks: 5,
         }
     }
 
     /// With readings so rough `[K]`.
     pub(crate) fn with_noise(mut self, noise_k: f64) -> Self {
         self.noise_k = noise_k;
+        self
+    }
+
+    /// Read every so many steps of 20 ms; it is regulated ten times a second all the same.
+    pub(crate) fn read_every(mut self, sample_ticks: u64) -> Self {
+        self.sample_ticks = sample_ticks;
         self
     }
 
@@ -183,13 +192,15 @@ impl Heater {
         self.motor_m += self.flow_mm3_s * 1e-9 / 2.405e-6 * DT_S;
 
         let mut events = Vec::with_capacity(3);
-        if self.ticks.is_multiple_of(5) {
+        if self.ticks.is_multiple_of(self.sample_ticks) {
             let noise_k = self.noise_k * self.random.normal();
             if !self.frozen {
                 self.reading_c = self.sensor_c + noise_k + std::mem::take(&mut self.spike_k);
             }
-            self.regulate();
             events.push(Event::Hotend { stamp: Seconds(self.now_s), temp: Celsius(self.reading_c) });
+        }
+        if self.ticks.is_multiple_of(5) {
+            self.regulate();
         }
         events.push(Event::Printer(PrinterReport {
             motor_position_m: self.motor_m,

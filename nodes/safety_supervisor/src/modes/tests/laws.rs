@@ -43,10 +43,10 @@ pub(super) fn check_step(before: &Modes, step: Step, after: &After) {
             assert_ne!(modes.mode(), Mode::Degraded, "the cause has been gone for long enough");
         }
         // The start would be in act.
-        Step::Restart => assert_eq!(modes.set_mode, before.asked.map_or(Mode::Act, Mode::from)),
+        Step::Restart { .. } => assert_eq!(modes.set_mode, before.asked.map_or(Mode::Act, Mode::from)),
         _ => assert_eq!(modes.set_mode, before.set_mode),
     }
-    let restarted = step == Step::Restart;
+    let restarted = matches!(step, Step::Restart { .. });
     assert!(restarted || modes.initialised || !before.initialised, "the start comes once");
 }
 
@@ -81,6 +81,7 @@ fn check_pause(before: &Modes, step: Step, after: &After) {
             let raised = modes.raised[pause.cause as usize] >= PAUSING;
             assert!(asked || raised, "paused for nothing");
         }
+        (Some(_), None) if step == (Step::Restart { job_waits: false }) => {}
         (Some(pause), None) if !matches!(step, Step::Acknowledge { .. }) => {
             let ready = ready_step.expect("only a resume ends a pause");
             assert!(before.latch.is_none() && ready == Readiness { homed: true, filament: true, hot: true });
@@ -89,14 +90,20 @@ fn check_pause(before: &Modes, step: Step, after: &After) {
         }
         (Some(pause), Some(now)) if pause.resuming && !now.resuming => {
             let asked = matches!(step, Step::Demand(_, Reaction::Pause));
-            let restarted = step == Step::Restart;
+            let restarted = matches!(step, Step::Restart { .. });
             let raised = worst(modes) >= PAUSING || before.latch.is_some();
             assert!(asked || raised || restarted, "the resume was forgotten");
         }
         _ => {}
     }
-    if step == Step::Restart {
-        assert_eq!(is.map(|pause| pause.cause), was.map(|pause| pause.cause), "a restart is no resume");
+    if let Step::Restart { job_waits } = step {
+        let waits = was.filter(|_| job_waits).map(|pause| pause.cause);
+        assert_eq!(is.map(|pause| pause.cause), waits, "a restart is no resume");
+    }
+    if step == Step::SetBack {
+        let ages = |modes: &Modes| [modes.pause, modes.hold].map(|pause| pause.map(|pause| pause.since));
+        assert_eq!((is, ages(modes)), (was, ages(before)), "a pause keeps its age");
+        assert_eq!((modes.mode(), modes.degraded), (before.mode(), before.degraded));
     }
     if let Step::Tick { after_s, .. } = step
         && was.is_some()
