@@ -170,8 +170,8 @@ proptest! {
         steps in prop::collection::vec(step(), 1..400),
     ) {
         let mut watched = after(latched, &steps);
-        // As long as a start may wait, and what was seen last is no older than its stream.
-        watched.begin_anew(10.5);
+        // Longer than a start may wait, and than a balance needs to begin and to be seen at work.
+        watched.begin_anew(13.0);
         watched.print.hotend = false;
         // 3 s of silence after the last sample, and a tick or two.
         let took_s = watched.until(3.06, |print| print.mode() >= Mode::SafeOff);

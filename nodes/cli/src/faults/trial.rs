@@ -1,19 +1,23 @@
 //! One trial: a job on the simulated printer, a fault, and what followed.
 
 mod degraded;
+mod off;
+mod worse;
 
 use super::catalogue::{Mark, Reaction, TrialSpec};
 use crate::config::Setup;
 use crate::job::GcodeFile;
 use crate::sim::message::Lane;
 use crate::sim::printing::Printing;
-use crate::sim::relay::{RIVAL_FLOW, RIVAL_SESSION, Relay};
+use crate::sim::relay::Relay;
 use degraded::{RAMP_S, TakenBack, kept_too_long};
 use models::command::{Mode, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Kelvin};
+use off::Off;
 use printer_sim::Scenario;
 use serde::Serialize;
+use worse::{taken_from_a_rival, worse_than};
 
 /// Time after a reaction in which the block may go on rising `[s]`.
 const OVERSHOOT_S: f64 = 20.0;
@@ -73,6 +77,7 @@ struct Run {
     from: Option<(f64, u32)>,
     ended: bool,
     taken_back: TakenBack,
+    off: Off,
     outcome: Outcome,
 }
 
@@ -108,6 +113,7 @@ impl Trial<'_> {
             from: None,
             ended: false,
             taken_back: TakenBack::default(),
+            off: Off::default(),
             outcome,
         };
         while run.printing.step() || run.outcome.onset_s.is_some() {
@@ -142,7 +148,8 @@ impl Trial<'_> {
             run.outcome.recovered_s.is_none()
                 && since_s < self.spec.duration_s.unwrap_or(0.0) + recover_s + LATE_S
         });
-        Ok(!recovering && since_s >= reaction_s + self.watched_s().max(self.ramp_s()))
+        let watched_s = self.watched_s().max(self.ramp_s()).max(self.off_s());
+        Ok(!recovering && since_s >= reaction_s + watched_s)
     }
 
     /// How long after the reaction nothing worse may follow `[s]`.
@@ -153,6 +160,11 @@ impl Trial<'_> {
     /// How long after the reaction it is seen whether corrections are taken back `[s]`.
     fn ramp_s(&self) -> f64 {
         if self.reaction == Reaction::Degraded { RAMP_S + 0.1 } else { 0.0 }
+    }
+
+    /// How long after the reaction it is seen whether anything is heated all the same `[s]`.
+    fn off_s(&self) -> f64 {
+        if self.reaction >= Reaction::SafeOff { off::WATCHED_S } else { 0.0 }
     }
 
     /// How long a reaction is waited for `[s]`.
@@ -229,7 +241,9 @@ impl Trial<'_> {
         let told = self.spec.recover_s.is_none()
             && run.outcome.reaction_s.is_some_and(|reaction_s| since_s > reaction_s + self.watched_s());
         let worse = worse_than(most, printing).filter(|_| !told);
-        if let Some(worse) = worse.or_else(|| taken_from_a_rival(printing)).or(kept) {
+        let behind_s = run.outcome.reaction_s.map(|reaction_s| since_s - reaction_s);
+        let heated = behind_s.and_then(|behind_s| run.off.look(self.reaction, behind_s, printing));
+        if let Some(worse) = worse.or_else(|| taken_from_a_rival(printing)).or(kept).or(heated) {
             run.outcome.too_much.get_or_insert(worse);
         }
         let acting = simulator.in_force().mode == Mode::Act && !simulator.in_force().lapsed;
@@ -254,33 +268,6 @@ impl Trial<'_> {
             Reaction::Estop => !simulator.mains_on(),
         }
     }
-}
-
-/// A second publisher's permit that the printer took, or its flow in force: slewed to, that needs a tenth of a second.
-fn taken_from_a_rival(printing: &Printing) -> Option<String> {
-    if printing.obeyed == Some(RIVAL_SESSION) {
-        return Some("a permit of a second publisher was taken".to_owned());
-    }
-    let in_force = printing.simulator().in_force();
-    let taken = !in_force.lapsed && (in_force.trims.flow - RIVAL_FLOW).abs() < 1e-6;
-    taken.then(|| "the flow of a second publisher in force".to_owned())
-}
-
-/// What the supervisor does beyond `most`.
-fn worse_than(most: Reaction, printing: &Printing) -> Option<String> {
-    let state = printing.safety?;
-    let allowed = match most {
-        Reaction::None | Reaction::Told | Reaction::Flagged | Reaction::Observe => Mode::Act,
-        Reaction::Baseline | Reaction::Degraded => Mode::Degraded,
-        Reaction::Paused => Mode::Paused,
-        Reaction::SafeOff => Mode::SafeOff,
-        Reaction::Estop => Mode::Estop,
-    };
-    let cause = state.cause.map_or("", |cause| cause.id());
-    if most < Reaction::Observe && state.set_mode == Mode::Observe {
-        return Some(format!("{cause} observe"));
-    }
-    (state.mode > allowed).then(|| format!("{cause} {:?}", state.mode).to_lowercase())
 }
 
 /// A number in `[0, 1)` of each seed, evenly spread: multiples of the golden ratio.

@@ -4,32 +4,41 @@
 
 use models::units::Seconds;
 
+/// Time in which a balance that runs finds a heater that is at fault `[s]`: shorter moments judge nothing.
+const MOMENT_S: f64 = 3.0;
+
 /// Watches the balance of one heater.
 #[derive(Debug, Clone)]
 pub struct UnjudgedCheck {
     limit_s: f64,
-    /// When the balance judged last, or had no need to.
+    /// When the heater was known to be sound last, or not in use.
     judged: Option<Seconds>,
+    /// Since when its balance has run.
+    runs_since: Option<Seconds>,
 }
 
 impl UnjudgedCheck {
     /// A heater in use may go unjudged for `limit_s` `[s]`.
     #[must_use]
     pub fn new(limit_s: f64) -> Self {
-        Self { limit_s, judged: None }
+        Self { limit_s, judged: None, runs_since: None }
     }
 
     /// Takes whether the heater is in use, and whether its balance would show a fault.
     pub fn look(&mut self, now: Seconds, in_use: bool, judges: bool) {
         let begins = self.judged.is_none_or(|judged| judged > now);
-        if begins || !in_use || judges {
+        if begins || !judges {
+            self.runs_since = None;
+        }
+        let since = if judges { *self.runs_since.get_or_insert(now) } else { now };
+        if begins || !in_use || (now - since).0 >= MOMENT_S {
             self.judged = Some(now);
         }
     }
 
     /// The time until now says nothing.
     pub fn reset(&mut self) {
-        self.judged = None;
+        (self.judged, self.runs_since) = (None, None);
     }
 
     /// For how long nothing has been judged, and what is allowed `[s]`; `None` where that is not too long.
@@ -58,9 +67,11 @@ mod tests {
     fn a_heater_in_use_is_judged_within_the_limit_or_is_told() {
         assert!(tripped_s(|_| (true, false)).is_some_and(|time_s| (20.0..20.3).contains(&time_s)));
         assert_eq!(tripped_s(|_| (false, false)), None, "it does not heat");
-        assert_eq!(tripped_s(|time_s| (true, time_s % 19.0 < 0.1)), None);
-        let once = tripped_s(|time_s| (true, (10.0..10.05).contains(&time_s)));
-        assert!(once.is_some_and(|time_s| (30.0..30.3).contains(&time_s)), "{once:?}");
+        assert_eq!(tripped_s(|time_s| (true, time_s % 19.0 < 3.2)), None);
+        let once = tripped_s(|time_s| (true, (10.0..13.25).contains(&time_s)));
+        assert!(once.is_some_and(|time_s| (33.0..33.5).contains(&time_s)), "{once:?}");
+        let moments = tripped_s(|time_s| (true, time_s % 4.0 < 2.8));
+        assert!(moments.is_some_and(|time_s| (20.0..20.3).contains(&time_s)), "{moments:?}");
     }
 
     #[test]

@@ -180,7 +180,8 @@ impl Supervisor {
             self.ages.bed.expect(now);
         }
         let checks = &mut self.checks;
-        checks.unjudged.look(now, hotend, checks.heater.is_judging());
+        // A reading that jumps about begins the balance anew as well: S4 has it.
+        checks.unjudged.look(now, hotend, checks.heater.is_judging() || checks.noise.is_suspect());
         checks.bed_unjudged.look(now, bed, checks.bed_heater.is_judging());
     }
 }
