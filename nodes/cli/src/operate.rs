@@ -138,7 +138,7 @@ pub fn set_mode(args: &ModeArgs) -> anyhow::Result<()> {
 }
 
 fn not_confirmed(name: &str, hint: &str) -> String {
-    format!("{name} was not confirmed: `fdm status` shows what holds; ask again{hint}")
+    format!("{name} was not confirmed: `fdm status` shows what holds{hint}")
 }
 
 /// What to look at where no supervisor is there.
@@ -148,7 +148,7 @@ fn absent<T>(answer: &Result<T, CallError>, namespace: &str) -> String {
             "; no supervisor of {namespace} is there: is `fdm up` running, with the same ROS_DOMAIN_ID and --namespace?"
         ),
         // What a server of another form answers is not understood.
-        Err(_) => format!("; {}", other_rmw()),
+        Err(_) => format!("; ask again; {}", other_rmw()),
         Ok(_) => String::new(),
     }
 }

@@ -13,7 +13,7 @@ mod standing;
 mod thermal;
 mod work;
 
-use models::command::{Limits, Mode, Permit, Trims};
+use models::command::{Limits, Mode, Permit, Request, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Seconds};
 
@@ -49,6 +49,8 @@ pub struct Supervisor {
     hotend: Option<Celsius>,
     printer: Option<PrinterReport>,
     printer_failed: bool,
+    /// When the printer was told last to give its job up.
+    told_off: Option<Seconds>,
     /// What the camera may say again, since a person has looked at it.
     grace: Option<Grace>,
     paused_alone_since: Option<Seconds>,
@@ -92,6 +94,7 @@ impl Supervisor {
             hotend: None,
             printer: None,
             printer_failed: false,
+            told_off: None,
             grace: None,
             paused_alone_since: None,
             takes_up: false,
@@ -221,6 +224,9 @@ impl Supervisor {
             self.decisions.push(Decision { what, why: "resumed", cause: None, before, after });
         }
         self.printer_failed = false;
+        if self.modes.request(now) >= Request::HeatersOff {
+            self.told_off = Some(now);
+        }
         self.move_trims(now, Seconds(dt_s));
         self.last_tick = Some(now);
         self.output(now)

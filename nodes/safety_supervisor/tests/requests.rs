@@ -129,3 +129,27 @@ fn what_is_granted_and_still_waits_says_for_what() {
     };
     assert_eq!((decision.what, decision.why), (What::ModeChanged, "resumed"));
 }
+
+/// The printer gives its job up for an emergency stop, and says so after that was acknowledged: it has not failed by itself.
+#[test]
+fn a_job_that_was_given_up_on_request_has_not_failed() {
+    for (later_s, phase, mode) in [
+        (0.3, JobPhase::Failed, Mode::Act),
+        (6.0, JobPhase::Failed, Mode::SafeOff),
+        (0.3, JobPhase::Done, Mode::Act),
+    ] {
+        let mut print = Print::acting();
+        print.ask(Operator::Estop);
+        print.run(0.3);
+        assert_eq!(print.ask(Operator::Acknowledge), What::Granted(Operator::Acknowledge));
+        print.run(later_s);
+        print.report.phase = phase;
+        print.run(1.0);
+        let cause = (mode == Mode::SafeOff).then_some(Cause::PrinterFailed);
+        assert_eq!(
+            (print.mode(), print.output.state.cause.filter(|_| cause.is_some())),
+            (mode, cause),
+            "{later_s} s"
+        );
+    }
+}

@@ -123,13 +123,12 @@ impl Fleet {
         happenings
     }
 
-    /// Asks one of them to end that does nothing any more; it is started again as after any end.
-    pub fn end(&self, name: &str) {
-        for member in
-            self.members.iter().filter(|member| member.recipe.name == name && member.recipe.replaceable)
-        {
-            member.signal(Signal::TERM);
-        }
+    /// Asks one of them to end that does nothing any more, or ends by force one that hangs; it is started again as after any
+    /// end. Whether it may be.
+    pub fn end(&self, name: &str, signal: Signal) -> bool {
+        let replaceable = |member: &&Member| member.recipe.name == name && member.recipe.replaceable;
+        let member = self.members.iter().find(replaceable);
+        member.inspect(|member| member.signal(signal)).is_some()
     }
 
     /// Whether a node ended and will not be started again.

@@ -7,6 +7,11 @@ use models::units::Seconds;
 /// Silence that is told `[s]`: four beats of 10 Hz, to be told within the 0.5 s of C4.
 const SILENT_S: f64 = 0.42;
 
+/// Silence after which a process is given up `[s]`: twice the longest hang after which the catalogue lets it go on.
+const HUNG_S: f64 = 10.0;
+/// A recorder that waits for its disk goes on where it was, and ends its file by itself.
+const PATIENT: &str = "bag_recorder";
+
 #[derive(Debug)]
 struct Heart {
     name: &'static str,
@@ -61,6 +66,17 @@ impl Hearing {
         }
         fallen
     }
+
+    /// Who has hung for so long that it is to be ended and started again. Where nobody is heard it is not they.
+    #[must_use]
+    pub fn hung(&self, now: Seconds) -> Vec<&'static str> {
+        let silent_s = |heart: &Heart| heart.heard.map(|heard| (now - heard).0);
+        let hears = self.0.iter().any(|heart| silent_s(heart).is_some_and(|silent_s| silent_s <= SILENT_S));
+        let hung = self.0.iter().filter(|heart| {
+            hears && heart.name != PATIENT && silent_s(heart).is_some_and(|silent_s| silent_s > HUNG_S)
+        });
+        hung.map(|heart| heart.name).collect()
+    }
 }
 
 #[cfg(test)]
@@ -77,6 +93,20 @@ mod tests {
         assert_eq!(hearing.look(Seconds(11.0)), []);
         let again = hearing.beat(Seconds(11.0), "thermistor", 1);
         assert_eq!(again, Some(Happening::HeardAgain { name: "thermistor" }));
+    }
+
+    #[test]
+    fn a_process_that_hangs_for_long_is_given_up_unless_nobody_is_heard() {
+        let mut hearing = Hearing::default();
+        for name in ["safety_supervisor", "bag_recorder", "thermistor"] {
+            hearing.beat(Seconds(10.0), name, 1);
+        }
+        assert_eq!(hearing.hung(Seconds(30.0)), [""; 0], "it is the listener who is deaf");
+        hearing.beat(Seconds(20.1), "thermistor", 1);
+        assert_eq!(hearing.hung(Seconds(19.9)), [""; 0]);
+        assert_eq!(hearing.hung(Seconds(20.2)), ["safety_supervisor"]);
+        hearing.forget("safety_supervisor");
+        assert_eq!(hearing.hung(Seconds(20.3)), [""; 0]);
     }
 
     #[test]

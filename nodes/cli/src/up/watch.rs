@@ -18,6 +18,7 @@ use models::status::JobPhase;
 use models::units::Seconds;
 use printer_sim::score::Integrals;
 use runtime::Timer;
+use rustix::process::Signal;
 use std::io::IsTerminal;
 
 mod news;
@@ -126,6 +127,7 @@ impl Watch {
             self.tend(fleet, now);
             let hears = self.rejoin_if_deaf();
             self.hear();
+            self.replace_hung(fleet);
             if !hears || fleet.has_lost("printer_sim") {
                 return self.finish(Ended::Lost);
             }
@@ -223,6 +225,15 @@ impl Watch {
         happenings.extend(self.hearing.look(now));
         for happening in happenings {
             self.tell(happening);
+        }
+    }
+
+    /// Ends by force who has hung for long.
+    fn replace_hung(&mut self, fleet: &Fleet) {
+        for name in self.hearing.hung(self.ears.node.clock().now()) {
+            if fleet.end(name, Signal::KILL) {
+                self.tell(Happening::Hung { name });
+            }
         }
     }
 

@@ -68,6 +68,7 @@ pub fn text(happening: &Happening) -> String {
         }
         Happening::EndedAgain { name } => format!("{name} ended again"),
         Happening::Silent { name } => format!("{name} is silent: its heart stands still"),
+        Happening::Hung { name } => format!("{name} has been silent for 10 s: it is ended by force"),
         Happening::HeardAgain { name } => format!("{name} is heard again"),
     }
 }

@@ -10,6 +10,9 @@ use crate::cause::{Cause, Reaction};
 use crate::event::{PrinterReport, VisionReport};
 use crate::modes::Raised;
 
+/// Time in which a printer gives up the job that it is told to, a slow host's included `[s]`.
+const CARRIED_OUT_S: f64 = 5.0;
+
 /// What is judged before the start is over: a person's hand, and heat.
 const AT_ONCE: [Cause; 5] =
     [Cause::StopInput, Cause::HotendRange, Cause::BedRange, Cause::HeaterStuckOn, Cause::BedStuckOn];
@@ -90,7 +93,9 @@ impl Supervisor {
             self.ages.vision.restart(now);
         }
         if report.phase == JobPhase::Failed && phase_before.is_some_and(|phase| phase != JobPhase::Failed) {
-            self.printer_failed = true;
+            // What it was told to give up it has not given up by itself, however soon that was acknowledged.
+            let told = self.told_off.is_some_and(|told| (0.0..CARRIED_OUT_S).contains(&(now - told).0));
+            self.printer_failed = !told;
         }
         let alone = report.phase == JobPhase::Paused && self.modes.request(now) == Request::Run;
         self.paused_alone_since = if alone { self.paused_alone_since.or(Some(now)) } else { None };

@@ -272,7 +272,8 @@ impl Printing {
                 What::PartFanSlow => ("P4".to_owned(), "flagged".to_owned()),
                 _ if event.after == Mode::Paused && self.adopts_pause(now, output.state.cause) => continue,
                 _ if event.before != event.after
-                    && (event.after >= Mode::Degraded || event.after == Mode::Observe) =>
+                    && (event.after >= Mode::Degraded
+                        || event.after == Mode::Observe && event.before != Mode::Init) =>
                 {
                     (cause.clone(), format!("{:?}", event.after).to_lowercase())
                 }

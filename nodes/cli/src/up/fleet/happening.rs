@@ -39,6 +39,11 @@ pub enum Happening {
         /// Name of the node.
         name: &'static str,
     },
+    /// It has been silent for so long that it is ended by force.
+    Hung {
+        /// Name of the node.
+        name: &'static str,
+    },
     /// Its heart beats again.
     HeardAgain {
         /// Name of the node.
@@ -55,7 +60,9 @@ impl Happening {
             | Self::GivenUp { name }
             | Self::KeepsEnding { name, .. }
             | Self::EndedAgain { name } => Some(name),
-            Self::Restarted { .. } | Self::Silent { .. } | Self::HeardAgain { .. } => None,
+            Self::Restarted { .. } | Self::Silent { .. } | Self::Hung { .. } | Self::HeardAgain { .. } => {
+                None
+            }
         }
     }
 }

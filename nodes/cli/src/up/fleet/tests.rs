@@ -83,7 +83,7 @@ fn a_process_that_keeps_ending_is_tried_again_until_it_stays() {
 fn a_printer_that_ended_stays_down() {
     let printer = Recipe { replaceable: false, ..recipe("printer_sim", "exit 3") };
     let mut fleet = Fleet::start(vec![printer], &logs("printer")).unwrap();
-    fleet.end("printer_sim");
+    assert!(!fleet.end("printer_sim", Signal::TERM));
     assert_eq!(next(&mut fleet, &mut Seconds(0.0)), Happening::GivenUp { name: "printer_sim" });
     assert!(fleet.has_lost("printer_sim"));
 }

@@ -5,6 +5,7 @@ use super::super::fleet::Fleet;
 use super::super::reports::News;
 use super::{Watch, output};
 use fdm_loop_msgs::PrintEvent;
+use rustix::process::Signal;
 
 /// What `events` says of a fault that somebody has injected.
 const INJECTED: &str = "fault_injected";
@@ -22,7 +23,7 @@ impl Watch {
                 for news in self.reports.take(report.received, &self.namespace, status) {
                     self.bar.suspend(|| output::note(&news.text()));
                     if let News::Finalized { name } = news {
-                        fleet.end(name);
+                        fleet.end(name, Signal::TERM);
                     }
                 }
             }
