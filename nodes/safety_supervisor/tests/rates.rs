@@ -147,3 +147,23 @@ fn s7_what_cannot_be_judged_is_told_by_its_name() {
         "{told:?}"
     );
 }
+
+/// S4: readings up to ten times as rough as a sound sensor's are noise, at target and idle; what heats behind them is found.
+#[test]
+fn s4_rough_readings_neither_trip_nor_hide_a_heater() {
+    for (noise_k, target_c) in [(0.8, 210.0), (1.5, 210.0), (0.8, 0.0), (1.5, 0.0)] {
+        for seed in 0..20 {
+            let settled = || Heater::settled(seed, target_c, 0.0, 0.0);
+            let mut heater = if target_c > 0.0 { settled() } else { Heater::new(seed) };
+            let mut supervisor = Supervisor::new(params(), 1, None);
+            assert_eq!(run(&mut heater, &mut supervisor, 30.0, |_| true), None);
+            heater.noise_k = noise_k;
+            let off = run(&mut heater, &mut supervisor, 60.0, |_| true);
+            assert_eq!(off, None, "{noise_k} K at {target_c} degC, seed {seed}");
+            heater.stuck_on = true;
+            let found_s = run(&mut heater, &mut supervisor, 60.0, |_| true).map(|(time_s, _)| time_s);
+            let in_time = found_s.is_some_and(|time_s| time_s <= 12.0);
+            assert!(in_time, "{noise_k} K at {target_c} degC, seed {seed}: {found_s:?}");
+        }
+    }
+}

@@ -26,6 +26,11 @@ const STEP_S: f64 = 0.1;
 /// So many samples in a row far from the last one are a gap, or time that was set.
 const ASTRAY_SAMPLES: u32 = 3;
 
+/// How far off a reading counts for the scatter at most `[K]`.
+const SCATTER_MAX_K: f64 = 2.5;
+/// Standard deviations of the scatter from which a reading is a spike `[-]`.
+const SPIKE_DEVIATIONS: f64 = 4.0;
+
 /// What drives the heater's temperature, as the printer reports it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
@@ -71,6 +76,8 @@ pub struct HeaterCheck {
     /// Samples since the last spike.
     quiet: u32,
     roughness: Roughness,
+    /// Of all readings, those left out among them, each no farther off than what tells one from another.
+    scatter: Roughness,
     /// The last reading, where it was not left out.
     measured_c: Option<f64>,
     reading_c: f64,
@@ -93,6 +100,7 @@ impl HeaterCheck {
             skipped: 0,
             quiet: 0,
             roughness: Roughness::new(params.usual_noise_k),
+            scatter: Roughness::new(params.usual_noise_k),
             measured_c: None,
             reading_c: f64::NAN,
             moved_k: 0.0,
@@ -154,6 +162,9 @@ impl HeaterCheck {
             }
             return;
         }
+        let near_k = SCATTER_MAX_K;
+        let scattered_c = temp.0.clamp(self.fast.sensor_c - near_k, self.fast.sensor_c + near_k);
+        self.scatter.on_sample(now, Some(Celsius(scattered_c)));
         // A single spike is no heat; a jump that stays is taken for what it is.
         let spike = (temp.0 - self.fast.sensor_c).abs() > self.spike_k(dt_s);
         self.skipped = if spike { self.skipped + 1 } else { 0 };
@@ -173,14 +184,16 @@ impl HeaterCheck {
     /// How far a reading is off that is a spike `[K]`: over a longer span a heater that is at fault moves it.
     fn spike_k(&self, span_s: f64) -> f64 {
         let rate_k_s = self.params.power_w / self.params.capacity_j_k;
-        self.params.spike_k + rate_k_s * (span_s - STEP_S).max(0.0)
+        let beyond_noise_k = SPIKE_DEVIATIONS * self.scatter.deviation_k();
+        self.params.spike_k.max(beyond_noise_k) + rate_k_s * (span_s - STEP_S).max(0.0)
     }
 
     /// Steps the observers to the reading of `now`, or past one that is left out.
     fn follow(&mut self, last: Seconds, now: Seconds, measured_c: Option<f64>) {
         let (span_s, before_c) = ((now - last).0, std::mem::replace(&mut self.measured_c, measured_c));
         let pieces = (span_s / STEP_S).round().max(1.0);
-        let noise_k = self.roughness.deviation_k();
+        // What is farther off than a spike counts as far.
+        let noise_k = self.roughness.deviation_k().max(self.scatter.deviation_k()).min(self.params.spike_k);
         let mut share = 0.0;
         while share < 1.0 {
             let from = Seconds(last.0 + share * span_s);
