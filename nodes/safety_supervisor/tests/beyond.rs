@@ -140,3 +140,14 @@ fn stamped_astray(heater: &mut Heater, event: Event) -> Event {
         event => event,
     }
 }
+
+/// S7: whatever the parameters require, a bed that is heated, or is about to be, has to be measured.
+#[test]
+fn s7_a_bed_that_heats_unmeasured_is_switched_off() {
+    for (duty, target_c) in [(0.5, 0.0), (0.0, 60.0)] {
+        let mut print = Print::acting();
+        (print.report.bed_duty, print.report.bed_target) = (duty, Celsius(target_c));
+        assert!(print.until(Mode::SafeOff) <= 3.1, "{duty}, {target_c} degC");
+        assert_eq!(print.output.state.cause, Some(Cause::StaleBed));
+    }
+}

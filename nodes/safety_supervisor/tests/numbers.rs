@@ -96,3 +96,12 @@ fn p12_a_bed_that_stands_still_is_told_by_how_long() {
     let still_s: f64 = text.strip_suffix(" s").unwrap().parse().unwrap();
     assert!((8.0..=12.3).contains(&still_s), "{text}");
 }
+
+#[test]
+fn p6_an_encoder_that_reads_too_much_is_told_in_percent() {
+    let mut print = Print::acting();
+    print.slip = -0.6;
+    print.run(30.0);
+    let text = told(&print, Cause::EncoderSurplus);
+    assert!(text.ends_with(" % beyond the motor's way, limit 25 %"), "{text}");
+}
