@@ -65,9 +65,9 @@ fn a_second_publisher_of_permits_degrades_and_heals() {
         print.event(Event::RivalPermit);
     }
     assert_eq!((print.mode(), print.output.permit.trims), (Mode::Degraded, Trims::NEUTRAL));
-    // 2 s of memory, and as long until what is gone counts as gone
+    // 2 s of memory, and 1 s until what is gone counts as gone
     let back_s = print.until(Mode::Act);
-    assert!((3.9..4.2).contains(&back_s), "{back_s} s");
+    assert!((2.9..3.2).contains(&back_s), "{back_s} s");
 }
 
 /// C8: so does a second publisher of what everything rests on.
@@ -78,7 +78,7 @@ fn a_second_publisher_of_a_stream_degrades_and_heals() {
     assert!(print.until(Mode::Degraded) <= 0.021);
     assert_eq!(print.output.state.cause, Some(Cause::SecondSource));
     let back_s = print.until(Mode::Act);
-    assert!((3.9..4.2).contains(&back_s), "{back_s} s");
+    assert!((2.9..3.2).contains(&back_s), "{back_s} s");
 }
 
 /// K4, first divergence: degraded, the mode stays set.
