@@ -147,7 +147,7 @@ def parameters(domain: int) -> str:
     kinds = service("get_parameter_types", "GetParameterTypes")(names=["modes.ramp_s", "no.such"]).types
     check(list(kinds) == [3, 0], f"types {kinds}")
     get = service("get_parameters", "GetParameters")
-    check(get(names=["modes.ramp_s"]).values[0].double_value == 1.25, "value")
+    check(get(names=["modes.ramp_s"]).values[0].double_value == 0.8, "value")
     describe = service("describe_parameters", "DescribeParameters")
     told = describe(names=["modes.ramp_s"]).descriptors[0]
     span = told.floating_point_range[0]
