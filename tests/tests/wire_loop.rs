@@ -87,7 +87,7 @@ fn the_closed_loop_flattens_the_wall_and_its_end_is_neutral() {
     });
 }
 
-/// Silence of 0.75 s degrades, corrections end over 1.25 s; half a second more for the ways between the processes, which
+/// Silence of 0.75 s degrades, corrections end over 0.8 s; half a second more for the ways between the processes, which
 /// take six times as long on the machine's clock as on ours.
 async fn without_its_controller(fleet: &mut Fleet, peer: &mut Peer) {
     let strong = |seen: &Seen| {

@@ -33,7 +33,7 @@ pub(crate) async fn are_told_and_refused(node: &mut Node) {
 
     let names = vec!["modes.ramp_s".to_owned(), "no.such".to_owned()];
     let values = get.call(GetParametersRequest { names: names.clone() }, PATIENCE).await.unwrap().values;
-    assert_eq!((values[0].double_value, values[1].kind), (1.25, ParameterValue::NOT_SET));
+    assert_eq!((values[0].double_value, values[1].kind), (0.8, ParameterValue::NOT_SET));
     let types = kinds.call(GetParameterTypesRequest { names: names.clone() }, PATIENCE).await.unwrap().types;
     assert_eq!(types, [ParameterValue::DOUBLE, ParameterValue::NOT_SET]);
 
