@@ -75,8 +75,9 @@ pub struct HeaterCheck {
     skipped: u32,
     /// Samples since the last spike.
     quiet: u32,
+    /// Of the readings that are followed.
     roughness: Roughness,
-    /// Of all readings, those left out among them, each no farther off than what tells one from another.
+    /// Of all readings, each taken for `SCATTER_MAX_K` off at most: from it a spike tells itself apart.
     scatter: Roughness,
     /// The last reading, where it was not left out.
     measured_c: Option<f64>,
@@ -162,9 +163,8 @@ impl HeaterCheck {
             }
             return;
         }
-        let near_k = SCATTER_MAX_K;
-        let scattered_c = temp.0.clamp(self.fast.sensor_c - near_k, self.fast.sensor_c + near_k);
-        self.scatter.on_sample(now, Some(Celsius(scattered_c)));
+        let off_k = (temp.0 - self.fast.sensor_c).clamp(-SCATTER_MAX_K, SCATTER_MAX_K);
+        self.scatter.on_sample(now, Some(Celsius(self.fast.sensor_c + off_k)));
         // A single spike is no heat; a jump that stays is taken for what it is.
         let spike = (temp.0 - self.fast.sensor_c).abs() > self.spike_k(dt_s);
         self.skipped = if spike { self.skipped + 1 } else { 0 };

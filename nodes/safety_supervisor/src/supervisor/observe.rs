@@ -174,23 +174,6 @@ impl Supervisor {
     }
 }
 
-impl Supervisor {
-    /// Whatever the parameters require: what heats has to be measured, and judged.
-    fn look_at_heat(&mut self, now: Seconds) {
-        let (hotend, bed) = self.printer.map_or((false, false), |printer| heats(&printer));
-        if hotend {
-            self.ages.hotend.expect(now);
-        }
-        if bed {
-            self.ages.bed.expect(now);
-        }
-        let checks = &mut self.checks;
-        // A reading that jumps about begins the balance anew as well: S4 has it.
-        checks.unjudged.look(now, hotend, checks.heater.is_judging() || checks.noise.is_suspect());
-        checks.bed_unjudged.look(now, bed, checks.bed_heater.is_judging());
-    }
-}
-
 /// Causes of somebody who is not heard.
 const SILENCES: [Cause; 8] = [
     Cause::StaleHotend,
@@ -219,11 +202,4 @@ const REPORT_MIN_S: f64 = 0.02;
 fn leaps(before: &PrinterReport, report: &PrinterReport) -> bool {
     let span_s = (report.stamp - before.stamp).0.max(REPORT_MIN_S);
     (report.motor_position_m - before.motor_position_m).abs() > MOTOR_MAX_M_S * span_s
-}
-
-/// Whether hot end and bed are, or are about to be, heated.
-fn heats(printer: &PrinterReport) -> (bool, bool) {
-    let hotend =
-        printer.hotend_duty > 0.0 || printer.hotend_target.0 > 0.0 || printer.hotend_sliced_target.0 > 0.0;
-    (hotend, printer.bed_duty > 0.0 || printer.bed_target.0 > 0.0)
 }

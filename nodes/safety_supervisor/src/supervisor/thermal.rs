@@ -83,6 +83,21 @@ impl Supervisor {
         checks.bed_heater.on_drive(report.stamp, bed_drive);
         checks.bed_frozen.on_duty(bed);
     }
+
+    /// Whatever the parameters require: what heats has to be measured, and judged.
+    pub(super) fn look_at_heat(&mut self, now: Seconds) {
+        let (hotend, bed) = self.printer.map_or((false, false), |printer| heats(&printer));
+        if hotend {
+            self.ages.hotend.expect(now);
+        }
+        if bed {
+            self.ages.bed.expect(now);
+        }
+        let checks = &mut self.checks;
+        // A reading that jumps about begins the balance anew as well: S4 has it.
+        checks.unjudged.look(now, hotend, checks.heater.is_judging() || checks.noise.is_suspect());
+        checks.bed_unjudged.look(now, bed, checks.bed_heater.is_judging());
+    }
 }
 
 impl Checks {
@@ -130,4 +145,11 @@ impl Checks {
             (Cause::StopInput, estop(self.stop_input.tripped())),
         ]
     }
+}
+
+/// Whether hot end and bed are, or are about to be, heated.
+fn heats(printer: &PrinterReport) -> (bool, bool) {
+    let hotend =
+        printer.hotend_duty > 0.0 || printer.hotend_target.0 > 0.0 || printer.hotend_sliced_target.0 > 0.0;
+    (hotend, printer.bed_duty > 0.0 || printer.bed_target.0 > 0.0)
 }
