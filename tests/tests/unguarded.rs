@@ -43,6 +43,7 @@ fn a_print_without_its_supervisor_is_told_and_can_be_stopped() {
         let change = node.client_of(&format!("/printer/{GUARD}"), &topics::CHANGE_STATE).unwrap();
         it_is_taken_out_of_its_work(&mut graph, &mut node, &change).await;
         it_is_shut_down(&mut graph, &change).await;
+        it_hangs_for_long(&mut graph).await;
         it_hangs_and_the_printer_is_stopped(&mut graph, &mut node, &domain).await;
         graph.end().await;
     });
@@ -85,6 +86,14 @@ async fn it_is_taken_out_of_its_work(graph: &mut Graph, node: &mut Node, change:
 async fn it_is_shut_down(graph: &mut Graph, change: &Client<ChangeState>) {
     step(change, Transition::ACTIVE_SHUTDOWN).await;
     told(graph, "safety_supervisor was shut down (finalized)").await;
+    told(graph, "safety_supervisor runs again as process").await;
+    told(graph, ", act, ").await;
+}
+
+/// It hangs for so long that it is replaced.
+async fn it_hangs_for_long(graph: &mut Graph) {
+    graph.signal(GUARD, Signal::STOP);
+    told(graph, "safety_supervisor has been silent for 10 s: it is ended by force").await;
     told(graph, "safety_supervisor runs again as process").await;
     told(graph, ", act, ").await;
 }

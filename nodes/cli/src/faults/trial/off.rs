@@ -8,8 +8,10 @@ use models::units::{Celsius, Kelvin};
 pub(super) const WATCHED_S: f64 = 10.0;
 /// Time in which the printer carries the order out: its heater follows a reading, at 4 Hz at the slowest `[s]`.
 const CARRIED_OUT_S: f64 = 0.3;
-/// How far block and bed may rise all the same: the heat of a cartridge on its way `[K]`.
-const RISE_MAX_K: f64 = 3.0;
+/// How far the block may rise all the same: the heat of a cartridge on its way `[K]`.
+const BLOCK_RISE_MAX_K: f64 = 3.0;
+/// How far the bed may: one whose heater sticks gains 2.7 K while it is looked at `[K]`.
+const BED_RISE_MAX_K: f64 = 1.0;
 
 /// What is hot at a moment.
 #[derive(Debug, Clone, Copy)]
@@ -54,7 +56,7 @@ impl Off {
         let (block_k, bed_k) = (now.block_c - at_first.block_c, now.bed_c - at_first.bed_c);
         if heats {
             Some(format!("a duty of {:.2} behind the reaction", now.duty))
-        } else if block_k > RISE_MAX_K || bed_k > RISE_MAX_K {
+        } else if block_k > BLOCK_RISE_MAX_K || bed_k > BED_RISE_MAX_K {
             Some(format!("warmer by {:.1} K behind the reaction", block_k.max(bed_k)))
         } else {
             None
@@ -75,7 +77,8 @@ mod tests {
             (0.35, heat(210.0, 60.0, 0.01), true),
             (5.0, heat(212.0, 60.0, 0.0), false),
             (5.0, heat(214.0, 60.0, 0.0), true),
-            (5.0, heat(180.0, 64.0, 0.0), true),
+            (5.0, heat(180.0, 60.9, 0.0), false),
+            (5.0, heat(180.0, 61.1, 0.0), true),
         ] {
             let mut off = Off::default();
             assert_eq!(off.judge(0.0, heat(210.0, 60.0, 1.0)), None);
