@@ -142,7 +142,7 @@ impl Supervisor {
             Event::Vision(report) => self.on_vision(now, &report),
             Event::Hotend { stamp, temp } => self.on_hotend(now, stamp, temp),
             Event::Bed { stamp, temp } => self.on_bed(now, stamp, temp),
-            Event::Encoder { position_m, .. } => self.on_encoder(now, position_m),
+            Event::Encoder { stamp, position_m } => self.on_encoder(now, stamp, position_m),
             Event::Printer(report) => self.on_printer(now, report),
             Event::EstimateHeartbeat { .. } => self.ages.estimate.note(now),
             Event::EstimateHealth(health) => self.brains.estimate = health,

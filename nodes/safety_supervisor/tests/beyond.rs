@@ -82,7 +82,7 @@ fn p12_a_bed_that_warms_behind_a_latch_is_cut_off_the_mains() {
         let mode = if cut { Mode::Estop } else { Mode::SafeOff };
         assert_eq!(print.mode(), mode, "{rate_k_s} K/s: {:?}", print.output.state.cause);
         assert!(!cut || print.output.state.cause == Some(Cause::BedStuckOn));
-        assert!(!cut || print.now() - from_s < 60.0, "15 K at 0.3 K/s, and 6 s");
+        assert!(!cut || print.now() - from_s < 62.0, "15 K at 0.3 K/s, 6 s, and two medians");
     }
 }
 

@@ -36,15 +36,27 @@ fn a_burst_is_so_many_within_the_span_and_not_one_less() {
 fn a_range_trips_on_samples_in_a_row_at_either_end() {
     for (good_c, bad_c) in [(0.0, -0.1), (285.0, 285.1)] {
         let mut check = RangeCheck::new(RangeParams { min_c: 0.0, max_c: 285.0, samples: 3 });
-        for temp_c in [bad_c, bad_c, good_c, bad_c, bad_c] {
-            check.on_sample(Celsius(temp_c));
+        for (time_s, temp_c) in [(0.0, bad_c), (0.1, bad_c), (0.2, good_c), (0.3, bad_c), (0.4, bad_c)] {
+            check.on_sample(Seconds(time_s), Celsius(temp_c));
             assert_eq!((check.tripped(), check.is_inside()), (false, temp_c.to_bits() == good_c.to_bits()));
         }
-        check.on_sample(Celsius(bad_c));
+        check.on_sample(Seconds(0.5), Celsius(bad_c));
         assert!(check.tripped());
-        check.on_sample(Celsius(good_c));
+        check.on_sample(Seconds(0.6), Celsius(good_c));
         assert!(!check.tripped());
     }
+}
+
+/// A spike of 0.1 s is ten readings of 100 Hz, and as little as one of 10 Hz; 0.2 s of them are three.
+#[test]
+fn a_range_counts_readings_of_ten_hertz() {
+    let mut check = RangeCheck::new(RangeParams { min_c: 0.0, max_c: 285.0, samples: 3 });
+    let tripped = (0..100_u32).find(|tick| {
+        check.on_sample(Seconds(50.0 + 0.01 * f64::from(*tick)), Celsius(450.0));
+        assert!(!check.is_inside());
+        check.tripped()
+    });
+    assert!(tripped.is_some_and(|tick| (14..=20).contains(&tick)), "{tripped:?}");
 }
 
 /// Four samples of 10 Hz and the one before them span 0.4 s.
@@ -63,7 +75,12 @@ fn a_fall_faster_than_any_cooling_trips_and_nothing_slower_or_shorter() {
     assert!(!after(8, 5.5, 0.1) && after(9, 5.5, 0.1));
     assert!(!after(50, 4.5, 0.1), "slower");
     assert!(!after(50, -5.5, 0.1), "rising");
-    assert!(!after(50, 5.5, 0.3), "1.2 s are a gap, not a span");
+    assert!(!after(50, 5.5, 1.2), "1.2 s are a gap, not a span");
+    assert!(
+        !after(4, 5.5, 0.25) && after(5, 5.5, 0.25),
+        "two readings of 4 Hz are a span, and three spans in a row"
+    );
+    assert!(!after(2, 5.5, 1.0) && after(3, 5.5, 1.0), "one of 1 Hz, and two");
     assert!(!after(50, 5.5, 0.0), "no time at all");
     assert!(after(50, 5.5, 0.24), "0.96 s are one");
 }

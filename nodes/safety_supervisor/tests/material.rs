@@ -15,8 +15,8 @@ fn slip_of(motor: impl Fn(f64) -> f64, encoder: impl Fn(f64) -> f64) -> Filament
     });
     for step in 0..=2000 {
         let way_m = f64::from(step) * 1e-5;
-        check.on_encoder(encoder(way_m));
-        check.on_motor(motor(way_m));
+        check.on_encoder(Seconds(way_m), encoder(way_m));
+        check.on_motor(Seconds(way_m), motor(way_m));
     }
     check
 }
@@ -58,12 +58,52 @@ fn p6_short_strokes_slip_no_more_than_long_ones() {
             let moved_m = if step % 50 < 35 { 1e-5 } else { -1e-5 };
             motor_m += moved_m;
             encoder_m += if moved_m > 0.0 { moved_m * (1.0 - slip) } else { moved_m };
-            check.on_encoder(encoder_m);
-            check.on_motor(motor_m);
+            check.on_encoder(Seconds(0.02 * f64::from(step)), encoder_m);
+            check.on_motor(Seconds(0.02 * f64::from(step)), motor_m);
             found |= check.tripped();
         }
         assert_eq!(found, trips, "{slip}: {:?}", check.slip());
     }
+}
+
+/// Messages up to 0.2 s late overtake each other: what is behind says nothing new, and no slip is hidden by it.
+#[test]
+fn p6_overtaken_messages_of_the_encoder_count_once() {
+    for (slip, trips) in [(0.0, false), (0.3, false), (0.5, true)] {
+        let mut check = FilamentCheck::new(FilamentParams {
+            window_m: 5e-3,
+            play_m: 1e-4,
+            slip_max: 0.42,
+            surplus_max: 0.25,
+        });
+        // 3 mm/s; each message of 50 Hz is 0, 0.08, 0.16 or 0.04 s old when it comes.
+        for step in 0..2000_u32 {
+            let time_s = 0.02 * f64::from(step);
+            let stamp_s = time_s - [0.0, 0.08, 0.16, 0.04][(step % 4) as usize];
+            check.on_encoder(Seconds(stamp_s), 3e-3 * stamp_s * (1.0 - slip));
+            check.on_motor(Seconds(time_s), 3e-3 * time_s);
+        }
+        let seen = check.slip().unwrap();
+        assert!((seen - slip).abs() < 0.05, "{slip}: {seen}");
+        assert_eq!(check.tripped(), trips, "{slip}: {seen}");
+    }
+}
+
+/// A clock of the encoder's that is set back by an hour begins anew and is followed.
+#[test]
+fn p6_an_encoder_whose_clock_is_set_back_is_followed() {
+    let check = |stamp_s: fn(f64) -> f64| {
+        let params = FilamentParams { window_m: 5e-3, play_m: 1e-4, slip_max: 0.42, surplus_max: 0.25 };
+        let mut check = FilamentCheck::new(params);
+        for step in 0..2000_u32 {
+            let time_s = 0.02 * f64::from(step);
+            check.on_encoder(Seconds(stamp_s(time_s)), 3e-3 * time_s);
+            check.on_motor(Seconds(time_s), 3e-3 * time_s);
+        }
+        check.slip().unwrap()
+    };
+    assert!(check(|time_s| if time_s < 20.0 { 5e3 + time_s } else { 1e3 + time_s }).abs() < 0.02);
+    assert!((check(|_| 7.0) - 1.0).abs() < 1e-9, "a clock that stands is no encoder");
 }
 
 /// Another unit, jitter at a filament that stands: such an encoder hides every slip, and is told.
@@ -89,9 +129,9 @@ fn p6_strokes_that_no_state_shows_are_no_surplus() {
     let mut way_m = 0.0;
     for step in 0..60_000 {
         way_m += if step % 50 < 35 { 1e-5 } else { -1e-5 };
-        check.on_encoder(way_m);
+        check.on_encoder(Seconds(0.02 * f64::from(step)), way_m);
         if step % 263 == 0 {
-            check.on_motor(way_m);
+            check.on_motor(Seconds(0.02 * f64::from(step)), way_m);
         }
         assert!(!check.reads_too_much(), "after {step}: {:?}", check.surplus());
     }
@@ -102,10 +142,10 @@ fn p6_strokes_that_no_state_shows_are_no_surplus() {
 fn p6_slip_is_known_once_the_window_is_gone_through_and_forgotten_on_demand() {
     let mut check =
         FilamentCheck::new(FilamentParams { window_m: 6e-3, play_m: 0.0, slip_max: 0.45, surplus_max: 0.25 });
-    check.on_motor(0.0);
-    check.on_encoder(0.0);
+    check.on_motor(Seconds(-1.0), 0.0);
+    check.on_encoder(Seconds(0.0), 0.0);
     let known = (0..1000).find(|step| {
-        check.on_motor(f64::from(*step) * 1e-5);
+        check.on_motor(Seconds(0.02 * f64::from(*step)), f64::from(*step) * 1e-5);
         check.slip().is_some()
     });
     // 15 marks of 0.4 mm make 6 mm; each mark may come a step of 10 um late.

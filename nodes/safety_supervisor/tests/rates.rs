@@ -11,10 +11,20 @@ use safety_supervisor::{Cause, Event, Params, Supervisor};
 /// Steps of 20 ms between two readings: 4 Hz, and 50 Hz.
 const SLOW: u64 = 13;
 const FAST: u64 = 1;
+/// 1 Hz: Marlin's own reports.
+const SLOWEST: u64 = 50;
 
 /// A telemetry of 4 Hz is late after three periods (S7).
 fn slow_params() -> Params {
     params_with("hotend: {degraded_s: 0.3,", "hotend: {degraded_s: 0.8,")
+}
+
+/// And one of 1 Hz.
+fn slowest_params() -> Params {
+    params_with(
+        "hotend: {degraded_s: 0.3, pause_s: 1.5, safe_off_s: 3.0}",
+        "hotend: {degraded_s: 3.0, pause_s: 4.0, safe_off_s: 5.0}",
+    )
 }
 
 /// Runs until the heaters are off, at most for `span_s`; after how long, and why. `keeps` says what reaches the supervisor.
@@ -38,7 +48,7 @@ fn run(
 
 #[test]
 fn sound_heaters_at_any_rate_do_not_trip() {
-    for (ticks, params) in [(SLOW, slow_params()), (FAST, params()), (50, slow_params())] {
+    for (ticks, params) in [(SLOW, slow_params()), (FAST, params()), (SLOWEST, slowest_params())] {
         for seed in 0..20 {
             let mut heater = Heater::new(seed).read_every(ticks);
             let mut supervisor = Supervisor::new(params, 1, None);
@@ -56,7 +66,7 @@ fn sound_heaters_at_any_rate_do_not_trip() {
     }
 }
 
-/// The catalogue's limits, and two periods more at 4 Hz.
+/// The catalogue's limits, and two periods more of slower ones.
 #[test]
 fn p1_p2_p3_at_any_rate_are_found_in_time() {
     type Fault = (&'static str, fn(&mut Heater), f64);
@@ -67,7 +77,9 @@ fn p1_p2_p3_at_any_rate_are_found_in_time() {
         ("dead", |heater| heater.gain = 0.0, 5.0),
         ("fell out", |heater| heater.coupling = 0.1, 4.0),
     ];
-    for (ticks, params, more_s) in [(SLOW, slow_params(), 0.52), (FAST, params(), 0.0)] {
+    for (ticks, params, more_s) in
+        [(SLOW, slow_params(), 0.52), (FAST, params(), 0.0), (SLOWEST, slowest_params(), 2.02)]
+    {
         for (name, inject, limit_s) in faults {
             for seed in 0..20 {
                 let mut heater = Heater::settled(seed, 215.0, 0.0, 3.0).read_every(ticks);

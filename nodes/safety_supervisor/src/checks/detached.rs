@@ -4,8 +4,12 @@ use models::units::{Celsius, Seconds};
 
 use crate::params::DetachedParams;
 
-/// Samples over which the fall is measured.
+/// Most samples before the newest over which the fall is measured.
 const SPAN: usize = 4;
+/// As a count.
+const SPAN_COUNT: u32 = 4;
+/// Time over which it is measured at least, where so many samples span it `[s]`.
+const SPAN_MIN_S: f64 = 0.38;
 
 /// Watches one temperature.
 #[derive(Debug, Clone)]
@@ -13,6 +17,8 @@ pub struct DetachedCheck {
     params: DetachedParams,
     recent: [Option<(Seconds, f64)>; SPAN],
     falling: u32,
+    /// Spans in a row with a fall that trip at this pace.
+    needed: u32,
     fall_k_s: f64,
 }
 
@@ -20,20 +26,30 @@ impl DetachedCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: DetachedParams) -> Self {
-        Self { params, recent: [None; SPAN], falling: 0, fall_k_s: 0.0 }
+        Self { params, recent: [None; SPAN], falling: 0, needed: params.samples, fall_k_s: 0.0 }
     }
 
     /// Takes a temperature received at `now`.
     pub fn on_sample(&mut self, now: Seconds, temp: Celsius) {
-        let oldest = self.recent[0];
+        let from = self.span_from(now);
         self.recent.rotate_left(1);
         self.recent[SPAN - 1] = Some((now, temp.0));
-        let Some((then, before_c)) = oldest else { return };
+        let Some((back, (then, before_c))) = from else { return };
+        // A spike lies within as many spans as a span has samples: slower readings make fewer of them.
+        self.needed = self.params.samples.saturating_sub(SPAN_COUNT - back).max(back + 1);
         let span_s = now.0 - then.0;
         let fall_k_s = (before_c - temp.0) / span_s;
         self.fall_k_s = fall_k_s;
         let fast = span_s > 0.0 && span_s < self.params.span_max_s && fall_k_s > self.params.fall_k_s;
         self.falling = if fast { self.falling.saturating_add(1) } else { 0 };
+    }
+
+    /// How many samples back a span up to `now` begins, and that sample.
+    fn span_from(&self, now: Seconds) -> Option<(u32, (Seconds, f64))> {
+        let mut spans =
+            (1_u32..).zip(self.recent.iter().rev()).map_while(|(back, sample)| Some((back, (*sample)?)));
+        let long = |(_, (then, _)): &(u32, (Seconds, f64))| (now - *then).0 >= SPAN_MIN_S;
+        spans.find(long).or(self.recent[0].map(|oldest| (SPAN_COUNT, oldest)))
     }
 
     /// How fast it falls `[K/s]`.
@@ -45,7 +61,7 @@ impl DetachedCheck {
     /// Whether it fell out. One spike makes at most as many fast spans as the parameter demands less one.
     #[must_use]
     pub fn tripped(&self) -> bool {
-        self.falling >= self.params.samples
+        self.falling >= self.needed
     }
 
     /// Whether the reading falls so fast just now that it is not the block's.

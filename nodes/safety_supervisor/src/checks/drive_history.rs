@@ -4,6 +4,7 @@
 use models::units::Seconds;
 
 use super::heater::Drive;
+use super::roughness::Roughness;
 
 /// States kept: 2.5 s at 50 Hz.
 const KEPT: usize = 128;
@@ -14,6 +15,13 @@ const FEED_MAX_M_S: f64 = 0.1;
 /// Longest stroke back whose return is the same, hot filament `[m]`: a Bowden's retraction and its pressure advance; what is
 /// drawn back farther is another filament when it comes again.
 const STROKE_MAX_M: f64 = 0.015;
+
+/// Period in which a firmware sets the duty `[s]`: of states that come as often nothing is unseen.
+const SET_PERIOD_S: f64 = 0.1;
+/// Longest time between two states that counts for their period `[s]`.
+const PERIOD_MAX_S: f64 = 0.6;
+/// States over which their period is smoothed.
+const SMOOTHED: f64 = 30.0;
 
 /// Means over a span.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +41,10 @@ pub struct DriveHistory {
     next: usize,
     /// Filament drawn back and not yet pushed again `[m]`.
     drawn_m: f64,
+    /// Of the duty from state to state `[-]`.
+    roughness: Roughness,
+    /// Mean time between two states `[s]`.
+    period_s: f64,
 }
 
 /// A state with the filament that was pushed for the first time until then `[m]`.
@@ -40,7 +52,13 @@ type State = (Seconds, Drive, f64);
 
 impl Default for DriveHistory {
     fn default() -> Self {
-        Self { ring: [None; KEPT], next: 0, drawn_m: 0.0 }
+        Self {
+            ring: [None; KEPT],
+            next: 0,
+            drawn_m: 0.0,
+            roughness: Roughness::new(0.0),
+            period_s: SET_PERIOD_S,
+        }
     }
 }
 
@@ -52,11 +70,21 @@ impl DriveHistory {
                 *self = Self::default();
             } else if stamp <= newest {
                 return;
+            } else {
+                self.period_s += ((stamp - newest).0.min(PERIOD_MAX_S) - self.period_s) / SMOOTHED;
             }
         }
+        self.roughness.on_sample(stamp, Some(drive.duty));
         let pushed_m = self.pushed_m(&drive);
         self.ring[self.next] = Some((stamp, drive, pushed_m));
         self.next = (self.next + 1) % KEPT;
+    }
+
+    /// Density of the duty's noise that passes unseen between two states `[s]`: states that are farther apart than the duty
+    /// is set show one of several values, and are taken for all of them.
+    #[must_use]
+    pub fn unseen_duty2_s(&self) -> f64 {
+        self.roughness.deviation().powi(2) * (self.period_s - SET_PERIOD_S).max(0.0)
     }
 
     /// The newest state.

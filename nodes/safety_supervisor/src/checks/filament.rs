@@ -10,10 +10,14 @@
 //! another unit. Then nobody watches over the filament, and that is told. For it both are looked at when the printer tells its
 //! state: between two states that are far apart the motor strokes to and fro, which the encoder alone would be seen to do.
 
+use models::units::Seconds;
+
 use crate::params::FilamentParams;
 
 /// Marks kept over the window.
 const MARKS: usize = 16;
+/// A message that is older than the newest by no more was overtaken on its way; by more, its clock was set back `[s]`.
+const OVERTAKEN_S: f64 = 0.5;
 /// Marks in a row at which an encoder that reads too much has done so for three windows. A state that comes late makes it
 /// lead for one.
 const TOO_MUCH: u32 = 48;
@@ -33,6 +37,22 @@ impl Way {
     }
 }
 
+/// Tells messages that were overtaken: they say nothing new, and taken for a way back and forth would be counted twice.
+#[derive(Debug, Clone, Copy, Default)]
+struct Order {
+    newest: Option<Seconds>,
+}
+
+impl Order {
+    fn takes(&mut self, stamp: Seconds) -> bool {
+        let overtaken = self.newest.is_some_and(|newest| (0.0..=OVERTAKEN_S).contains(&(newest - stamp).0));
+        if !overtaken {
+            self.newest = Some(stamp);
+        }
+        !overtaken
+    }
+}
+
 /// Watches slip and run-out.
 #[derive(Debug, Clone)]
 pub struct FilamentCheck {
@@ -41,6 +61,8 @@ pub struct FilamentCheck {
     /// The motor's without play: no sound encoder reads more.
     whole: Way,
     encoder: Way,
+    order_of_encoder: Order,
+    order_of_motor: Order,
     /// The encoder's at the moments of the motor's, and where it is now `[m]`.
     beside: Way,
     encoder_m: Option<f64>,
@@ -64,17 +86,33 @@ impl FilamentCheck {
     pub fn new(params: FilamentParams) -> Self {
         let way = Way::default();
         let (marks, too_much) = ([None; MARKS], 0);
-        Self { params, motor: way, whole: way, encoder: way, beside: way, encoder_m: None, marks, too_much }
+        Self {
+            params,
+            motor: way,
+            whole: way,
+            encoder: way,
+            order_of_encoder: Order::default(),
+            order_of_motor: Order::default(),
+            beside: way,
+            encoder_m: None,
+            marks,
+            too_much,
+        }
     }
 
-    /// Takes the encoder's position.
-    pub fn on_encoder(&mut self, position_m: f64) {
-        self.encoder.follow(position_m, self.params.play_m);
-        self.encoder_m = Some(position_m);
+    /// Takes the encoder's position at `stamp`.
+    pub fn on_encoder(&mut self, stamp: Seconds, position_m: f64) {
+        if self.order_of_encoder.takes(stamp) {
+            self.encoder.follow(position_m, self.params.play_m);
+            self.encoder_m = Some(position_m);
+        }
     }
 
-    /// Takes the motor's position.
-    pub fn on_motor(&mut self, position_m: f64) {
+    /// Takes the motor's position at `stamp`.
+    pub fn on_motor(&mut self, stamp: Seconds, position_m: f64) {
+        if !self.order_of_motor.takes(stamp) {
+            return;
+        }
         self.motor.follow(position_m, self.params.play_m / (1.0 - self.params.slip_max));
         self.whole.follow(position_m, 0.0);
         if let Some(encoder_m) = self.encoder_m {

@@ -14,13 +14,17 @@ use models::units::{Celsius, Seconds};
 
 use super::drift::Balance;
 use super::drive_history::DriveHistory;
-use super::heater_observer::Observer;
+use super::heater_observer::{Noise, Observer};
 use super::heater_start::Start;
+use super::moved::Moved;
+use super::pace::Period;
 use super::roughness::Roughness;
 use crate::params::HeaterParams;
 
 /// Longest step of the balance: after a longer gap the observer starts anew `[s]`. S7 pauses then.
 const GAP_MAX_S: f64 = 1.5;
+/// Of slow readings one may be lost `[periods]`.
+const GAP_PERIODS: f64 = 2.3;
 /// Step of the observers between readings that are farther apart `[s]`: with whole seconds they would swing.
 const STEP_S: f64 = 0.1;
 /// So many samples in a row far from the last one are a gap, or time that was set.
@@ -68,6 +72,7 @@ pub struct HeaterCheck {
     history: DriveHistory,
     waiting: [Option<(Seconds, Celsius)>; WAITING],
     last_sample: Option<Seconds>,
+    period: Period,
     /// Samples in a row that are of no time near the last one.
     astray: u32,
     /// Samples before the balance begins; `None` while it runs.
@@ -82,7 +87,7 @@ pub struct HeaterCheck {
     /// The last reading, where it was not left out.
     measured_c: Option<f64>,
     reading_c: f64,
-    moved_k: f64,
+    moved: Moved,
 }
 
 impl HeaterCheck {
@@ -96,6 +101,7 @@ impl HeaterCheck {
             history: DriveHistory::default(),
             waiting: [None; WAITING],
             last_sample: None,
+            period: Period::USUAL,
             astray: 0,
             start: Some(Start::default()),
             skipped: 0,
@@ -104,7 +110,7 @@ impl HeaterCheck {
             scatter: Roughness::new(params.usual_noise_k),
             measured_c: None,
             reading_c: f64::NAN,
-            moved_k: 0.0,
+            moved: Moved::default(),
         }
     }
 
@@ -137,10 +143,11 @@ impl HeaterCheck {
 
     /// One step of the balance. A second sample of the same moment says nothing new.
     fn judge(&mut self, now: Seconds, temp: Celsius) {
-        if self.last_sample.is_some_and(|last| (-GAP_MAX_S..=0.0).contains(&(now.0 - last.0))) {
+        let gap_max_s = self.period.gap_s(GAP_MAX_S, GAP_PERIODS);
+        if self.last_sample.is_some_and(|last| (-gap_max_s..=0.0).contains(&(now.0 - last.0))) {
             return;
         }
-        let near = self.last_sample.is_none_or(|last| (now - last).0.abs() <= GAP_MAX_S);
+        let near = self.last_sample.is_none_or(|last| (now - last).0.abs() <= gap_max_s);
         self.astray = if near { 0 } else { self.astray.saturating_add(1) };
         if (1..ASTRAY_SAMPLES).contains(&self.astray) {
             // A single stamp that is wrong is no gap, and no reason to begin anew.
@@ -152,9 +159,10 @@ impl HeaterCheck {
             return self.begin_anew(now, temp);
         };
         let dt_s = (now - last).0;
-        if dt_s > GAP_MAX_S {
+        if dt_s > gap_max_s {
             return self.begin_anew(now, temp);
         }
+        self.period.on_span(dt_s);
         if let Some(start) = &mut self.start {
             if let Some(begun) = start.on_sample(now, temp, self.params.sensor_lag_s) {
                 self.start = None;
@@ -164,7 +172,7 @@ impl HeaterCheck {
             return;
         }
         let off_k = (temp.0 - self.fast.sensor_c).clamp(-SCATTER_MAX_K, SCATTER_MAX_K);
-        self.scatter.on_sample(now, Some(Celsius(self.fast.sensor_c + off_k)));
+        self.scatter.on_sample(now, Some(self.fast.sensor_c + off_k));
         // A single spike is no heat; a jump that stays is taken for what it is.
         let spike = (temp.0 - self.fast.sensor_c).abs() > self.spike_k(dt_s);
         self.skipped = if spike { self.skipped + 1 } else { 0 };
@@ -173,18 +181,19 @@ impl HeaterCheck {
             return self.begin_anew(now, temp);
         }
         let measured = (self.skipped == 0 || self.skipped > self.params.spike_samples).then_some(temp.0);
-        self.roughness.on_sample(now, measured.map(Celsius));
+        self.roughness.on_sample(now, measured);
         self.follow(last, now, measured);
-        let changed = self.reading_c.to_bits() != temp.0.to_bits();
-        self.reading_c = temp.0;
+        if std::mem::replace(&mut self.reading_c, temp.0).to_bits() != temp.0.to_bits() {
+            return self.moved.begin(self.slow.block_c - self.slow.sensor_c);
+        }
         let rate_k_s = (self.params.balance_w(inputs, temp.0) + self.slow.usual_w) / self.params.capacity_j_k;
-        self.moved_k = if changed { 0.0 } else { self.moved_k + rate_k_s * dt_s };
+        self.moved.step(rate_k_s, dt_s, self.params.sensor_lag_s);
     }
 
     /// How far a reading is off that is a spike `[K]`: over a longer span a heater that is at fault moves it.
     fn spike_k(&self, span_s: f64) -> f64 {
         let rate_k_s = self.params.power_w / self.params.capacity_j_k;
-        let beyond_noise_k = SPIKE_DEVIATIONS * self.scatter.deviation_k();
+        let beyond_noise_k = SPIKE_DEVIATIONS * self.scatter.deviation();
         self.params.spike_k.max(beyond_noise_k) + rate_k_s * (span_s - STEP_S).max(0.0)
     }
 
@@ -193,7 +202,8 @@ impl HeaterCheck {
         let (span_s, before_c) = ((now - last).0, std::mem::replace(&mut self.measured_c, measured_c));
         let pieces = (span_s / STEP_S).round().max(1.0);
         // What is farther off than a spike counts as far.
-        let noise_k = self.roughness.deviation_k().max(self.scatter.deviation_k()).min(self.params.spike_k);
+        let noise_k = self.roughness.deviation().max(self.scatter.deviation()).min(self.params.spike_k);
+        let noise = Noise { reading_k: noise_k, period_s: span_s, duty2_s: self.history.unseen_duty2_s() };
         let mut share = 0.0;
         while share < 1.0 {
             let from = Seconds(last.0 + share * span_s);
@@ -210,7 +220,7 @@ impl HeaterCheck {
             }
         }
         for observer in [&mut self.fast, &mut self.slow] {
-            observer.judge(&self.params, noise_k, span_s);
+            observer.judge(&self.params, noise);
         }
     }
 
@@ -236,7 +246,11 @@ impl HeaterCheck {
     #[must_use]
     pub fn balance(&self) -> Option<Balance> {
         let settled = self.start.is_none() && self.slow.settling_s <= 0.0;
-        settled.then_some(Balance { disturbance_w: self.slow.disturbance_w, warming_w: self.slow.warming_w })
+        settled.then_some(Balance {
+            disturbance_w: self.slow.disturbance_w,
+            warming_w: self.slow.warming_w,
+            unseen_w2_s: self.params.power_w.powi(2) * self.history.unseen_duty2_s(),
+        })
     }
 
     /// Temperature of the block as the slow observer sees it.
@@ -245,10 +259,10 @@ impl HeaterCheck {
         Celsius(self.slow.block_c)
     }
 
-    /// How far the balance says the temperature has moved since the reading last changed `[K]`.
+    /// How far the balance says the reading must have moved since it last changed `[K]`.
     #[must_use]
     pub fn moved_k(&self) -> f64 {
-        self.moved_k
+        self.moved.reading_k()
     }
 
     /// Excess power over the order `[W]` as the fast observer sees it: for diagnostics.

@@ -2,12 +2,24 @@
 //!
 //! White noise of `sigma` `[K]` in readings `dt` apart makes the disturbance noisy by
 //! `C tau sigma sqrt(dt w^5 (3 + 1/(w tau)^2) / 16)` `[W]`: the limits are wider by a multiple of what noise beyond
-//! the usual adds.
+//! the usual adds. So does an order that is not known between two states of the printer, of power density `S`
+//! `[W^2 s]`: `sqrt(3 w S / 16)`.
 
 use super::drive_history::Means;
 use super::heater::HeaterFault;
 use super::heater_start::Begun;
 use crate::params::{HeaterParams, ObserverParams};
+
+/// What blurs a balance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Noise {
+    /// Standard deviation of a reading `[K]`.
+    pub(super) reading_k: f64,
+    /// Time since the reading before `[s]`.
+    pub(super) period_s: f64,
+    /// Density of what is not known of the duty `[s]`.
+    pub(super) duty2_s: f64,
+}
 
 /// One observer of the balance.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +39,8 @@ pub(super) struct Observer {
     pub(super) settling_s: f64,
     over: u32,
     under: u32,
+    /// Readings in a row that are a fault, as they come just now.
+    needed: u32,
     /// How much heat without order, and how much missing, counts just now `[W]`.
     limits_w: (f64, f64),
 }
@@ -37,6 +51,10 @@ const SETTLED: f64 = 5.0;
 /// Share of the least power that counts as missing from which learning slows down, and by how much `[-]`.
 const DOUBT: f64 = 0.6;
 const IN_DOUBT: f64 = 4.0;
+
+/// Period of readings of which as many as the parameter says have to agree `[s]`, and how many do at least.
+const PERIOD_S: f64 = 0.1;
+const SAMPLES_MIN: u32 = 3;
 
 /// Standard deviations of the disturbance by which noise beyond the usual widens the limits `[-]`.
 const NOISE_DEVIATIONS: f64 = 4.0;
@@ -56,6 +74,7 @@ impl Observer {
             settling_s,
             over: 0,
             under: 0,
+            needed: params.samples,
             limits_w: (params.stuck_on_w, params.deficit_w),
         }
     }
@@ -98,21 +117,29 @@ impl Observer {
         self.settling_s -= dt_s;
     }
 
-    /// Counts a reading with so much noise `[K]`, one standard deviation, `span_s` after the last one.
-    pub(super) fn judge(&mut self, heater: &HeaterParams, noise_k: f64, span_s: f64) {
+    /// Counts a reading with so much noise.
+    pub(super) fn judge(&mut self, heater: &HeaterParams, noise: Noise) {
         if self.settling_s > 0.0 {
             return;
         }
+        // Slower readings agree for as long, and are as many as tell them from noise.
+        let as_long = (f64::from(self.params.samples) * PERIOD_S / noise.period_s).ceil();
+        let fewer = self.params.samples.min(SAMPLES_MIN);
+        self.needed =
+            (fewer..=self.params.samples).find(|n| f64::from(*n) >= as_long).unwrap_or(self.params.samples);
         let warming_slack_w = heater.capacity_error * agreement(self.balance_w, self.warming_w);
-        self.count(warming_slack_w + self.noise_slack_w(heater, noise_k, span_s));
+        self.count(warming_slack_w + self.noise_slack_w(heater, noise));
     }
 
     /// By how much noise beyond the usual widens the limits `[W]`.
-    fn noise_slack_w(&self, heater: &HeaterParams, noise_k: f64, dt_s: f64) -> f64 {
+    fn noise_slack_w(&self, heater: &HeaterParams, noise: Noise) -> f64 {
         let (pole, lag_s) = (self.params.pole_1_s, heater.sensor_lag_s);
-        let shape = (dt_s * pole.powi(5) * (3.0 + (pole * lag_s).powi(-2)) / 16.0).sqrt();
-        let beyond_k = (noise_k - heater.usual_noise_k).max(0.0);
-        NOISE_DEVIATIONS * heater.capacity_j_k * lag_s * shape * beyond_k
+        let shape = (noise.period_s * pole.powi(5) * (3.0 + (pole * lag_s).powi(-2)) / 16.0).sqrt();
+        let of_reading_w = |noise_k: f64| heater.capacity_j_k * lag_s * shape * noise_k;
+        let usual_w = of_reading_w(heater.usual_noise_k);
+        let of_order_w = heater.power_w * (3.0 * pole * noise.duty2_s / 16.0).sqrt();
+        let whole_w = of_reading_w(noise.reading_k.max(heater.usual_noise_k)).hypot(of_order_w);
+        NOISE_DEVIATIONS * (whole_w - usual_w)
     }
 
     /// Counts the samples in a row that are beyond a limit.
@@ -141,9 +168,9 @@ impl Observer {
     }
 
     pub(super) fn fault(&self) -> Option<HeaterFault> {
-        if self.over >= self.params.samples {
+        if self.over >= self.needed {
             Some(HeaterFault::StuckOn)
-        } else if self.under >= self.params.samples {
+        } else if self.under >= self.needed {
             Some(HeaterFault::Deficit)
         } else {
             None

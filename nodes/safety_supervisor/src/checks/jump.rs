@@ -7,48 +7,73 @@ use models::units::{Celsius, Seconds};
 
 use crate::params::JumpParams;
 
+/// Period of readings of which as many as the parameter says have to agree `[s]`; slower ones do so as long.
+const PERIOD_S: f64 = 0.1;
+/// So many agree at least: a second spike may look like the first.
+const SAMPLES_MIN: u32 = 3;
+/// Slowest readings that are judged `[s]`.
+const PERIOD_MAX_S: f64 = 1.5;
+
 /// Watches one temperature.
 #[derive(Debug, Clone)]
 pub struct JumpCheck {
     params: JumpParams,
     /// Last reading that a block can have.
     held: Option<(Seconds, f64)>,
+    /// Stamp of the newest reading.
+    newest: Option<Seconds>,
     /// Readings in a row that have held: as many as a step needs, or the first ones may be the odd ones.
     agreed: u32,
-    /// Newest reading away from it, and how many in a row agree.
-    apart: Option<(f64, u32)>,
+    apart: Option<Apart>,
+}
+
+/// Readings away from the one that has held, which agree with each other.
+#[derive(Debug, Clone, Copy)]
+struct Apart {
+    newest_c: f64,
+    in_a_row: u32,
+    /// Since when `[s]`.
+    for_s: f64,
 }
 
 impl JumpCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: JumpParams) -> Self {
-        Self { params, held: None, agreed: 0, apart: None }
+        Self { params, held: None, newest: None, agreed: 0, apart: None }
     }
 
     /// Takes a temperature of `stamp`.
     pub fn on_sample(&mut self, stamp: Seconds, temp: Celsius) {
         let Some((then, held_c)) = self.held else {
-            self.held = Some((stamp, temp.0));
+            (self.held, self.newest) = (Some((stamp, temp.0)), Some(stamp));
             return;
         };
         let gap_s = (stamp - then).0;
         if gap_s <= 0.0 && gap_s > -self.params.gap_max_s {
             return;
         }
+        let period_s = self.newest.replace(stamp).map_or(0.0, |newest| (stamp - newest).0);
         let reach_k = self.params.step_k + self.params.rate_max_k_s * gap_s;
         let near = (temp.0 - held_c).abs() <= reach_k;
-        let judged = (0.0..self.params.gap_max_s).contains(&gap_s);
+        // Slow readings have to agree as often as it takes.
+        let gap_max_s =
+            self.params.gap_max_s.max((f64::from(SAMPLES_MIN) + 0.5) * period_s.min(PERIOD_MAX_S));
+        let judged = (0.0..gap_max_s).contains(&gap_s);
         if near || !judged || self.agreed < self.params.samples {
             self.agreed = if near && judged { self.agreed.saturating_add(1) } else { 1 };
             (self.held, self.apart) = (Some((stamp, temp.0)), None);
             return;
         }
-        let in_a_row = match self.apart {
-            Some((last_c, count)) if (temp.0 - last_c).abs() <= self.params.step_k => count.saturating_add(1),
-            _ => 1,
-        };
-        self.apart = Some((temp.0, in_a_row));
+        let agrees = |apart: &Apart| (temp.0 - apart.newest_c).abs() <= self.params.step_k;
+        self.apart = Some(self.apart.filter(agrees).map_or(
+            Apart { newest_c: temp.0, in_a_row: 1, for_s: 0.0 },
+            |apart| Apart {
+                newest_c: temp.0,
+                in_a_row: apart.in_a_row.saturating_add(1),
+                for_s: apart.for_s + period_s,
+            },
+        ));
     }
 
     /// Whether the newest reading is one that no block can have: what watches the block must not see it.
@@ -60,15 +85,19 @@ impl JumpCheck {
     /// How far the newest reading is off `[K]`; `None` where it is not.
     #[must_use]
     pub fn step_k(&self) -> Option<f64> {
-        let ((apart_c, _), (_, held_c)) = (self.apart?, self.held?);
-        Some(apart_c - held_c)
+        let (apart, (_, held_c)) = (self.apart?, self.held?);
+        Some(apart.newest_c - held_c)
     }
 
     /// Whether it stepped. It stays so until the gap is too long to be judged: the new level is then taken for what
     /// it is, and only a person's acknowledge ends what was latched meanwhile.
     #[must_use]
     pub fn tripped(&self) -> bool {
-        self.apart.is_some_and(|(_, count)| count >= self.params.samples)
+        let samples = self.params.samples;
+        self.apart.is_some_and(|apart| {
+            let slowly = apart.in_a_row >= SAMPLES_MIN && apart.for_s >= f64::from(samples) * PERIOD_S;
+            apart.in_a_row >= samples || slowly
+        })
     }
 
     /// Forgets the readings.
@@ -139,5 +168,18 @@ mod tests {
         let mut readings_c = vec![210.0; 9];
         readings_c.extend([240.0; 40]);
         assert!(!after(&readings_c).tripped());
+    }
+
+    /// Readings of 1 Hz: three that agree, 2 s after the step; two that look alike are spikes.
+    #[test]
+    fn slow_readings_agree_for_as_long() {
+        let mut check = after(&[]);
+        let mut take = |number: u32, temp_c: f64| {
+            check.on_sample(Seconds(f64::from(number)), Celsius(temp_c));
+            check.tripped()
+        };
+        assert!((0..12).all(|number| !take(number, 210.0)));
+        assert!(!take(12, 240.0) && !take(13, 241.0) && !take(14, 210.0));
+        assert!(!take(15, 240.0) && !take(16, 240.0) && take(17, 239.0));
     }
 }

@@ -1,4 +1,4 @@
-//! Readings that come faster than the checks that count them are made for.
+//! Readings that come faster, or slower, than the checks are made for.
 //!
 //! How many readings in a row, or of how many, tell a fault from noise is a count of 10 Hz. Ten times as many in the same
 //! time would make each of those checks as much rasher.
@@ -23,6 +23,32 @@ impl Pace {
             self.newest = Some(stamp);
         }
         counts
+    }
+}
+
+/// Readings over which their period is smoothed.
+const SMOOTHED: f64 = 10.0;
+/// Slowest readings that are judged `[s]`.
+const PERIOD_MAX_S: f64 = 1.0;
+
+/// How far apart readings come.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Period {
+    mean_s: f64,
+}
+
+impl Period {
+    /// Of 10 Hz, until it is known.
+    pub(super) const USUAL: Self = Self { mean_s: 0.1 };
+
+    /// Takes the time between two readings `[s]`.
+    pub(super) fn on_span(&mut self, span_s: f64) {
+        self.mean_s += (span_s.clamp(0.0, PERIOD_MAX_S) - self.mean_s) / SMOOTHED;
+    }
+
+    /// Longest span that is no gap `[s]`: `base_s`, and of slow readings so many periods.
+    pub(super) fn gap_s(&self, base_s: f64, periods: f64) -> f64 {
+        base_s.max(periods * self.mean_s)
     }
 }
 

@@ -1,6 +1,8 @@
 //! S1: thermistor open (far too cold) or short (far too hot).
 
-use models::units::Celsius;
+use models::units::{Celsius, Seconds};
+
+use super::pace::Pace;
 
 use crate::params::RangeParams;
 
@@ -8,7 +10,9 @@ use crate::params::RangeParams;
 #[derive(Debug, Clone)]
 pub struct RangeCheck {
     params: RangeParams,
+    pace: Pace,
     newest: Option<Celsius>,
+    inside: bool,
     outside: u32,
 }
 
@@ -16,14 +20,15 @@ impl RangeCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: RangeParams) -> Self {
-        Self { params, newest: None, outside: 0 }
+        Self { params, pace: Pace::default(), newest: None, inside: true, outside: 0 }
     }
 
-    /// Takes a temperature.
-    pub fn on_sample(&mut self, temp: Celsius) {
+    /// Takes a temperature received at `now`.
+    pub fn on_sample(&mut self, now: Seconds, temp: Celsius) {
         self.newest = Some(temp);
-        let inside = (self.params.min_c..=self.params.max_c).contains(&temp.0);
-        self.outside = if inside { 0 } else { self.outside.saturating_add(1) };
+        self.inside = (self.params.min_c..=self.params.max_c).contains(&temp.0);
+        let counts = self.pace.counts(now);
+        self.outside = if self.inside { 0 } else { self.outside.saturating_add(u32::from(counts)) };
     }
 
     /// Whether enough samples in a row were outside; a single spike is not.
@@ -55,6 +60,6 @@ impl RangeCheck {
     /// Whether the newest sample was inside.
     #[must_use]
     pub fn is_inside(&self) -> bool {
-        self.outside == 0
+        self.inside
     }
 }

@@ -36,9 +36,10 @@ impl UnjudgedCheck {
         }
     }
 
-    /// The time until now says nothing.
-    pub fn reset(&mut self) {
-        (self.judged, self.runs_since) = (None, None);
+    /// Time in which the supervisor itself stood still does not count; a clock that was set back takes the times with it.
+    pub fn forgive(&mut self, now: Seconds, gap: Seconds) {
+        let moved = |since: Seconds| Seconds((since + gap).0.min(now.0));
+        (self.judged, self.runs_since) = (self.judged.map(moved), self.runs_since.map(moved));
     }
 
     /// For how long nothing has been judged, and what is allowed `[s]`; `None` where that is not too long.

@@ -13,17 +13,20 @@ use crate::modes::Raised;
 /// Time in which a printer gives up the job that it is told to, a slow host's included `[s]`.
 const CARRIED_OUT_S: f64 = 5.0;
 
+/// A state that is older than the newest by no more was overtaken: S6's window; by more, the printer's clock was set back `[s]`.
+const OVERTAKEN_S: f64 = 0.2;
+
 /// What is judged before the start is over: a person's hand, and heat.
 const AT_ONCE: [Cause; 5] =
     [Cause::StopInput, Cause::HotendRange, Cause::BedRange, Cause::HeaterStuckOn, Cause::BedStuckOn];
 
 impl Supervisor {
-    pub(super) fn on_encoder(&mut self, now: Seconds, position_m: f64) {
-        if !is_a_position(position_m) {
+    pub(super) fn on_encoder(&mut self, now: Seconds, stamp: Seconds, position_m: f64) {
+        if !(is_a_position(position_m) && stamp.0.is_finite()) {
             return self.checks.bad_values.note(now);
         }
         self.ages.encoder.note(now);
-        self.checks.filament.on_encoder(position_m);
+        self.checks.filament.on_encoder(stamp, position_m);
     }
 
     pub(super) fn on_imu(&mut self, now: Seconds, (first, period): (Seconds, Seconds), samples: &[[f64; 3]]) {
@@ -73,6 +76,11 @@ impl Supervisor {
         }
         let phase_before = self.printer.map(|printer| printer.phase);
         self.ages.printer.note(now);
+        // What was overtaken on its way is over.
+        let behind_s = self.printer.map_or(0.0, |before| (before.stamp - report.stamp).0);
+        if behind_s > 0.0 && behind_s <= OVERTAKEN_S {
+            return;
+        }
         self.on_drive(now, &report);
         self.on_first_job(now, report.phase);
         let leapt = self.printer.is_some_and(|before| leaps(&before, &report));
@@ -82,7 +90,7 @@ impl Supervisor {
         if leapt || self.ages.encoder.reaction(now).is_some() {
             self.checks.filament.reset();
         } else {
-            self.checks.filament.on_motor(report.motor_position_m);
+            self.checks.filament.on_motor(report.stamp, report.motor_position_m);
         }
         let printing = report.phase == JobPhase::Printing;
         self.checks.run_out.on_switch(now, report.filament_present.filter(|_| printing));

@@ -7,6 +7,7 @@ use models::units::Seconds;
 use super::Supervisor;
 use crate::attention::Level;
 use crate::cause::{Cause, Reaction};
+use crate::checks::frozen::FrozenCheck;
 use crate::event::{Decision, Operator, Output, Stream, What};
 use crate::modes::{Readiness, Refused};
 
@@ -103,6 +104,10 @@ impl Supervisor {
             Some(
                 "the bed temperature is missing or outside of its range: check the bed's thermistor and its node",
             )
+        } else if !self.has_moved() {
+            Some(
+                "the reading has stood still since: check the thermistor, and warm it with a hand so that it moves",
+            )
         } else if !self.is_judged() {
             Some("the balance of the heater has just begun and shows no fault yet: ask again in some seconds")
         } else {
@@ -117,6 +122,17 @@ impl Supervisor {
             let heater = if cause.is_of_bed() { &self.checks.bed_heater } else { &self.checks.heater };
             heater.is_judging()
         })
+    }
+
+    /// Whether a reading that is latched for standing still has moved since.
+    fn has_moved(&self) -> bool {
+        let moved =
+            |frozen: &FrozenCheck| frozen.changed().is_some_and(|changed| changed > self.modes.since());
+        match self.modes.latch().map(|latch| latch.cause) {
+            Some(Cause::HotendFrozen) => moved(&self.checks.frozen),
+            Some(Cause::BedFrozen) => moved(&self.checks.bed_frozen),
+            _ => true,
+        }
     }
 
     fn approve(&mut self, now: Seconds) -> Result<(), Refused> {

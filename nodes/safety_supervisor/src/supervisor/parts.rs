@@ -28,6 +28,10 @@ use crate::event::{Defect, Stream, Worker};
 use crate::params::{Params, Streams};
 use models::units::Seconds;
 
+/// What warms a hot end that is off: the bed below `[K/s]`. And a bed that is off: its chamber.
+const HOTEND_DRIFT_K_S: f64 = 0.05;
+const BED_DRIFT_K_S: f64 = 0.01;
+
 /// Ages of the streams.
 #[derive(Debug, Clone)]
 pub(super) struct Ages {
@@ -193,7 +197,7 @@ impl Checks {
             detached: DetachedCheck::new(params.detached),
             heater: HeaterCheck::new(params.heater),
             unjudged: UnjudgedCheck::new(params.stale.hotend_unjudged_s),
-            rising: RisingCheck::default(),
+            rising: RisingCheck::new(HOTEND_DRIFT_K_S),
             step: JumpCheck::new(params.hotend_step),
             noise: NoiseCheck::new(params.noise),
             drift: DriftCheck::new(params.drift),
@@ -202,7 +206,7 @@ impl Checks {
             bed_detached: DetachedCheck::new(params.bed_detached),
             bed_heater: HeaterCheck::new(params.bed_heater),
             bed_unjudged: UnjudgedCheck::new(params.stale.bed_unjudged_s),
-            bed_rising: RisingCheck::default(),
+            bed_rising: RisingCheck::new(BED_DRIFT_K_S),
             part_fan: PartFanCheck::new(params.part_fan),
             stop_input: StopInputCheck::new(params.stop_input),
             filament: FilamentCheck::new(params.filament),
@@ -217,6 +221,16 @@ impl Checks {
             beside: Attention::new(params.attention),
             convicted_beside: None,
         }
+    }
+
+    /// Time in which the supervisor stood still counts for no reading.
+    pub(super) fn forgive(&mut self, now: Seconds, gap: Seconds) {
+        self.frozen.forgive(now, gap);
+        self.bed_frozen.forgive(now, gap);
+        self.unjudged.forgive(now, gap);
+        self.bed_unjudged.forgive(now, gap);
+        self.detached.reset();
+        self.bed_detached.reset();
     }
 
     /// The clock was set back: times of before mean nothing any more.

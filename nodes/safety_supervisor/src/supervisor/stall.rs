@@ -17,12 +17,7 @@ impl Supervisor {
             for age in self.ages.all_mut() {
                 age.forgive(now, gap);
             }
-            self.checks.frozen.reset();
-            self.checks.bed_frozen.reset();
-            self.checks.detached.reset();
-            self.checks.bed_detached.reset();
-            self.checks.unjudged.reset();
-            self.checks.bed_unjudged.reset();
+            self.checks.forgive(now, gap);
             self.started = self.started.map(|_| now);
         }
         if gap < Seconds(0.0) {

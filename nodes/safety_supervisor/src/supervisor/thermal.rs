@@ -11,7 +11,7 @@ use crate::event::PrinterReport;
 use crate::params::Params;
 
 /// Age of the printer's state from which nobody knows what the heaters are told `[s]`: until then readings wait for it.
-const UNORDERED_S: f64 = 1.0;
+const UNORDERED_S: f64 = 1.5;
 
 impl Supervisor {
     pub(super) fn on_hotend(&mut self, now: Seconds, stamp: Seconds, temp: Celsius) {
@@ -23,10 +23,10 @@ impl Supervisor {
         // Nor is there a balance without the orders: it begins anew when they are heard again.
         let unordered = self.ages.printer.age(now).is_some_and(|age| age.0 > UNORDERED_S);
         let lost = self.modes.latch().is_some_and(|latch| latch.cause == Cause::ThermistorDetached);
-        let is_off = self.modes.mode() == Mode::SafeOff && !lost;
+        let is_off = if lost { Some(false) } else { self.are_to_be_off(now).map(|(hotend, _)| hotend) };
         let checks = &mut self.checks;
         checks.rising.on_sample(now, temp, is_off);
-        checks.hotend_range.on_sample(temp);
+        checks.hotend_range.on_sample(now, temp);
         checks.frozen.on_sample(now, temp);
         self.hotend = Some(temp);
         if !checks.hotend_pace.counts(stamp) {
@@ -55,15 +55,29 @@ impl Supervisor {
             return self.checks.bad_values.note(now);
         }
         self.ages.bed.note(now);
-        let is_off = self.modes.mode() == Mode::SafeOff;
+        let is_off = self.are_to_be_off(now).map(|(_, bed)| bed);
         let checks = &mut self.checks;
         checks.bed_rising.on_sample(now, temp, is_off);
-        checks.bed_range.on_sample(temp);
+        checks.bed_range.on_sample(now, temp);
         checks.bed_frozen.on_sample(now, temp);
         if checks.bed_range.is_inside() && checks.bed_pace.counts(stamp) {
             checks.bed_heater.on_sample(stamp, temp);
             checks.bed_detached.on_sample(stamp, temp);
         }
+    }
+
+    /// Whether hot end and bed are to be off, by our order or because nobody asks for heat; `None` where that is not known
+    /// just now.
+    fn are_to_be_off(&self, now: Seconds) -> Option<(bool, bool)> {
+        match self.modes.mode() {
+            Mode::SafeOff => return Some((true, true)),
+            // Off the mains nothing heats, and what has been found may be acknowledged.
+            Mode::Estop => return Some((false, false)),
+            _ => {}
+        }
+        let printer =
+            self.printer.filter(|_| self.ages.printer.age(now).is_some_and(|age| age.0 <= UNORDERED_S));
+        printer.map(|printer| heats(&printer)).map(|(hotend, bed)| (!hotend, !bed))
     }
 
     /// What the printer does with its heaters and fan.
@@ -94,8 +108,7 @@ impl Supervisor {
             self.ages.bed.expect(now);
         }
         let checks = &mut self.checks;
-        // A reading that jumps about begins the balance anew as well: S4 has it.
-        checks.unjudged.look(now, hotend, checks.heater.is_judging() || checks.noise.is_suspect());
+        checks.unjudged.look(now, hotend, checks.heater.is_judging());
         checks.bed_unjudged.look(now, bed, checks.bed_heater.is_judging());
     }
 }
