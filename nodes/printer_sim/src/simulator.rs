@@ -54,6 +54,7 @@ pub struct JobSource {
 /// Beats of everything that happens slower than a step.
 struct Paces {
     thermal: Pace,
+    heaters: Pace,
     temperature: Pace,
     encoder: Pace,
     width: Pace,
@@ -132,6 +133,7 @@ impl Simulator {
             width_gauge: WidthGauge::new(&sensors, Noise::new(seed, 3)),
             paces: Paces {
                 thermal: Pace::new(host.firmware.thermal_period_s),
+                heaters: Pace::new(params.plant.heater.period().0),
                 temperature: Pace::new(sensors.temperature_period_s),
                 encoder: Pace::new(sensors.encoder_period_s),
                 width: Pace::new(sensors.width_period_s),

@@ -17,11 +17,24 @@ pub(super) struct Lines {
 }
 
 impl Simulator {
-    /// Firmware: reads its thermistors and sets the duties.
+    /// Firmware: reads its thermistors, sets the duties with the period of its loop and tells with that of its reports.
     fn regulate(&mut self) {
+        let (sets, tells) = (self.paces.heaters.due(self.now), self.paces.temperature.due(self.now));
+        if !(sets || tells) {
+            return;
+        }
         let faults = &self.faults_in_force;
         let hotend = self.hotend_sensor.read(self.plant.sensor(), &faults.hotend_sensor);
         let bed = self.bed_sensor.read(self.plant.bed_sensor(), &faults.bed_sensor);
+        if tells {
+            self.outputs.push_back(Output::Temperatures { stamp: self.now, hotend, bed });
+        }
+        if sets {
+            self.set_duties(hotend, bed);
+        }
+    }
+
+    fn set_duties(&mut self, hotend: Celsius, bed: Celsius) {
         let sliced = *self.executor.sliced();
         let offset_k = self.motion.trims.unwrap_or(self.in_force.trims).setpoint_offset_k;
         self.heaters.hotend_target = match self.in_force.request {
@@ -32,7 +45,6 @@ impl Simulator {
         };
         self.heaters.bed_target = if self.given_up { Celsius(0.0) } else { sliced.bed };
         self.heaters.update(&self.params.plant, hotend, bed);
-        self.outputs.push_back(Output::Temperatures { stamp: self.now, hotend, bed });
     }
 
     /// Set-point of the part fan `[-]`: the file's, and full where a supervisor has the heaters off and the hot end is not
@@ -47,9 +59,7 @@ impl Simulator {
     }
 
     pub(super) fn sense(&mut self, road: Option<Road>) {
-        if self.paces.temperature.due(self.now) {
-            self.regulate();
-        }
+        self.regulate();
         let fitted = self.params.simulator.sensors.encoder_period_s > 0.0;
         if fitted && self.paces.encoder.due(self.now) {
             let measured = self.counts();

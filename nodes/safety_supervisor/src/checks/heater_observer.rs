@@ -58,6 +58,8 @@ const SAMPLES_MIN: u32 = 3;
 
 /// Standard deviations of the disturbance by which noise beyond the usual widens the limits `[-]`.
 const NOISE_DEVIATIONS: f64 = 4.0;
+/// And share of them for what is not known of the order: a weak heater is ordered twice as much, and has to show.
+const ORDER_SHARE: f64 = 0.75;
 
 impl Observer {
     pub(super) fn new(params: ObserverParams) -> Self {
@@ -137,7 +139,7 @@ impl Observer {
         let shape = (noise.period_s * pole.powi(5) * (3.0 + (pole * lag_s).powi(-2)) / 16.0).sqrt();
         let of_reading_w = |noise_k: f64| heater.capacity_j_k * lag_s * shape * noise_k;
         let usual_w = of_reading_w(heater.usual_noise_k);
-        let of_order_w = heater.power_w * (3.0 * pole * noise.duty2_s / 16.0).sqrt();
+        let of_order_w = ORDER_SHARE * heater.power_w * (3.0 * pole * noise.duty2_s / 16.0).sqrt();
         let whole_w = of_reading_w(noise.reading_k.max(heater.usual_noise_k)).hypot(of_order_w);
         NOISE_DEVIATIONS * (whole_w - usual_w)
     }

@@ -34,6 +34,8 @@ impl Supervisor {
         }
         checks.noise.on_sample(temp, checks.hotend_range.is_inside());
         if checks.hotend_range.is_inside() {
+            // One that falls is no step, however far it is from reading to reading.
+            checks.detached.on_sample(stamp, temp);
             checks.step.on_sample(stamp, temp);
             if checks.step.is_apart() {
                 return;
@@ -42,7 +44,6 @@ impl Supervisor {
                 checks.heater.reset();
             }
             checks.heater.on_sample(stamp, temp);
-            checks.detached.on_sample(stamp, temp);
             if let Some(balance) = checks.heater.balance().filter(|_| !checks.noise.is_suspect()) {
                 let bed_w = checks.bed_tells_w(self.params.drift.bed_above_air_k, &self.params);
                 checks.drift.on_balance(stamp, balance, bed_w);
