@@ -110,13 +110,14 @@ fn a_distrusted_estimate_takes_the_mode_to_observe_until_a_person_sets_it() {
         assert_eq!((told.why, told.before, told.after), (cause.text(), Mode::Act, Mode::Observe));
         print.run(2.0);
         assert_eq!(print.output.permit.trims, Trims::NEUTRAL);
-        print.ask(Operator::SetMode(Mode::Act));
-        print.run(0.1);
-        assert_eq!(
-            (print.mode(), print.output.state.cause),
-            (Mode::Observe, Some(cause)),
-            "still distrusted"
-        );
+        for mode in [Mode::Act, Mode::Advise] {
+            print.ask(Operator::SetMode(mode));
+            let denied = What::Denied(Operator::SetMode(mode));
+            let told = print.output.events.iter().find(|decision| decision.what == denied).unwrap();
+            assert_eq!(told.cause.map(|(cause, _)| cause), Some(cause), "not for a moment alone");
+            print.run(0.1);
+            assert_eq!((print.mode(), print.output.state.cause), (Mode::Observe, Some(cause)));
+        }
         print.event(Event::EstimateHealth(EstimateHealth::Sound));
         print.run(30.0);
         assert_eq!(print.mode(), Mode::Observe, "it does not come back by itself");

@@ -5,6 +5,7 @@ use models::command::{ControlHealth, EstimateHealth, Mode};
 use super::Supervisor;
 use crate::cause::{Cause, Reaction};
 use crate::event::{Decision, What};
+use crate::modes::Refused;
 
 /// What was said last, and what came of it.
 #[derive(Debug, Clone, Copy, Default)]
@@ -45,7 +46,18 @@ impl Brains {
 }
 
 impl Supervisor {
-    /// The set mode falls to observe with the reason, as often as a person sets it while the reason lasts.
+    /// A person sets a mode. One that corrects is not granted for a moment only, while the estimate is not trusted.
+    pub(super) fn set_mode(&mut self, mode: Mode) -> Result<(), Refused> {
+        match self.brains.distrusted().filter(|_| mode != Mode::Observe) {
+            Some(cause) => {
+                let why = "no correction may rest on the estimate: ask again once the estimator has trusted it for a minute";
+                Err(Refused { why, cause: Some(cause) })
+            }
+            None => self.modes.set(mode),
+        }
+    }
+
+    /// The set mode falls to observe with the reason.
     pub(super) fn fall_to_observe(&mut self) {
         let before = self.modes.set_mode();
         if before == Mode::Observe {

@@ -19,7 +19,7 @@ impl Supervisor {
             Operator::Pause => self.demand(now, Cause::OperatorPause, Reaction::Pause),
             Operator::Stop => self.demand(now, Cause::OperatorStop, Reaction::SafeOff),
             Operator::Estop => self.demand(now, Cause::OperatorEstop, Reaction::Estop),
-            Operator::SetMode(mode) => self.modes.set(mode),
+            Operator::SetMode(mode) => self.set_mode(mode),
             Operator::Resume => self.modes.resume(now, self.readiness()),
             Operator::Acknowledge => self.acknowledge(now),
             Operator::Approve => self.approve(now),
