@@ -235,13 +235,11 @@ impl Simulator {
 
     /// What a demand of the supervisor does to mains, heaters and job.
     fn obey(&mut self) {
-        if self.executor.stopped() && !self.given_up {
-            self.given_up = true;
+        if self.executor.stopped() && !std::mem::replace(&mut self.given_up, true) {
             self.note("heaters off and job given up, as the file demands (M112)");
         }
-        if self.in_force.request >= Request::HeatersOff && !self.given_up {
-            self.given_up = true;
-            self.note("heaters off and job given up, as the supervisor demands");
+        if self.in_force.request >= Request::HeatersOff && !std::mem::replace(&mut self.given_up, true) {
+            self.note("heaters off and job given up, as the supervisor or a person past it demands");
         }
         if self.in_force.request == Request::EmergencyStop && self.mains_on {
             self.mains_on = false;
@@ -277,7 +275,8 @@ impl Simulator {
     /// Where the job stands.
     #[must_use]
     pub fn phase(&self) -> JobPhase {
-        if self.given_up { JobPhase::Failed } else { self.executor.phase() }
+        let phase = self.executor.phase();
+        if self.given_up && phase != JobPhase::Done { JobPhase::Failed } else { phase }
     }
 
     /// Time of the simulation.

@@ -218,7 +218,7 @@ impl Supervisor {
         self.tell_beside(now, &raised);
         let paused_for = self.modes.paused_for();
         if self.modes.try_resume(now, self.readiness()) {
-            self.resumed(paused_for);
+            self.resumed(now, paused_for);
             let after = self.modes.mode();
             let what = What::ModeChanged;
             self.decisions.push(Decision { what, why: "resumed", cause: None, before, after });

@@ -80,6 +80,30 @@ fn a_second_layer_shift_pauses() {
     assert_eq!(told.as_deref(), Some("1.80 mm, limit 0.50 mm"));
 }
 
+/// P8: the classifier names the same shift a moment later.
+#[test]
+fn a_shift_that_is_named_after_it_was_measured_pauses_once() {
+    let mut print = looked_at(shifted(8e-4), Cause::LayerShift);
+    let named = VisionReport { offset_m: Some([8e-4, 0.0]), ..sure_of(Defect::Shift) };
+    print.watch(named, 6.0);
+    assert_eq!((print.mode(), print.output.permit.request), (Mode::Degraded, Request::Run));
+    print.watch(sure_of(Defect::Spaghetti), 2.1);
+    assert_eq!((print.mode(), print.output.state.cause), (Mode::Paused, Some(Cause::Spaghetti)));
+}
+
+/// A host that tells no layer believes it for a minute.
+#[test]
+fn without_layers_a_look_lasts_for_a_minute() {
+    let mut print = Print::acting();
+    print.watch(sure_of(Defect::Spaghetti), 5.0);
+    assert_eq!(print.mode(), Mode::Paused);
+    resume(&mut print);
+    print.watch(sure_of(Defect::Spaghetti), 30.0);
+    assert_eq!((print.mode(), print.output.permit.request), (Mode::Degraded, Request::Run));
+    print.watch(sure_of(Defect::Spaghetti), 40.0);
+    assert_eq!(print.mode(), Mode::Paused, "a minute later");
+}
+
 /// The next object of the plate, or the next job between two reports: nobody has looked at that.
 #[test]
 fn a_layer_below_the_one_looked_at_is_another_print() {

@@ -138,10 +138,12 @@ fn a_pause_ends_where_no_job_waits() {
         assert_eq!((print.mode(), print.output.permit.request), (Mode::Advise, Request::Run), "{phase:?}");
         let kept = Standing { mode: Some(StartMode::Advise), paused: None };
         assert_eq!(print.supervisor.standing(), Some(kept));
-        // A pause of this run is not of the former.
-        print.ask(Operator::Pause);
+        // A pause of this run is not of the former; a job that is over is not paused.
+        let pauses = phase == JobPhase::Idle;
+        let asked = print.ask(Operator::Pause);
+        assert_eq!(asked == What::Granted(Operator::Pause), pauses, "{phase:?}: {asked:?}");
         print.run(1.0);
-        assert_eq!(print.mode(), Mode::Paused, "{phase:?}");
+        assert_eq!(print.mode() == Mode::Paused, pauses, "{phase:?}");
     }
 }
 

@@ -118,7 +118,8 @@ impl Watch {
         loop {
             let now = tokio::select! {
                 now = ticks.next() => now,
-                () = self.ears.node.shutdown() => return self.finish(Ended::Interrupted),
+                // With `--stay` the job may have ended long before.
+                () = self.ears.node.shutdown() => return self.finish(self.fate().unwrap_or(Ended::Interrupted)),
                 () = suspended.asked() => {
                     self.bar.suspend(|| output::note("a print cannot be suspended: it goes on; Ctrl-C ends it"));
                     continue;
@@ -137,19 +138,22 @@ impl Watch {
             self.take_news(fleet);
             self.show();
             self.tell_progress(now);
-            let phase = self.newest_state.as_ref().map(|state| state.phase);
-            let ended = match phase {
-                Some(phase) if phase == JobPhase::Done as u8 => Some(Ended::Done),
-                Some(phase) if phase == JobPhase::Failed as u8 => Some(Ended::Failed),
-                _ if (now - heard).0 > LOST_S => Some(Ended::Lost),
-                _ => None,
-            };
-            match ended {
+            let lost = || ((now - heard).0 > LOST_S).then_some(Ended::Lost);
+            match self.fate().or_else(lost) {
                 Some(ended) if !self.stay || ended == Ended::Lost => {
                     return self.last_words(ended, &mut ticks).await;
                 }
                 _ => {}
             }
+        }
+    }
+
+    /// How the job has ended, where it has.
+    fn fate(&self) -> Option<Ended> {
+        match self.newest_state.as_ref()?.phase {
+            phase if phase == JobPhase::Done as u8 => Some(Ended::Done),
+            phase if phase == JobPhase::Failed as u8 => Some(Ended::Failed),
+            _ => None,
         }
     }
 

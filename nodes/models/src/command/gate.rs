@@ -70,7 +70,9 @@ impl Refusal {
             Self::NotFinite => "its validity or a correction is not a number",
             Self::Validity => "its validity is not above 0 s, or longer than allowed",
             Self::Sequence => "late or twice: its sequence is not above the last one",
-            Self::OtherSession => "another publisher is in force: two of them run",
+            Self::OtherSession => {
+                "another publisher was in force a moment ago: it has ended, or two of them run"
+            }
         }
     }
 }

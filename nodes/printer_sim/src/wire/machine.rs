@@ -157,7 +157,7 @@ impl Machine {
     fn obey(&mut self) {
         if self.in_force.request >= Request::HeatersOff && !self.given_up {
             self.given_up = true;
-            self.note("laser off and job given up, as the supervisor demands");
+            self.note("laser off and job given up, as the supervisor or a person past it demands");
         }
         if self.in_force.request == Request::EmergencyStop && self.mains_on {
             self.mains_on = false;

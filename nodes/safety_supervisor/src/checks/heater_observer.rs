@@ -59,7 +59,7 @@ const SAMPLES_MIN: u32 = 3;
 /// Standard deviations of the disturbance by which noise beyond the usual widens the limits `[-]`.
 const NOISE_DEVIATIONS: f64 = 4.0;
 /// And share of them for what is not known of the order: a weak heater is ordered twice as much, and has to show.
-const ORDER_SHARE: f64 = 0.75;
+const ORDER_SHARE: f64 = 1.0;
 
 impl Observer {
     pub(super) fn new(params: ObserverParams) -> Self {
@@ -130,7 +130,10 @@ impl Observer {
         self.needed =
             (fewer..=self.params.samples).find(|n| f64::from(*n) >= as_long).unwrap_or(self.params.samples);
         let warming_slack_w = heater.capacity_error * agreement(self.balance_w, self.warming_w);
-        self.count(warming_slack_w + self.noise_slack_w(heater, noise));
+        // An order that is seen `e` later or sooner than it should be is power that is off by `e` times its change, as seen:
+        // too much while it rises, too little while it falls.
+        let change_w_s = self.params.pole_1_s * (self.ordered_w[1] - self.ordered_w[2]);
+        self.count(warming_slack_w + self.noise_slack_w(heater, noise), heater.lag_error_s * change_w_s);
     }
 
     /// By how much noise beyond the usual widens the limits `[W]`.
@@ -144,17 +147,18 @@ impl Observer {
         NOISE_DEVIATIONS * (whole_w - usual_w)
     }
 
-    /// Counts the samples in a row that are beyond a limit.
-    fn count(&mut self, slack_w: f64) {
+    /// Counts the samples in a row that are beyond a limit; both are wider by `slack_w`, one of them by what an error of the lag
+    /// makes of an order that changes.
+    fn count(&mut self, slack_w: f64, of_lag_w: f64) {
         let excess_w = self.excess_w();
-        let over_w = self.params.stuck_on_w + slack_w;
+        let over_w = self.params.stuck_on_w + slack_w + of_lag_w.max(0.0);
         self.over = if excess_w > over_w { self.over.saturating_add(1) } else { 0 };
         // No more can be missing than was ordered: an observer that starts while the block cools, its reading ahead of
         // it by the lag, sees a deficit of a heater that is off.
         let ordered_w = self.ordered_w[2];
         let missing_w = (-excess_w).min(ordered_w);
         let share_w = (self.params.deficit_share * ordered_w).max(self.params.deficit_min_w);
-        let short_w = self.params.deficit_w.min(share_w) + slack_w;
+        let short_w = self.params.deficit_w.min(share_w) + slack_w + (-of_lag_w).max(0.0);
         self.limits_w = (over_w, short_w);
         self.under = if missing_w > short_w { self.under.saturating_add(1) } else { 0 };
     }

@@ -6,6 +6,9 @@ use super::pace::Pace;
 
 use crate::params::RangeParams;
 
+/// Readings in a row that are sound.
+const SOUND: u32 = 10;
+
 /// Watches one temperature.
 #[derive(Debug, Clone)]
 pub struct RangeCheck {
@@ -14,13 +17,15 @@ pub struct RangeCheck {
     newest: Option<Celsius>,
     inside: bool,
     outside: u32,
+    /// Readings in a row that were inside.
+    sound: u32,
 }
 
 impl RangeCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: RangeParams) -> Self {
-        Self { params, pace: Pace::default(), newest: None, inside: true, outside: 0 }
+        Self { params, pace: Pace::default(), newest: None, inside: true, outside: 0, sound: 0 }
     }
 
     /// Takes a temperature received at `now`.
@@ -28,6 +33,7 @@ impl RangeCheck {
         self.newest = Some(temp);
         self.inside = (self.params.min_c..=self.params.max_c).contains(&temp.0);
         let counts = self.pace.counts(now);
+        self.sound = if self.inside { self.sound.saturating_add(u32::from(counts)) } else { 0 };
         self.outside = if self.inside { 0 } else { self.outside.saturating_add(u32::from(counts)) };
     }
 
@@ -51,10 +57,10 @@ impl RangeCheck {
         if newest_c > *max_c { Some(*max_c) } else { (newest_c < *min_c).then_some(*min_c) }
     }
 
-    /// Whether there was a sample, and the newest was inside.
+    /// Whether the newest samples were inside, so many in a row that no loose plug shows: ten, or 1 s.
     #[must_use]
     pub fn is_well(&self) -> bool {
-        self.newest.is_some() && self.is_inside()
+        self.sound >= SOUND
     }
 
     /// Whether the newest sample was inside.

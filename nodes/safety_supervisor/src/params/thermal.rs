@@ -65,7 +65,7 @@ pub struct FrozenParams {
     pub duty_in_use: f64,
     /// Change by the energy balance that must move a reading `[K]`.
     pub moved_k: f64,
-    /// Temperature up to which a block without power may be as warm as its room, whatever that is `[degC]`.
+    /// Temperature up to which a block without power may be as warm as its room `[degC]`.
     pub room_max_c: f64,
 }
 
@@ -89,7 +89,7 @@ pub struct RawFrozenParams {
     pub duty_in_use: f64,
     /// Change by the energy balance that must move a reading `[K]`.
     pub moved_k: f64,
-    /// Temperature up to which a block without power may be as warm as its room, whatever that is `[degC]`.
+    /// Temperature up to which a block without power may be as warm as its room `[degC]`.
     pub room_max_c: f64,
 }
 
@@ -222,6 +222,8 @@ pub struct HeaterParams {
     pub usual_max_w: f64,
     /// Relative error of the capacity that is allowed for while warming up `[-]`.
     pub capacity_error: f64,
+    /// Error of the sensor's lag that is allowed for while the order changes `[s]`.
+    pub lag_error_s: f64,
     /// Deviation from the expected reading that counts as a spike `[K]`.
     pub spike_k: f64,
     /// Spikes in a row that are left out `[-]`.
@@ -258,6 +260,8 @@ pub struct RawHeaterParams {
     pub usual_max_w: f64,
     /// Relative error of the capacity that is allowed for while warming up `[-]`.
     pub capacity_error: f64,
+    /// Error of the sensor's lag that is allowed for while the order changes `[s]`.
+    pub lag_error_s: f64,
     /// Deviation from the expected reading that counts as a spike `[K]`.
     pub spike_k: f64,
     /// Spikes in a row that are left out `[-]`.
@@ -285,6 +289,7 @@ impl TryFrom<RawHeaterParams> for HeaterParams {
             usual_time_s: in_range("usual_time_s", raw.usual_time_s, "s", (5.0, 3600.0))?,
             usual_max_w: in_range("usual_max_w", raw.usual_max_w, "W", (0.0, 100.0))?,
             capacity_error: in_range("capacity_error", raw.capacity_error, "-", (0.0, 1.0))?,
+            lag_error_s: in_range("lag_error_s", raw.lag_error_s, "s", (0.0, 60.0))?,
             spike_k: in_range("spike_k", raw.spike_k, "K", (0.01, 100.0))?,
             spike_samples: count("spike_samples", raw.spike_samples, 10)?,
             usual_noise_k: in_range("usual_noise_k", raw.usual_noise_k, "K", (0.001, 5.0))?,

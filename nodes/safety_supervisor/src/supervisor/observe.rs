@@ -13,6 +13,9 @@ use crate::modes::Raised;
 /// Time in which a printer gives up the job that it is told to, a slow host's included `[s]`.
 const CARRIED_OUT_S: f64 = 5.0;
 
+/// Silence of an encoder of 20 to 100 Hz in which messages are late, and say nothing of what the motor went meanwhile `[s]`.
+const ENCODER_SILENT_S: f64 = 0.15;
+
 /// A state that is older than the newest by no more was overtaken: S6's window; by more, the printer's clock was set back `[s]`.
 const OVERTAKEN_S: f64 = 0.2;
 
@@ -64,7 +67,9 @@ impl Supervisor {
     }
 
     pub(super) fn on_printer(&mut self, now: Seconds, report: PrinterReport) {
-        let finite = [report.stamp.0, report.hotend_sliced_target.0];
+        let targets = [report.hotend_target, report.hotend_sliced_target, report.bed_target];
+        let [hotend_c, sliced_c, bed_c] = targets.map(|target| target.0);
+        let finite = [report.stamp.0, report.path_speed_m_s, hotend_c, sliced_c, bed_c];
         let shares = [report.hotend_duty, report.bed_duty, report.fan];
         let fan_sound = report.part_fan_speed_1_s.is_none_or(|speed| speed.is_finite() && speed >= 0.0);
         if !(finite.iter().all(|value| value.is_finite())
@@ -89,7 +94,8 @@ impl Supervisor {
         }
         if leapt || self.ages.encoder.reaction(now).is_some() {
             self.checks.filament.reset();
-        } else {
+        } else if self.ages.encoder.age(now).is_none_or(|age| age.0 <= ENCODER_SILENT_S) {
+            // What the motor goes while nothing is heard of the encoder is compared when it is heard again.
             self.checks.filament.on_motor(report.stamp, report.motor_position_m);
         }
         let printing = report.phase == JobPhase::Printing;
@@ -122,7 +128,7 @@ impl Supervisor {
 
     /// What each cause calls for now.
     pub(super) fn raised(&mut self, now: Seconds) -> Raised {
-        self.follow_grace();
+        self.follow_grace(now);
         if !self.modes.is_initialised() {
             return self.raised_at_once(now);
         }

@@ -16,6 +16,7 @@ impl Supervisor {
         let (before, paused_for) = (self.modes.mode(), self.modes.paused_for());
         let set_before = self.modes.set_mode();
         let result = match request {
+            Operator::Pause if self.has_ended() => Err("no job runs: nothing to pause".into()),
             Operator::Pause => self.demand(now, Cause::OperatorPause, Reaction::Pause),
             Operator::Stop => self.demand(now, Cause::OperatorStop, Reaction::SafeOff),
             Operator::Estop => self.demand(now, Cause::OperatorEstop, Reaction::Estop),
@@ -25,7 +26,7 @@ impl Supervisor {
             Operator::Approve => self.approve(now),
         };
         if request == Operator::Resume && paused_for.is_some() && self.modes.paused_for().is_none() {
-            self.resumed(paused_for);
+            self.resumed(now, paused_for);
             self.takes_up = true;
         }
         let (what, (why, cause)) = match result {
@@ -66,6 +67,11 @@ impl Supervisor {
             }
             _ => (Decision::ON_REQUEST, None),
         }
+    }
+
+    /// Whether the job is over. Of a printer that is silent, or idle before its job, a pause holds what comes.
+    fn has_ended(&self) -> bool {
+        self.printer.is_some_and(|printer| matches!(printer.phase, JobPhase::Done | JobPhase::Failed))
     }
 
     fn demand(&mut self, now: Seconds, cause: Cause, reaction: Reaction) -> Result<(), Refused> {
