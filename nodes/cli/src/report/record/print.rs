@@ -143,11 +143,12 @@ impl Print {
             self.modes.push((at, state.mode));
         }
         let goes_on = self.last.as_ref().is_some_and(|last| last.phase == PrinterState::PHASE_PRINTING);
+        // What a person does about it afterwards is not why it was held up.
+        let by_person = state.cause.starts_with("P13");
+        let worse = |held_up: &HeldUp| state.mode > held_up.mode && !by_person;
         if state.mode < SafetyState::MODE_PAUSED {
             self.held_up.take_if(|_| goes_on);
-        } else if self.held_up.as_ref().is_none_or(|held_up| state.mode > held_up.mode)
-            && !state.cause.is_empty()
-        {
+        } else if self.held_up.as_ref().is_none_or(worse) && !state.cause.is_empty() {
             let (cause, what_to_do) = (short(&state.cause, TEXT_MAX), short(&state.what_to_do, TEXT_MAX));
             self.held_up = Some(HeldUp { at, mode: state.mode, cause, what_to_do });
         }
