@@ -155,7 +155,7 @@ fn a_node_that_dies_is_started_again_and_all_end_with_ctrl_c() {
             let again = async { while graph.next().await != Said::RunsAgain(node.to_owned()) {} };
             tokio::time::timeout(Duration::from_secs(5), again).await.expect("it is not started again");
         }
-        graph.end().await;
+        graph.end(0).await;
         assert_eq!(graph.alive(), Vec::<&String>::new(), "processes are left");
         let counted = Command::new(root().join("target/venv/bin/python"))
             .arg(root().join("tests/readers/count.py"))

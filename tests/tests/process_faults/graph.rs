@@ -141,8 +141,8 @@ impl Graph {
         command
     }
 
-    /// Ctrl-C, and exit code 0 in time.
-    pub(crate) async fn end(&mut self) {
+    /// Ctrl-C, and this exit code in time: 0, or 1 where the print had failed.
+    pub(crate) async fn end(&mut self, code: i32) {
         kill_process(Pid::from_child(&self.fdm), Signal::INT).unwrap();
         let begin = Instant::now();
         let status = loop {
@@ -152,7 +152,7 @@ impl Graph {
             assert!(begin.elapsed() < END, "fdm does not end within {END:?}");
             tokio::time::sleep(LOOK).await;
         };
-        assert_eq!(status.code(), Some(0), "{status}");
+        assert_eq!(status.code(), Some(code), "{status}");
     }
 
     /// Nodes whose newest process still exists.
