@@ -41,7 +41,6 @@ if [ -n "$long" ]; then
   FDM_WHOLE_LIMIT_S=5 FDM_RTPS_DATAGRAMS=1000000 cargo test --release -p system_tests --locked --test rtps_garbage -- --nocapture
 
   step "long: the faults of processes over DDS with twenty seeds, a soak of 50 minutes"
-  cargo build --release --workspace --bins --locked
   target/release/fdm faults --process --seeds 1..20 --html target/process_faults.html
   target/release/fdm faults --process --only L5 --soak-s 3000
 

@@ -5,9 +5,7 @@ use models::units::{Celsius, Seconds};
 use crate::params::DetachedParams;
 
 /// Most samples before the newest over which the fall is measured.
-const SPAN: usize = 4;
-/// As a count.
-const SPAN_COUNT: u32 = 4;
+const SPAN: u32 = 4;
 /// Time over which it is measured at least, where so many samples span it `[s]`.
 const SPAN_MIN_S: f64 = 0.38;
 
@@ -15,7 +13,7 @@ const SPAN_MIN_S: f64 = 0.38;
 #[derive(Debug, Clone)]
 pub struct DetachedCheck {
     params: DetachedParams,
-    recent: [Option<(Seconds, f64)>; SPAN],
+    recent: [Option<(Seconds, f64)>; SPAN as usize],
     falling: u32,
     /// Spans in a row with a fall that trip at this pace.
     needed: u32,
@@ -26,17 +24,17 @@ impl DetachedCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: DetachedParams) -> Self {
-        Self { params, recent: [None; SPAN], falling: 0, needed: params.samples, fall_k_s: 0.0 }
+        Self { params, recent: [None; SPAN as usize], falling: 0, needed: params.samples, fall_k_s: 0.0 }
     }
 
     /// Takes a temperature received at `now`.
     pub fn on_sample(&mut self, now: Seconds, temp: Celsius) {
         let from = self.span_from(now);
         self.recent.rotate_left(1);
-        self.recent[SPAN - 1] = Some((now, temp.0));
+        self.recent[SPAN as usize - 1] = Some((now, temp.0));
         let Some((back, (then, before_c))) = from else { return };
         // A spike lies within as many spans as a span has samples: slower readings make fewer of them.
-        self.needed = self.params.samples.saturating_sub(SPAN_COUNT - back).max(back + 1);
+        self.needed = self.params.samples.saturating_sub(SPAN - back).max(back + 1);
         let span_s = now.0 - then.0;
         let fall_k_s = (before_c - temp.0) / span_s;
         self.fall_k_s = fall_k_s;
@@ -49,7 +47,7 @@ impl DetachedCheck {
         let mut spans =
             (1_u32..).zip(self.recent.iter().rev()).map_while(|(back, sample)| Some((back, (*sample)?)));
         let long = |(_, (then, _)): &(u32, (Seconds, f64))| (now - *then).0 >= SPAN_MIN_S;
-        spans.find(long).or(self.recent[0].map(|oldest| (SPAN_COUNT, oldest)))
+        spans.find(long).or(self.recent[0].map(|oldest| (SPAN, oldest)))
     }
 
     /// How fast it falls `[K/s]`.

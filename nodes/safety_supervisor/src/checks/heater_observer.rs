@@ -8,6 +8,7 @@
 use super::drive_history::Means;
 use super::heater::HeaterFault;
 use super::heater_start::Begun;
+use super::pace::{COUNTED_PERIOD_S, SLOW_SAMPLES};
 use crate::params::{HeaterParams, ObserverParams};
 
 /// What blurs a balance.
@@ -52,14 +53,8 @@ const SETTLED: f64 = 5.0;
 const DOUBT: f64 = 0.6;
 const IN_DOUBT: f64 = 4.0;
 
-/// Period of readings of which as many as the parameter says have to agree `[s]`, and how many do at least.
-const PERIOD_S: f64 = 0.1;
-const SAMPLES_MIN: u32 = 3;
-
 /// Standard deviations of the disturbance by which noise beyond the usual widens the limits `[-]`.
 const NOISE_DEVIATIONS: f64 = 4.0;
-/// And share of them for what is not known of the order: a weak heater is ordered twice as much, and has to show.
-const ORDER_SHARE: f64 = 1.0;
 
 impl Observer {
     pub(super) fn new(params: ObserverParams) -> Self {
@@ -125,8 +120,8 @@ impl Observer {
             return;
         }
         // Slower readings agree for as long, and are as many as tell them from noise.
-        let as_long = (f64::from(self.params.samples) * PERIOD_S / noise.period_s).ceil();
-        let fewer = self.params.samples.min(SAMPLES_MIN);
+        let as_long = (f64::from(self.params.samples) * COUNTED_PERIOD_S / noise.period_s).ceil();
+        let fewer = self.params.samples.min(SLOW_SAMPLES);
         self.needed =
             (fewer..=self.params.samples).find(|n| f64::from(*n) >= as_long).unwrap_or(self.params.samples);
         let warming_slack_w = heater.capacity_error * agreement(self.balance_w, self.warming_w);
@@ -142,7 +137,7 @@ impl Observer {
         let shape = (noise.period_s * pole.powi(5) * (3.0 + (pole * lag_s).powi(-2)) / 16.0).sqrt();
         let of_reading_w = |noise_k: f64| heater.capacity_j_k * lag_s * shape * noise_k;
         let usual_w = of_reading_w(heater.usual_noise_k);
-        let of_order_w = ORDER_SHARE * heater.power_w * (3.0 * pole * noise.duty2_s / 16.0).sqrt();
+        let of_order_w = heater.power_w * (3.0 * pole * noise.duty2_s / 16.0).sqrt();
         let whole_w = of_reading_w(noise.reading_k.max(heater.usual_noise_k)).hypot(of_order_w);
         NOISE_DEVIATIONS * (whole_w - usual_w)
     }

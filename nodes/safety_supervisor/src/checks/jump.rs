@@ -5,12 +5,9 @@
 
 use models::units::{Celsius, Seconds};
 
+use super::pace::{COUNTED_PERIOD_S, SLOW_SAMPLES};
 use crate::params::JumpParams;
 
-/// Period of readings of which as many as the parameter says have to agree `[s]`; slower ones do so as long.
-const PERIOD_S: f64 = 0.1;
-/// So many agree at least: a second spike may look like the first.
-const SAMPLES_MIN: u32 = 3;
 /// Slowest readings that are judged `[s]`.
 const PERIOD_MAX_S: f64 = 1.5;
 
@@ -58,7 +55,7 @@ impl JumpCheck {
         let near = (temp.0 - held_c).abs() <= reach_k;
         // Slow readings have to agree as often as it takes.
         let gap_max_s =
-            self.params.gap_max_s.max((f64::from(SAMPLES_MIN) + 0.5) * period_s.min(PERIOD_MAX_S));
+            self.params.gap_max_s.max((f64::from(SLOW_SAMPLES) + 0.5) * period_s.min(PERIOD_MAX_S));
         let judged = (0.0..gap_max_s).contains(&gap_s);
         if near || !judged || self.agreed < self.params.samples {
             self.agreed = if near && judged { self.agreed.saturating_add(1) } else { 1 };
@@ -95,7 +92,8 @@ impl JumpCheck {
     pub fn tripped(&self) -> bool {
         let samples = self.params.samples;
         self.apart.is_some_and(|apart| {
-            let slowly = apart.in_a_row >= SAMPLES_MIN && apart.for_s >= f64::from(samples) * PERIOD_S;
+            let slowly =
+                apart.in_a_row >= SLOW_SAMPLES && apart.for_s >= f64::from(samples) * COUNTED_PERIOD_S;
             apart.in_a_row >= samples || slowly
         })
     }

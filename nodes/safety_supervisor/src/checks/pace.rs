@@ -5,6 +5,10 @@
 
 use models::units::Seconds;
 
+/// Period of the readings that are counted `[s]`: slower ones have to agree for as long.
+pub(super) const COUNTED_PERIOD_S: f64 = 0.1;
+/// So many slow ones agree at least: a second spike may look like the first.
+pub(super) const SLOW_SAMPLES: u32 = 3;
 /// Least time between two readings that count `[s]`: at 10 Hz each does, however unevenly it is stamped.
 const PERIOD_MIN_S: f64 = 0.07;
 

@@ -6,7 +6,7 @@ use models::units::{Celsius, Kelvin};
 
 /// How long it is looked at behind the reaction `[s]`.
 pub(super) const WATCHED_S: f64 = 10.0;
-/// Time in which the printer carries the order out: its heater follows a reading, at 4 Hz at the slowest `[s]`.
+/// Time in which the printer carries the order out `[s]`: its heaters' loop runs ten times a second.
 const CARRIED_OUT_S: f64 = 0.3;
 /// How far the block may rise all the same: the heat of a cartridge on its way `[K]`.
 const BLOCK_RISE_MAX_K: f64 = 3.0;
