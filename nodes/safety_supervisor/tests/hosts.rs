@@ -6,7 +6,8 @@ mod common;
 use common::print::Print;
 use models::command::Mode;
 use models::status::JobPhase;
-use safety_supervisor::{Operator, What};
+use models::units::{Celsius, Seconds};
+use safety_supervisor::{Event, Operator, PrinterReport, What};
 
 /// A host of 2 s, and a resume macro that primes: the job goes on later than it was let to.
 #[test]
@@ -45,4 +46,57 @@ fn a_motor_position_that_leaps_pauses_nothing_and_is_told() {
         print.slip = 1.0;
         assert!(print.until(Mode::Paused) < 6.0, "{leap_m} m");
     }
+}
+
+/// Orders that are no numbers are refused: a target that is none would count as no heat.
+#[test]
+fn a_state_whose_targets_are_no_numbers_is_refused() {
+    let spoilt: [fn(&mut PrinterReport); 5] = [
+        |report| report.hotend_target = Celsius(f64::NAN),
+        |report| report.hotend_sliced_target = Celsius(f64::INFINITY),
+        |report| report.bed_target = Celsius(f64::NAN),
+        |report| report.path_speed_m_s = f64::NAN,
+        |report| report.motor_position_m = f64::NAN,
+    ];
+    for (number, spoil) in spoilt.into_iter().enumerate() {
+        let mut print = Print::acting();
+        let mut report = PrinterReport { stamp: Seconds(print.now() + 0.01), ..print.report };
+        spoil(&mut report);
+        print.event(Event::Printer(report));
+        print.run(0.1);
+        assert_eq!(print.output.state.refused_values, 1, "{number}");
+    }
+}
+
+/// A state that was overtaken by 0.1 s is over: the pause that it tells of was resumed. By an hour, the clock was set back.
+#[test]
+fn a_state_that_was_overtaken_is_over() {
+    for (behind_s, mode) in [(0.1, Mode::Act), (3600.0, Mode::Paused)] {
+        let mut print = Print::acting();
+        print.printer = false;
+        let overtaken = Seconds(print.now() - behind_s);
+        for _ in 0..110 {
+            print.event(Event::Printer(PrinterReport {
+                stamp: overtaken,
+                phase: JobPhase::Paused,
+                ..print.report
+            }));
+            print.step();
+        }
+        assert_eq!(print.mode(), mode, "{behind_s} s");
+    }
+}
+
+/// The encoder's last message, and a prime of 6 mm before its silence is one: nothing is known of what it went.
+#[test]
+fn c4_what_the_motor_goes_while_the_encoder_is_silent_is_no_slip() {
+    let mut print = Print::acting();
+    print.run(5.0);
+    print.encoder = false;
+    for _ in 0..30 {
+        print.report.motor_position_m += 3e-4;
+        print.step();
+        assert!(print.mode() <= Mode::Degraded, "{:?}", print.output.state.cause);
+    }
+    assert_eq!(print.mode(), Mode::Degraded);
 }

@@ -145,6 +145,7 @@ fn p6_slip_is_known_once_the_window_is_gone_through_and_forgotten_on_demand() {
     check.on_motor(Seconds(-1.0), 0.0);
     check.on_encoder(Seconds(0.0), 0.0);
     let known = (0..1000).find(|step| {
+        check.on_encoder(Seconds(0.02 * f64::from(*step)), 0.0);
         check.on_motor(Seconds(0.02 * f64::from(*step)), f64::from(*step) * 1e-5);
         check.slip().is_some()
     });

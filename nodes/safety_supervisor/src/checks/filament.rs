@@ -66,6 +66,8 @@ pub struct FilamentCheck {
     /// The encoder's at the moments of the motor's, and where it is now `[m]`.
     beside: Way,
     encoder_m: Option<f64>,
+    /// The encoder was heard since the motor's last position that was compared.
+    heard: bool,
     marks: [Option<Mark>; MARKS],
     /// Newest marks in a row at which the encoder read too much.
     too_much: u32,
@@ -95,6 +97,7 @@ impl FilamentCheck {
             order_of_motor: Order::default(),
             beside: way,
             encoder_m: None,
+            heard: false,
             marks,
             too_much,
         }
@@ -102,15 +105,17 @@ impl FilamentCheck {
 
     /// Takes the encoder's position at `stamp`.
     pub fn on_encoder(&mut self, stamp: Seconds, position_m: f64) {
+        self.heard = true;
         if self.order_of_encoder.takes(stamp) {
             self.encoder.follow(position_m, self.params.play_m);
             self.encoder_m = Some(position_m);
         }
     }
 
-    /// Takes the motor's position at `stamp`.
+    /// Takes the motor's position at `stamp`. While nothing is heard of the encoder nobody knows what it makes of the motor's
+    /// way: that is compared when it is heard again.
     pub fn on_motor(&mut self, stamp: Seconds, position_m: f64) {
-        if !self.order_of_motor.takes(stamp) {
+        if !(self.order_of_motor.takes(stamp) && std::mem::take(&mut self.heard)) {
             return;
         }
         self.motor.follow(position_m, self.params.play_m / (1.0 - self.params.slip_max));

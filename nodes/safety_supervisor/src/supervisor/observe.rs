@@ -13,9 +13,6 @@ use crate::modes::Raised;
 /// Time in which a printer gives up the job that it is told to, a slow host's included `[s]`.
 const CARRIED_OUT_S: f64 = 5.0;
 
-/// Silence of an encoder of 20 to 100 Hz in which messages are late, and say nothing of what the motor went meanwhile `[s]`.
-const ENCODER_SILENT_S: f64 = 0.15;
-
 /// A state that is older than the newest by no more was overtaken: S6's window; by more, the printer's clock was set back `[s]`.
 const OVERTAKEN_S: f64 = 0.2;
 
@@ -94,8 +91,7 @@ impl Supervisor {
         }
         if leapt || self.ages.encoder.reaction(now).is_some() {
             self.checks.filament.reset();
-        } else if self.ages.encoder.age(now).is_none_or(|age| age.0 <= ENCODER_SILENT_S) {
-            // What the motor goes while nothing is heard of the encoder is compared when it is heard again.
+        } else {
             self.checks.filament.on_motor(report.stamp, report.motor_position_m);
         }
         let printing = report.phase == JobPhase::Printing;
