@@ -89,6 +89,29 @@ fn a_stop_by_a_person_does_not_hide_why_the_print_was_held_up() {
     assert!(said && pictures.contains("layers lie -0.71 mm, +0.00 mm beside"), "{pictures}");
 }
 
+/// What switched the heaters off, not the pause before it, though somebody has acknowledged both.
+#[test]
+fn the_worst_cause_of_a_failed_print_stands_at_the_top() {
+    let folder = folder("worst");
+    let mut file = BagFile::create(&folder.join("worst_0.mcap"), true);
+    let state = |phase, at| PrinterState { header: Header::at(at), phase, ..Default::default() };
+    file.put(&topics::PRINTER_STATE, 0.0, &state(PrinterState::PHASE_PRINTING, 0.0));
+    for (at, mode, cause) in [
+        (5.0, SafetyState::MODE_PAUSED, "P6: the filament does not follow"),
+        (9.0, SafetyState::MODE_SAFE_OFF, "S1: out of range"),
+        (20.0, SafetyState::MODE_ACT, ""),
+    ] {
+        let safety =
+            SafetyState { header: Header::at(at), mode, cause: cause.to_owned(), ..Default::default() };
+        file.put(&topics::SAFETY_STATE, at, &safety);
+        file.put(&topics::PRINTER_STATE, at + 0.5, &state(PrinterState::PHASE_FAILED, at + 0.5));
+    }
+    file.finish();
+    let page = page(&folder, None).unwrap();
+    let (head, _) = page.split_once("<h2 ").unwrap();
+    assert!(head.contains("S1: out of range (") && !head.contains("P6:"), "{head}");
+}
+
 /// One reading of 12 degC more, the checksum as it was: the page says that the data were changed.
 #[test]
 fn a_changed_reading_does_not_fit_the_checksum() {

@@ -122,7 +122,8 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
     for plan in &plans {
         let (print, ended) = executor.block_on(one(plan, json.is_stdout()))?;
         prints.push(print);
-        if ended == Ended::Interrupted {
+        // With `--stay` it is Ctrl-C that ends each but a lost one.
+        if ended == Ended::Interrupted || plan.stay && ended != Ended::Lost {
             break;
         }
     }

@@ -148,11 +148,14 @@ impl Watch {
         }
     }
 
-    /// How the job has ended, where it has.
+    /// How the job has ended, where it has, and whether that was a person's wish.
     fn fate(&self) -> Option<Ended> {
         match self.newest_state.as_ref()?.phase {
             phase if phase == JobPhase::Done as u8 => Some(Ended::Done),
-            phase if phase == JobPhase::Failed as u8 => Some(Ended::Failed),
+            phase if phase == JobPhase::Failed as u8 => {
+                let by_person = self.cause().is_some_and(|cause| cause.starts_with("P13"));
+                Some(if by_person { Ended::Stopped } else { Ended::Failed })
+            }
             _ => None,
         }
     }
@@ -178,8 +181,7 @@ impl Watch {
             _ = ticks.next().await;
             self.listen();
         }
-        let by_person = self.newest_safety.as_ref().is_some_and(|safety| safety.cause.starts_with("P13"));
-        self.finish(if ended == Ended::Failed && by_person { Ended::Stopped } else { ended })
+        self.finish(if ended == Ended::Lost { ended } else { self.fate().unwrap_or(ended) })
     }
 
     /// What the supervisor gave as the cause last, if anything.

@@ -55,6 +55,25 @@ fn a_demand_to_switch_off_gives_the_job_up_for_good() {
     assert!(simulator.status().hotend_duty <= 0.0);
 }
 
+/// Whatever is switched off after its end: a job that is done stays done.
+#[test]
+fn a_job_that_has_ended_is_not_given_up() {
+    let mut simulator = Simulator::new(params(), straight_job(1), &Scenario::default(), 1).unwrap();
+    simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: Some(Celsius(60.0)) });
+    run_to_end(&mut simulator);
+    let permit = Permit {
+        session: 1,
+        sequence: 1,
+        validity: Seconds(0.25),
+        mode: Mode::SafeOff,
+        request: Request::HeatersOff,
+        trims: Trims::NEUTRAL,
+    };
+    simulator.on_permit(permit).unwrap();
+    run_for(&mut simulator, 0.2);
+    assert_eq!((simulator.phase(), simulator.status().hotend_target), (JobPhase::Done, Celsius(0.0)));
+}
+
 /// With the heaters off a hot end is cooled to the threshold by the part fan, and no further; with the mains relay open by
 /// nothing.
 #[test]
