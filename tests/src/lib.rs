@@ -3,7 +3,7 @@
 pub mod fuzz;
 
 use std::path::Path;
-use std::process::{Command, ExitStatus};
+use std::process::{Command, ExitStatus, Stdio};
 
 /// A domain of DDS for this process and those that it starts, `nth` tells those of one process apart: ports of domains up to
 /// 101 lie below the ephemeral ones.
@@ -16,7 +16,7 @@ pub fn own_domain(nth: u32) -> String {
 /// which a test cannot change in itself. `None` in that process: it goes on with the test.
 ///
 /// # Errors
-/// What the system says.
+/// What the system says, and that no such test ran: a process without tests ends well too.
 pub fn run_in_own_domain(test: &str, nth: u32) -> std::io::Result<Option<ExitStatus>> {
     const ALONE: &str = "FDM_TEST_IN_OWN_DOMAIN";
     if std::env::var_os(ALONE).is_some() {
@@ -24,7 +24,14 @@ pub fn run_in_own_domain(test: &str, nth: u32) -> std::io::Result<Option<ExitSta
     }
     let mut command = Command::new(std::env::current_exe()?);
     command.args([test, "--exact", "--nocapture"]);
-    command.env(ALONE, "1").env("ROS_DOMAIN_ID", own_domain(nth)).status().map(Some)
+    let ran =
+        command.env(ALONE, "1").env("ROS_DOMAIN_ID", own_domain(nth)).stderr(Stdio::inherit()).output()?;
+    let text = String::from_utf8_lossy(&ran.stdout);
+    print!("{text}");
+    if ran.status.success() && !text.contains("1 passed") {
+        return Err(std::io::Error::other(format!("{test}: no such test")));
+    }
+    Ok(Some(ran.status))
 }
 
 /// Copies a folder with all that is in it.

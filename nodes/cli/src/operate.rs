@@ -145,7 +145,8 @@ fn not_confirmed(name: &str, hint: &str) -> String {
 fn absent<T>(answer: &Result<T, CallError>, namespace: &str) -> String {
     match answer {
         Err(CallError::NoServer(_)) => format!(
-            "; no supervisor of {namespace} is there: is `fdm up` running, with the same ROS_DOMAIN_ID and --namespace?"
+            "; no supervisor of {namespace} is there: is `fdm up` running, with the same ROS_DOMAIN_ID and --namespace? One that hangs \
+             is not heard either: `fdm estop` and `fdm stop` tell the printer itself"
         ),
         // What a server of another form answers is not understood.
         Err(_) => format!("; ask again; {}", other_rmw()),
@@ -209,7 +210,13 @@ mod tests {
     fn who_asks_nobody_is_told_where_to_look() {
         let nobody: Result<(), CallError> = Err(CallError::NoServer("/left/safety/estop".to_owned()));
         let told = not_confirmed("safety/pause", &absent(&nobody, "/left"));
-        assert!(told.ends_with("no supervisor of /left is there: is `fdm up` running, with the same ROS_DOMAIN_ID and --namespace?"));
+        assert!(
+            told.contains(
+                "no supervisor of /left is there: is `fdm up` running, with the same ROS_DOMAIN_ID"
+            ),
+            "{told}"
+        );
+        assert!(told.ends_with("`fdm estop` and `fdm stop` tell the printer itself"), "{told}");
         let silent: Result<(), CallError> = Err(CallError::TimedOut("/left/safety/estop".to_owned()));
         let told = absent(&silent, "/left");
         let service = "/left/safety/estop".to_owned();

@@ -45,6 +45,8 @@ struct Status {
     /// Nodes of this graph whose heart is not heard.
     silent: Vec<String>,
     mode: Option<String>,
+    /// The mode that a person has asked for, in force where nothing speaks against it.
+    mode_as_set: Option<String>,
     cause: Option<String>,
     what_to_do: Option<String>,
     /// The mode ends by acknowledge alone.
@@ -133,6 +135,7 @@ fn status(
         nodes,
         silent,
         mode: supervisor.as_ref().map(|safety| mode_name(safety.mode).to_owned()),
+        mode_as_set: supervisor.as_ref().map(|safety| mode_name(safety.set_mode).to_owned()),
         cause: supervisor.as_ref().map(|safety| safety.cause.clone()),
         latched: supervisor.as_ref().map(|safety| safety.latched),
         what_to_do: supervisor.map(|safety| safety.what_to_do),
@@ -190,7 +193,9 @@ fn text(status: &Status) -> String {
     let cause = status.cause.as_deref().filter(|cause| !cause.is_empty());
     let cause = cause.map_or(String::new(), |cause| format!(" ({cause})"));
     let latched = if status.latched == Some(true) { ", latched until `fdm acknowledge`" } else { "" };
-    lines.push(format!("supervisor: {mode}{cause}{latched}"));
+    let set = status.mode_as_set.as_deref().filter(|set| *set != mode);
+    let set = set.map_or(String::new(), |set| format!(", set to {set}"));
+    lines.push(format!("supervisor: {mode}{cause}{latched}{set}"));
     if let Some(text) = status.what_to_do.as_deref().filter(|text| !text.is_empty()) {
         lines.push(format!("what to do: {}", todo(text)));
     }
@@ -277,6 +282,7 @@ mod tests {
         let told = |latched: bool, phase: u8| {
             let safety = SafetyState {
                 mode: SafetyState::MODE_SAFE_OFF,
+                set_mode: SafetyState::MODE_ACT,
                 cause: "S1".to_owned(),
                 latched,
                 ..SafetyState::default()
@@ -286,11 +292,14 @@ mod tests {
             (text(&seen), serde_json::to_value(seen).unwrap())
         };
         let (lines, json) = told(true, PrinterState::PHASE_FAILED);
-        assert!(lines.contains("supervisor: safe_off (S1), latched until `fdm acknowledge`\n"), "{lines}");
+        assert!(
+            lines.contains("supervisor: safe_off (S1), latched until `fdm acknowledge`, set to act\n"),
+            "{lines}"
+        );
         assert!(lines.contains("printer: failed, 25.0 %"), "{lines}");
         assert_eq!((&json["latched"], &json["phase"]), (&true.into(), &"failed".into()));
         let (lines, json) = told(false, PrinterState::PHASE_DONE);
-        assert!(lines.contains("supervisor: safe_off (S1)\n"), "{lines}");
+        assert!(lines.contains("supervisor: safe_off (S1), set to act\n"), "{lines}");
         assert_eq!((&json["latched"], &json["phase"]), (&false.into(), &"done".into()));
         let nobody = serde_json::to_value(status(<_>::default(), None, None, (None, None))).unwrap();
         assert!(nobody["latched"].is_null() && nobody["phase"].is_null());

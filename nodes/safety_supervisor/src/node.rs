@@ -65,7 +65,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                     inlets.follow(&output.state);
                     shell.publish(now, &output, inlets.totals()).await;
                 }
-                operators.answer_waiting(shell.kept, shell.standing.failed.as_deref());
+                operators.answer_waiting(shell.kept, shell.refusal());
                 work.done();
             }
             ask = operators.next() => {
@@ -75,7 +75,7 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                     shell.publish(now, output, inlets.totals()).await;
                 }
                 operators.take(ask, output);
-                operators.answer_waiting(shell.kept, shell.standing.failed.as_deref());
+                operators.answer_waiting(shell.kept, shell.refusal());
             }
             () = hearts.next_look() => hearts.look(|event| _ = shell.take(clock.now(), event)),
             _ = looks.tick() => inlets.look_for_rivals(&mut node),
@@ -102,7 +102,7 @@ struct Shell {
     outlets: Outlets,
     latch: LatchFile,
     standing: StandingFile,
-    /// Mode and pause are on disk as they are now.
+    /// Latch, mode and pause are on disk as they are now.
     kept: bool,
     /// Why records of the former run were refused, until it is told.
     refused: Vec<(Cause, String)>,
@@ -131,6 +131,11 @@ impl Shell {
             supervisor = supervisor.resting_on(evidence);
         }
         Ok(Self { supervisor, outlets: Outlets::open(node)?, latch, standing, kept: true, refused })
+    }
+
+    /// Why the disk does not keep one of them.
+    fn refusal(&self) -> Option<&str> {
+        self.latch.failed.as_deref().or(self.standing.failed.as_deref())
     }
 
     fn take(&mut self, now: Seconds, event: Event) -> Option<Output> {
@@ -165,7 +170,7 @@ impl Shell {
     async fn publish(&mut self, now: Seconds, output: &Output, totals: Totals) {
         let (latched, written) = (self.latched(), self.written());
         let kept = self.latch.keeps(latched).await;
-        self.kept = self.standing.keeps(written).await;
+        self.kept = self.standing.keeps(written).await && kept;
         self.outlets.tell_records(&self.latch, &self.standing);
         self.outlets.publish(now, output, kept, totals);
         // Told once the others have found this process.

@@ -184,14 +184,17 @@ impl TrialFigures {
         Self { limit_source: source.filter(|_| limited), ..self }
     }
 
-    /// The limit as it is printed, each number with its unit: seconds, filament and then seconds, or layers.
+    /// The limit as it is printed, each number with its unit: seconds, filament and then seconds, layers, or the
+    /// later of layers and seconds.
     #[must_use]
     pub fn limit(&self) -> Option<String> {
         match (self.limit_s, self.limit_mm, self.limit_layers) {
-            (Some(limit_s), None, _) => Some(format!("{limit_s} s")),
             (Some(limit_s), Some(limit_mm), _) => Some(format!("{limit_mm} mm + {limit_s} s")),
-            (None, _, Some(1)) => Some("1 layer".to_owned()),
-            (None, _, Some(layers)) => Some(format!("{layers} layers")),
+            (Some(limit_s), None, None) => Some(format!("{limit_s} s")),
+            (limit_s, _, Some(layers)) => {
+                let seconds = limit_s.map_or(String::new(), |limit_s| format!(" or {limit_s} s"));
+                Some(format!("{layers} layer{}{seconds}", if layers == 1 { "" } else { "s" }))
+            }
             (None, _, None) => None,
         }
     }

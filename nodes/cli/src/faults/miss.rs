@@ -15,13 +15,8 @@ pub(super) fn miss((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: 
         "no reaction".to_owned()
     } else if let Some(found) = outcome.found_as.as_ref().filter(|found| !may_be(id, spec, found)) {
         format!("found as {found}")
-    } else if let (Some(took_s), Some(limit_s)) = (counted_s(spec, outcome), spec.limit_s)
-        && took_s > limit_s
-    {
-        let after = spec.limit_mm.map_or(String::new(), |way_mm| format!(" after {way_mm} mm"));
-        format!("{took_s:.2} s{after}")
-    } else if let Some(most) = spec.limit_layers.filter(|most| outcome.layers > *most) {
-        format!("{} layers begun, allowed {most}", outcome.layers)
+    } else if let Some(late) = late(spec, outcome) {
+        late
     } else if let Some(most_k) = spec.overshoot_max_k.filter(|most_k| outcome.overshoot_k > *most_k) {
         format!("{:.1} K above the set-point, allowed {most_k}", outcome.overshoot_k)
     } else if let Some(recover_s) = spec.recover_s
@@ -36,6 +31,22 @@ pub(super) fn miss((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: 
     Some(format!("seed {}: {what}", outcome.seed))
 }
 
+/// How much later a reaction came than it may; where seconds and layers are allowed, the later of them counts.
+fn late(spec: &TrialSpec, outcome: &Outcome) -> Option<String> {
+    let took_s =
+        counted_s(spec, outcome).filter(|took_s| spec.limit_s.is_some_and(|limit_s| *took_s > limit_s));
+    let slow = took_s.map(|took_s| {
+        let after = spec.limit_mm.map_or(String::new(), |way_mm| format!(" after {way_mm} mm"));
+        format!("{took_s:.2} s{after}")
+    });
+    let most = spec.limit_layers.filter(|most| outcome.layers > *most);
+    let begun = most.map(|most| format!("{} layers begun, allowed {most}", outcome.layers));
+    if spec.limit_s.is_some() && spec.limit_layers.is_some() {
+        return slow.zip(begun).map(|(slow, begun)| format!("{slow}, {begun}"));
+    }
+    slow.or(begun)
+}
+
 /// The part of a reaction that its limit in seconds is about.
 fn counted_s(spec: &TrialSpec, outcome: &Outcome) -> Option<f64> {
     let reaction_s = outcome.reaction_s?;
@@ -48,4 +59,45 @@ fn counted_s(spec: &TrialSpec, outcome: &Outcome) -> Option<f64> {
 /// Whether a fault may be found under this name; an empty one where the printer acted by itself.
 fn may_be(id: &str, spec: &TrialSpec, found: &str) -> bool {
     if spec.found_as.is_empty() { found == id } else { spec.found_as.iter().any(|name| name == found) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    /// Whether a reaction after `reaction_s` and `layers` begun is late.
+    fn is_late(limits: &serde_json::Value, reaction_s: f64, layers: u32) -> bool {
+        let mut spec = json!({"name": "a", "job": "print", "onset": {"after": "start", "time_s": 0.0}});
+        for (name, value) in limits.as_object().unwrap() {
+            spec[name] = value.clone();
+        }
+        let spec: TrialSpec = serde_json::from_value(spec).unwrap();
+        let outcome = Outcome {
+            seed: 1,
+            onset_s: Some(10.0),
+            reaction_s: Some(reaction_s),
+            pushed_s: Some(2.0),
+            pushed_mm: 8.0,
+            layers,
+            found_as: Some("P8".to_owned()),
+            early: None,
+            too_much: None,
+            recovered_s: None,
+            overshoot_k: 0.0,
+        };
+        miss(("P8", &spec), Reaction::Paused, &outcome).is_some()
+    }
+
+    #[test]
+    fn seconds_and_layers_are_limits_each_and_together_the_later_counts() {
+        let (seconds, layers) = (json!({"limit_s": 30.0}), json!({"limit_layers": 1}));
+        assert!(!is_late(&seconds, 30.0, 9) && is_late(&seconds, 30.1, 0));
+        assert!(!is_late(&layers, 99.0, 1) && is_late(&layers, 1.0, 2));
+        let both = json!({"limit_s": 30.0, "limit_layers": 1});
+        assert!(!is_late(&both, 99.0, 1) && !is_late(&both, 30.0, 9));
+        assert!(is_late(&both, 30.1, 2));
+        let way = json!({"limit_s": 1.0, "limit_mm": 7.0});
+        assert!(!is_late(&way, 3.0, 0) && is_late(&way, 3.1, 0));
+    }
 }

@@ -243,7 +243,9 @@ impl Trial<'_> {
         let worse = worse_than(most, printing).filter(|_| !told);
         let behind_s = run.outcome.reaction_s.map(|reaction_s| since_s - reaction_s);
         let heated = behind_s.and_then(|behind_s| run.off.look(self.reaction, behind_s, printing));
-        if let Some(worse) = worse.or_else(|| taken_from_a_rival(printing)).or(kept).or(heated) {
+        if let Some(worse) =
+            worse.or_else(|| taken_from_a_rival(&self.spec.relay, printing)).or(kept).or(heated)
+        {
             run.outcome.too_much.get_or_insert(worse);
         }
         let acting = simulator.in_force().mode == Mode::Act && !simulator.in_force().lapsed;

@@ -4,7 +4,7 @@
 use super::{Ask, absent, executor, in_namespace};
 use crate::{output, participant};
 use anyhow::bail;
-use fdm_loop_msgs::{ControlCommand, PrinterState, TriggerRequest, TriggerResponse};
+use fdm_loop_msgs::{ControlCommand, Header, PrintEvent, PrinterState, TriggerRequest, TriggerResponse};
 use models::command::{Mode, Permit, Request, Trims};
 use models::status::JobPhase;
 use models::units::Seconds;
@@ -89,6 +89,7 @@ fn confirmed(request: Request) -> &'static str {
 struct Printer {
     states: Subscription<PrinterState>,
     permits: Publisher<ControlCommand>,
+    events: Publisher<PrintEvent>,
     clock: Clock,
     session: u64,
     request: Request,
@@ -99,6 +100,7 @@ impl Printer {
         Ok(Self {
             states: node.subscribe(&topics::PRINTER_STATE)?,
             permits: node.publish_on(&topics::SAFETY_COMMAND)?,
+            events: node.publish_on(&topics::EVENTS)?,
             clock: node.clock(),
             session: node.session(),
             request,
@@ -125,6 +127,9 @@ impl Printer {
             // Stamped by the printer's clock, which is simulated or the host's: it refuses what is old by it.
             let stamp = newest.as_ref().and_then(|state| state.message.header.stamp.seconds());
             let now = stamp.map_or_else(|| self.clock.now(), Seconds);
+            if sequence == 1 {
+                self.events.send(told(now, self.request));
+            }
             self.permits.send(wire::permit_to_wire(now, &self.permit(sequence)));
         }
         Err(newest.map_or_else(|| "of which nothing is heard".to_owned(), |state| says(&state.message)))
@@ -134,6 +139,20 @@ impl Printer {
         let mode = if self.request == Request::EmergencyStop { Mode::Estop } else { Mode::SafeOff };
         let (session, request) = (self.session, self.request);
         Permit { session, sequence, validity: VALIDITY, mode, request, trims: Trims::NEUTRAL }
+    }
+}
+
+/// What the record keeps of it: no supervisor is there to say why the print ended.
+fn told(now: Seconds, request: Request) -> PrintEvent {
+    PrintEvent {
+        header: Header::at(now.0),
+        severity: PrintEvent::SEVERITY_ERROR,
+        who: "fdm".to_owned(),
+        what: "stop".to_owned(),
+        why: "P13: a person stops the print; the supervisor does not answer, the printer is told itself"
+            .to_owned(),
+        before: String::new(),
+        after: confirmed(request).to_owned(),
     }
 }
 

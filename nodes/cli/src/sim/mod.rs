@@ -27,6 +27,7 @@ use clap::Args;
 use fdm_loop_msgs::PrintInfo;
 use fitted::{HOSTS, SENSORS, without};
 use group::{Comparison, Group};
+use printer_sim::scenario::Entry;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use task::{Names, Task};
@@ -96,6 +97,12 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
     let file = GcodeFile::read_telling(&args.gcode, &config.motion()?, args.layers)?;
     let scenario = config.scenario(&args.scenario)?;
+    if !args.camera && scenario.faults.iter().any(Entry::shows_in_frames_alone) {
+        output::note(&format!(
+            "--scenario {}: only the camera sees what goes wrong: add --camera",
+            args.scenario
+        ));
+    }
     let material = args.material.clone().unwrap_or_else(|| file.material());
     if let (Some(bag), true) = (&args.bag, levels.len() > 1) {
         bail!("--bag {}: one control level, not {}", bag.display(), args.control.join(","));

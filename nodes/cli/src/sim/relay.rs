@@ -51,6 +51,14 @@ impl Tampering {
             How::CutPicture | How::OldPicture | How::GreyPicture if self.lanes != [Lane::Frames] => {
                 bail!("relay: only the lane frames carries pictures")
             }
+            How::NotANumber | How::Infinite | How::Absurd
+                if self.lanes.iter().any(|lane| matches!(lane, Lane::Frames | Lane::Estimate)) =>
+            {
+                bail!("relay: the lanes frames and estimate carry no number that could be falsified")
+            }
+            How::Rival if self.lanes.iter().any(|lane| !matches!(lane, Lane::Command | Lane::Permit)) => {
+                bail!("relay: only the lanes command and permit have a second publisher")
+            }
             _ => Ok(()),
         }
     }
@@ -222,4 +230,26 @@ fn grey_like(jpeg: &[u8]) -> Vec<u8> {
     let Some((width_px, height_px)) = size else { return Vec::new() };
     let frame = Frame { width_px, height_px, grey: vec![128; width_px * height_px] };
     frame.jpeg(90).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What would pass unharmed would be a trial that shows nothing.
+    #[test]
+    fn what_a_lane_cannot_suffer_is_refused() {
+        let check = |how, lanes: &[Lane]| Tampering { lanes: lanes.to_vec(), how, share: 1.0 }.check();
+        for how in [How::NotANumber, How::Infinite, How::Absurd] {
+            assert!(check(how, &[Lane::Hotend, Lane::Vision]).is_ok());
+            let refused = check(how, &[Lane::Hotend, Lane::Estimate]).unwrap_err().to_string();
+            assert!(refused.contains("no number"), "{refused}");
+        }
+        assert!(check(How::Rival, &[Lane::Command, Lane::Permit]).is_ok());
+        assert!(check(How::Rival, &[Lane::Command, Lane::Encoder]).is_err());
+        assert!(
+            check(How::GreyPicture, &[Lane::Frames]).is_ok()
+                && check(How::GreyPicture, &[Lane::Imu]).is_err()
+        );
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::check::{Size, name_of, size_of};
 use super::{Entry, Onset};
+use crate::faults::{Component, Kind};
 use models::params::with_unit;
 use std::fmt;
 
@@ -26,6 +27,17 @@ impl fmt::Display for Entry {
             None => write!(f, ", lasts for good"),
         }?;
         seed.map_or(Ok(()), |seed| write!(f, ", seed {seed}"))
+    }
+}
+
+impl Entry {
+    /// Whether nothing but the camera's frames, and the inertial unit beside it, tells of it: not of a width that stands in.
+    #[must_use]
+    pub fn shows_in_frames_alone(&self) -> bool {
+        matches!(
+            (self.component, self.kind),
+            (Component::Motion | Component::Part | Component::Camera | Component::Imu, _) | (_, Kind::Leak)
+        )
     }
 }
 
@@ -65,5 +77,14 @@ mod tests {
             told((Component::Motion, Kind::LayerShiftX), Some(8e-4), 0.0, None),
             "motion layer_shift_x, size 0.0008 m, from 12.50 s of the simulation on"
         );
+    }
+    #[test]
+    fn what_only_the_camera_sees_is_known() {
+        let sees = |component, kind| {
+            let course = Course { size: Some(0.05), ramp_s: 0.0, duration_s: None };
+            Entry::after(Seconds(10.0), (component, kind), course, 0.0).unwrap().shows_in_frames_alone()
+        };
+        assert!(sees(Component::Extruder, Kind::Leak) && sees(Component::Motion, Kind::LayerShiftY));
+        assert!(!sees(Component::Extruder, Kind::Slip));
     }
 }

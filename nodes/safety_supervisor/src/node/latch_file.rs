@@ -75,16 +75,16 @@ pub(super) fn path_of(parameters: &Parameters) -> Result<Option<PathBuf>, ParamF
 
 impl LatchFile {
     /// Reads what a former run left behind; without a path nothing is kept. What cannot be read tells of a latch all the
-    /// same, and the reason is told.
+    /// same, and the reason is told: so does a record that was begun beside and came no further, on a full disk or with
+    /// the end of the process.
     pub(super) fn open(path: Option<PathBuf>) -> (Self, Option<String>) {
-        let (stored, refused) = match path
-            .as_deref()
-            .and_then(|path| Some((path, record::read(path, parse)?)))
-        {
+        let places = path.iter().flat_map(|path| [path.clone(), record::beside(path)]);
+        let found = places.into_iter().find_map(|place| Some((record::read(&place, parse)?, place)));
+        let (stored, refused) = match found {
             None => (None, None),
-            Some((_, Ok(latched))) => (Some(latched), None),
-            Some((path, Err(error))) => {
-                let told = format!("{}: {error}: taken for a latched SAFE_OFF", path.display());
+            Some((Ok(latched), _)) => (Some(latched), None),
+            Some((Err(error), place)) => {
+                let told = format!("{}: {error}: taken for a latched SAFE_OFF", place.display());
                 tracing::error!("{told}");
                 (Some(Latched::new(Latch { estop: false, cause: Cause::LatchUnreadable }, None)), Some(told))
             }

@@ -22,6 +22,8 @@ pub(super) struct Record<T> {
     job: Option<(Option<T>, JoinHandle<io::Result<()>>)>,
     /// Why the last try failed.
     pub(super) failed: Option<String>,
+    /// What a try that failed has left beside the record may still lie there.
+    stray: bool,
     /// Calls until a disk that refused is asked again.
     rest: u32,
 }
@@ -29,7 +31,7 @@ pub(super) struct Record<T> {
 impl<T: Copy + PartialEq + Serialize + Send + 'static> Record<T> {
     /// A record that holds `stored`; without a path nothing is kept.
     pub(super) fn new(path: Option<PathBuf>, stored: Option<T>) -> Self {
-        Self { path, stored, job: None, failed: None, rest: 0 }
+        Self { path, stored, job: None, failed: None, stray: false, rest: 0 }
     }
 
     /// The value on disk.
@@ -44,12 +46,12 @@ impl<T: Copy + PartialEq + Serialize + Send + 'static> Record<T> {
             self.finish().await;
         } else if self.rest > 0 {
             self.rest -= 1;
-        } else if self.job.is_none() && self.stored != value {
+        } else if self.job.is_none() && (self.stored != value || self.stray) {
             let path = path.clone();
             let handle = tokio::task::spawn_blocking(move || write(&path, value));
             self.job = Some((value, handle));
         }
-        self.stored == value
+        self.stored == value && !self.stray
     }
 
     /// Waits for what is being written, and writes `value` where that was another one: the last word of this run.
@@ -67,12 +69,12 @@ impl<T: Copy + PartialEq + Serialize + Send + 'static> Record<T> {
         match handle.await.unwrap_or_else(|error| Err(io::Error::other(error))) {
             Ok(()) => {
                 self.stored = value;
-                self.failed = None;
+                (self.failed, self.stray) = (None, false);
             }
             Err(error) => {
                 let path = self.path.as_deref().unwrap_or(Path::new(""));
                 self.failed = Some(format!("{}: {error}", path.display()));
-                self.rest = REST;
+                (self.rest, self.stray) = (REST, true);
             }
         }
     }
@@ -107,10 +109,10 @@ fn write<T: Serialize>(path: &Path, value: Option<T>) -> io::Result<()> {
             file.sync_all()?;
             fs::rename(beside, path)?;
         }
-        None => match fs::remove_file(path) {
-            Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
-            Ok(()) | Err(_) => {}
-        },
+        None => [path, &beside(path)].into_iter().try_for_each(|place| match fs::remove_file(place) {
+            Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+            Ok(()) | Err(_) => Ok(()),
+        })?,
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     File::open(folder.unwrap_or(Path::new(".")))?.sync_all()

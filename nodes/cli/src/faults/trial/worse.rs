@@ -2,11 +2,15 @@
 
 use super::Reaction;
 use crate::sim::printing::Printing;
-use crate::sim::relay::{RIVAL_FLOW, RIVAL_SESSION};
+use crate::sim::relay::{How, RIVAL_FLOW, RIVAL_SESSION, Tampering};
 use models::command::Mode;
 
 /// A second publisher's permit that the printer took, or its flow in force: slewed to, that needs a tenth of a second.
-pub(super) fn taken_from_a_rival(printing: &Printing) -> Option<String> {
+/// Where no second publisher speaks, that flow is the loop's own.
+pub(super) fn taken_from_a_rival(relay: &[Tampering], printing: &Printing) -> Option<String> {
+    if relay.iter().all(|tampering| tampering.how != How::Rival) {
+        return None;
+    }
     if printing.obeyed == Some(RIVAL_SESSION) {
         return Some("a permit of a second publisher was taken".to_owned());
     }

@@ -3,6 +3,7 @@
 use super::super::decode::short;
 use crate::up::words::mode_name;
 use fdm_loop_msgs::{PrintInfo, PrinterState, SafetyState};
+use runtime::topics;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Longest text of a field.
@@ -11,8 +12,12 @@ const TEXT_MAX: usize = 200;
 const CONFIG_MAX: usize = 80_000;
 /// Changes of mode that are kept.
 const MODES_MAX: usize = 400;
+/// A supervisor that has said nothing for longer was not there `[s]`: three times its period.
+const SILENT_S: f64 = 3.0 * topics::SAFETY_STATE_PERIOD.0;
 /// Prints that are told apart in one bag.
 const PRINTS_MAX: usize = 100;
+/// Time in which no supervisor was heard.
+const NO_SUPERVISOR: &str = "no supervisor";
 /// Filament where the configuration does not say `[m]`.
 const FILAMENT_DIAMETER_M: f64 = 1.75e-3;
 
@@ -42,8 +47,9 @@ pub(crate) struct Print {
     /// First deposit on the axis.
     pub(crate) first_road_s: Option<f64>,
     pub(crate) last_road_s: f64,
-    /// Modes of the supervisor with the time each was entered.
-    pub(crate) modes: Vec<(f64, u8)>,
+    /// Modes of the supervisor with the time each was entered; `None` where it was silent.
+    modes: Vec<(f64, Option<u8>)>,
+    safety_s: f64,
     pub(crate) safety: Option<SafetyState>,
     /// What held the print up first and was not resumed from.
     pub(crate) held_up: Option<HeldUp>,
@@ -138,10 +144,11 @@ impl Print {
 
     /// Takes the supervisor's state in.
     pub(crate) fn safety(&mut self, at: f64, state: &SafetyState) {
-        let changed = self.modes.last().is_none_or(|(_, mode)| *mode != state.mode);
-        if changed && self.modes.len() < MODES_MAX {
-            self.modes.push((at, state.mode));
+        if !self.modes.is_empty() && at - self.safety_s > SILENT_S {
+            self.enter(self.safety_s, None);
         }
+        self.enter(at, Some(state.mode));
+        self.safety_s = self.safety_s.max(at);
         let goes_on = self.last.as_ref().is_some_and(|last| last.phase == PrinterState::PHASE_PRINTING);
         // What a person does about it afterwards is not why it was held up.
         let by_person = state.cause.starts_with("P13");
@@ -155,12 +162,21 @@ impl Print {
         self.safety = Some(state.clone());
     }
 
-    /// Time in each mode until `end_s`, by name.
+    fn enter(&mut self, at: f64, mode: Option<u8>) {
+        let changed = self.modes.last().is_none_or(|(_, last)| *last != mode);
+        if changed && self.modes.len() < MODES_MAX {
+            self.modes.push((at, mode));
+        }
+    }
+
+    /// Time in each mode until `end_s`, by name; time in which the supervisor was silent is in none.
     pub(crate) fn time_in_modes(&self, end_s: f64) -> BTreeMap<&'static str, f64> {
         let mut times = BTreeMap::new();
-        let ends = self.modes.iter().skip(1).map(|(at, _)| *at).chain([end_s]);
-        for ((from, mode), to) in self.modes.iter().zip(ends) {
-            *times.entry(mode_name(*mode)).or_insert(0.0) += (to - from).max(0.0);
+        let silent = (end_s - self.safety_s > SILENT_S).then_some((self.safety_s, None));
+        let entered: Vec<_> = self.modes.iter().copied().chain(silent).collect();
+        let ends = entered.iter().skip(1).map(|(at, _)| *at).chain([end_s]);
+        for ((from, mode), to) in entered.iter().zip(ends) {
+            *times.entry(mode.map_or(NO_SUPERVISOR, mode_name)).or_insert(0.0) += (to - from).max(0.0);
         }
         times
     }
@@ -170,5 +186,26 @@ impl Print {
         const NAMES: [&str; 6] = ["idle", "preparing", "printing", "paused", "done", "failed"];
         let phase = self.last.as_ref()?.phase;
         Some(NAMES.get(usize::from(phase)).copied().unwrap_or("unknown"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// C2: a supervisor that is killed in `act` guards nothing until it is there again, and after its last word.
+    #[test]
+    fn time_without_a_supervisor_is_in_no_mode() {
+        let mut print = Print::default();
+        let state = SafetyState { mode: SafetyState::MODE_ACT, ..SafetyState::default() };
+        for tenths in (0..=50).chain(200..=300) {
+            print.safety(f64::from(tenths) * 0.1, &state);
+        }
+        let times = print.time_in_modes(40.0);
+        assert_eq!(times.keys().copied().collect::<Vec<_>>(), ["act", NO_SUPERVISOR]);
+        assert!(
+            (times["act"] - 15.0).abs() < 1e-9 && (times[NO_SUPERVISOR] - 25.0).abs() < 1e-9,
+            "{times:?}"
+        );
     }
 }

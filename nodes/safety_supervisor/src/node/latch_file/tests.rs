@@ -153,3 +153,42 @@ async fn the_last_latch_of_a_run_is_kept_whatever_was_being_written() {
     file.end(estop).await;
     assert_eq!(opened(&path).stored(), estop);
 }
+
+/// A full disk takes an empty file and no byte: a restart knows that something was to be kept. What is acknowledged then
+/// leaves nothing behind.
+#[tokio::test]
+async fn a_record_that_was_begun_and_came_no_further_is_a_latch() {
+    let path = path("begun");
+    let begun = record::beside(&path);
+    fs::write(&begun, "").unwrap();
+    let (mut file, refused) = LatchFile::open(Some(path.clone()));
+    assert_eq!(file.stored(), latched(false, Cause::LatchUnreadable));
+    let refused = refused.unwrap();
+    assert!(refused.starts_with(&format!("{}: EOF", begun.display())), "{refused}");
+    file.end(None).await;
+    assert!(file.keeps(None).await && !begun.exists());
+    let whole = latched(true, Cause::OperatorEstop);
+    fs::write(&begun, serde_json::to_vec(&whole).unwrap()).unwrap();
+    assert_eq!(opened(&path).stored(), whole, "it lacked its name alone");
+    fs::remove_dir_all(path.parent().unwrap()).unwrap();
+}
+
+/// What cannot be written leaves its beginning beside; acknowledged before the disk took it, that goes too.
+#[tokio::test]
+async fn a_failed_try_is_cleared_away_with_its_acknowledge() {
+    let path = path("cleared");
+    let begun = record::beside(&path);
+    fs::create_dir_all(path.join("in_the_way")).unwrap();
+    let mut file = LatchFile::new(Some(path.clone()), None);
+    file.keeps(latched(false, Cause::HotendRange)).await;
+    file.finish().await;
+    assert!(file.failed.is_some() && begun.exists(), "{:?}", file.failed);
+    fs::remove_dir_all(&path).unwrap();
+    assert!(!file.keeps(None).await, "a restart would latch");
+    for _ in 0..=REST {
+        file.keeps(None).await;
+    }
+    file.finish().await;
+    assert!(file.keeps(None).await && !begun.exists());
+    fs::remove_dir_all(path.parent().unwrap()).unwrap();
+}
