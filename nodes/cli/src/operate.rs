@@ -11,7 +11,7 @@ use models::units::Seconds;
 use runtime::topics::{self, Service};
 use runtime::{CallError, Patience};
 
-mod stop;
+pub(crate) mod stop;
 
 /// Longest wait for a supervisor to be found `[s]`; discovery takes up to 0.5 s, on a busy machine longer.
 const FOUND_S: f64 = 3.0;

@@ -27,6 +27,9 @@ const OUTLETS: (f64, f64) = (0.3, 1.2);
 /// Rounding of times and of quotients of two of them: must not add a step.
 const ROUNDING: f64 = 1e-9;
 
+/// Longest way that a filament is drawn back, out of a Bowden tube and off its spool `[m]`.
+const STROKE_MAX_M: f64 = 3.0;
+
 /// The filter with what it remembers of its own past.
 #[derive(Debug)]
 pub(crate) struct Filter {
@@ -279,7 +282,8 @@ impl Filter {
         warm(state::BLOCK)
             && warm(state::NOZZLE)
             && warm(state::SENSOR)
-            && x[state::FLOW].abs() <= bounds.flow_max_m_s
+            // Below zero it stands for a stroke back: whoever unloads the filament draws it back by its whole way.
+            && (-STROKE_MAX_M / self.model.lag_s()..=bounds.flow_max_m_s).contains(&x[state::FLOW])
             && (bounds.slip_low..=bounds.slip_high).contains(&x[state::SLIP])
             && (bounds.gain_low..=bounds.gain_high).contains(&x[state::GAIN])
     }

@@ -13,8 +13,8 @@ pub(super) fn miss((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: 
         format!("too much: {worse}")
     } else if outcome.reaction_s.is_none() && reaction != Reaction::None {
         "no reaction".to_owned()
-    } else if let Some(found) = outcome.found_as.as_ref().filter(|found| !may_be(id, spec, found)) {
-        format!("found as {found}")
+    } else if let Some(found) = misnamed((id, spec), reaction, outcome) {
+        found
     } else if let Some(late) = late(spec, outcome) {
         late
     } else if let Some(most_k) = spec.overshoot_max_k.filter(|most_k| outcome.overshoot_k > *most_k) {
@@ -29,6 +29,13 @@ pub(super) fn miss((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: 
         return None;
     };
     Some(format!("seed {}: {what}", outcome.seed))
+}
+
+/// What was found instead; nobody's find is a printer that acted by itself.
+fn misnamed((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: &Outcome) -> Option<String> {
+    let found = outcome.found_as.as_deref().or((reaction >= Reaction::Degraded).then_some(""))?;
+    let what = if found.is_empty() { "found by nobody".to_owned() } else { format!("found as {found}") };
+    (!may_be(id, spec, found)).then_some(what)
 }
 
 /// How much later a reaction came than it may; where seconds and layers are allowed, the later of them counts.
@@ -68,6 +75,15 @@ mod tests {
 
     /// Whether a reaction after `reaction_s` and `layers` begun is late.
     fn is_late(limits: &serde_json::Value, reaction_s: f64, layers: u32) -> bool {
+        missed((limits, Reaction::Paused), (reaction_s, layers), Some("P8")).is_some()
+    }
+
+    /// What was wrong with a reaction, and with its name.
+    fn missed(
+        (limits, reaction): (&serde_json::Value, Reaction),
+        (reaction_s, layers): (f64, u32),
+        found_as: Option<&str>,
+    ) -> Option<String> {
         let mut spec = json!({"name": "a", "job": "print", "onset": {"after": "start", "time_s": 0.0}});
         for (name, value) in limits.as_object().unwrap() {
             spec[name] = value.clone();
@@ -80,13 +96,26 @@ mod tests {
             pushed_s: Some(2.0),
             pushed_mm: 8.0,
             layers,
-            found_as: Some("P8".to_owned()),
+            found_as: found_as.map(str::to_owned),
             early: None,
             too_much: None,
             recovered_s: None,
             overshoot_k: 0.0,
         };
-        miss(("P8", &spec), Reaction::Paused, &outcome).is_some()
+        miss(("P8", &spec), reaction, &outcome)
+    }
+
+    /// A pause that a file asked for, or the flag of another fault, is none of this one.
+    #[test]
+    fn what_nobody_found_or_as_something_else_is_a_miss() {
+        let none = json!({});
+        let named = |reaction, found_as| missed((&none, reaction), (1.0, 0), found_as);
+        assert_eq!(named(Reaction::Paused, Some("P8")), None);
+        assert_eq!(named(Reaction::Paused, None).as_deref(), Some("seed 1: found by nobody"));
+        assert_eq!(named(Reaction::Flagged, Some("P4")).as_deref(), Some("seed 1: found as P4"));
+        assert_eq!(named(Reaction::Baseline, None), None, "the dead-man has no name for it");
+        let alone = json!({"found_as": ["", "C14"]});
+        assert_eq!(missed((&alone, Reaction::Paused), (1.0, 0), None), None);
     }
 
     #[test]

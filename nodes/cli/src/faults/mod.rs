@@ -134,8 +134,9 @@ fn in_virtual_time(
     let of = |id: &str, by_id: &mut BTreeMap<&str, Vec<TrialFigures>>| by_id.remove(id).unwrap_or_default();
     let faults: Vec<FaultFigures> =
         chosen.iter().map(|fault| FaultFigures::of(fault, "virtual", of(&fault.id, &mut by_id))).collect();
+    let first_seed = seeds.first().copied().unwrap_or(1);
     let prints = catalogue.sound.iter().filter(|print| !(no_camera && print.camera)).cloned();
-    let sound = sound::run(config, &prints.collect::<Vec<_>>(), hours)?;
+    let sound = sound::run(config, &prints.collect::<Vec<_>>(), (first_seed, hours))?;
     let early: usize = faults.iter().flat_map(|fault| &fault.trials).map(|trial| trial.false_trips).sum();
     Ok(Figures {
         level: "virtual",

@@ -59,6 +59,8 @@ struct Queue<'a> {
     config: &'a ConfigDir,
     specs: &'a [SoundSpec],
     wanted_s: f64,
+    /// Seed of the first round of prints.
+    first_seed: u64,
     state: Mutex<State>,
 }
 
@@ -68,17 +70,21 @@ struct State {
     sound: Sound,
 }
 
-/// Prints until so many hours are simulated, one file and seed after the other, on all cores.
+/// Prints until so many hours are simulated, one file and seed after the other from `first_seed` on, on all cores.
 ///
 /// # Errors
 /// A file, material or scenario that cannot be read.
-pub fn run(config: &ConfigDir, specs: &[SoundSpec], hours: f64) -> anyhow::Result<Sound> {
+pub fn run(
+    config: &ConfigDir,
+    specs: &[SoundSpec],
+    (first_seed, hours): (u64, f64),
+) -> anyhow::Result<Sound> {
     if hours <= 0.0 || specs.iter().all(|spec| spec.camera) {
         return Ok(Sound::default());
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 0 and 36 million")]
     let progress = output::bar((hours * HOUR_S) as u64, "s of sound prints");
-    let queue = Queue { config, specs, wanted_s: hours * HOUR_S, state: Mutex::default() };
+    let queue = Queue { config, specs, wanted_s: hours * HOUR_S, first_seed, state: Mutex::default() };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let ended: Vec<anyhow::Result<()>> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..cores).map(|_| scope.spawn(|| queue.work(&progress))).collect();
@@ -119,7 +125,7 @@ impl Queue<'_> {
             state.next += 1;
             let spec = &self.specs[index % self.specs.len()];
             if !spec.camera || state.sound.camera_hours * HOUR_S < CAMERA_SHARE * self.wanted_s {
-                return Some((spec, (index / self.specs.len()) as u64 + 1));
+                return Some((spec, self.first_seed + (index / self.specs.len()) as u64));
             }
         }
     }

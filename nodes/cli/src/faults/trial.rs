@@ -25,6 +25,8 @@ const OVERSHOOT_S: f64 = 20.0;
 const PATIENCE_S: f64 = 20.0;
 /// How long a run waits for a reaction whose limit is one of filament or layers `[s]`.
 const WORDS_S: f64 = 300.0;
+/// What is said of something that is told and not acted upon.
+const FLAGGED: &str = "flagged";
 /// Part of a run after the limit in which a late reaction is still measured `[s]`.
 const LATE_S: f64 = 10.0;
 
@@ -228,8 +230,7 @@ impl Trial<'_> {
         let reached = self.reached(printing);
         if run.outcome.reaction_s.is_none() && reached {
             run.outcome.reaction_s = Some(since_s);
-            run.outcome.found_as =
-                printing.safety.and_then(|state| state.cause).map(|cause| cause.id().to_owned());
+            run.outcome.found_as = self.found(printing);
         }
         let most = self.spec.at_most.unwrap_or(self.reaction);
         let printer = simulator.in_force().mode == Mode::Degraded;
@@ -254,13 +255,22 @@ impl Trial<'_> {
         }
     }
 
+    /// What the supervisor calls it: the cause in force, or what it has flagged.
+    fn found(&self, printing: &Printing) -> Option<String> {
+        if self.reaction == Reaction::Flagged {
+            let flagged = printing.noticed.iter().find(|found| found.action == FLAGGED);
+            return flagged.map(|found| found.fault.to_string());
+        }
+        printing.safety.and_then(|state| state.cause).map(|cause| cause.id().to_owned())
+    }
+
     /// Whether the printer does what is asked for.
     fn reached(&self, printing: &Printing) -> bool {
         let simulator = printing.simulator();
         let in_force = simulator.in_force();
         match self.reaction {
             Reaction::None | Reaction::Told => false,
-            Reaction::Flagged => printing.noticed.iter().any(|found| found.action == "flagged"),
+            Reaction::Flagged => printing.noticed.iter().any(|found| found.action == FLAGGED),
             // Neutral by the dead-man: the slicer's values may have been in force before.
             Reaction::Baseline => in_force.lapsed && in_force.trims == Trims::NEUTRAL,
             Reaction::Observe => printing.safety.is_some_and(|state| state.set_mode == Mode::Observe),

@@ -24,6 +24,10 @@ const EVERY: Duration = Duration::from_millis(20);
 /// How long each one counts `[s]`, no longer than any printer takes.
 const VALIDITY: Seconds = Seconds(0.25);
 
+/// Who says on `events` that a print was stopped past the supervisor, and how it is called.
+pub(crate) const WHO: &str = "fdm";
+pub(crate) const WHAT: &str = "stopped_past_the_supervisor";
+
 /// What was confirmed, and by whom.
 enum Outcome {
     Answered(TriggerResponse),
@@ -147,8 +151,8 @@ fn told(now: Seconds, request: Request) -> PrintEvent {
     PrintEvent {
         header: Header::at(now.0),
         severity: PrintEvent::SEVERITY_ERROR,
-        who: "fdm".to_owned(),
-        what: "stop".to_owned(),
+        who: WHO.to_owned(),
+        what: WHAT.to_owned(),
         why: "P13: a person stops the print; the supervisor does not answer, the printer is told itself"
             .to_owned(),
         before: String::new(),

@@ -34,6 +34,8 @@ pub(super) struct Guard {
     /// Real time, and the printer's.
     heard: Option<(Seconds, f64)>,
     lost: bool,
+    /// What a person told the printer itself while it did not answer.
+    pub(super) past: Option<String>,
 }
 
 impl Guard {

@@ -153,7 +153,8 @@ impl Watch {
         match self.newest_state.as_ref()?.phase {
             phase if phase == JobPhase::Done as u8 => Some(Ended::Done),
             phase if phase == JobPhase::Failed as u8 => {
-                let by_person = self.cause().is_some_and(|cause| cause.starts_with("P13"));
+                let by_person =
+                    self.guard.past.is_some() || self.cause().is_some_and(|cause| cause.starts_with("P13"));
                 Some(if by_person { Ended::Stopped } else { Ended::Failed })
             }
             _ => None,
@@ -184,10 +185,11 @@ impl Watch {
         self.finish(if ended == Ended::Lost { ended } else { self.fate().unwrap_or(ended) })
     }
 
-    /// What the supervisor gave as the cause last, if anything.
+    /// What the supervisor gave as the cause last, if anything; else what a person did past it.
     #[must_use]
     pub fn cause(&self) -> Option<&str> {
-        self.newest_safety.as_ref().map(|safety| safety.cause.as_str()).filter(|cause| !cause.is_empty())
+        let told = self.newest_safety.as_ref().map(|safety| safety.cause.as_str());
+        told.filter(|cause| !cause.is_empty()).or(self.guard.past.as_deref())
     }
 
     /// Ends the nodes in order.

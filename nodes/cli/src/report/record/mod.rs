@@ -215,6 +215,7 @@ impl Record {
         if message.severity > 0 {
             self.pictures.event(at, &message);
         }
+        self.print.event(at, &message);
         self.events.take(at, &message);
     }
 

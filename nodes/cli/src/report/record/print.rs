@@ -1,8 +1,9 @@
 //! What was printed, how far it came, and under which mode of the supervisor.
 
 use super::super::decode::short;
+use crate::operate::stop;
 use crate::up::words::mode_name;
-use fdm_loop_msgs::{PrintInfo, PrinterState, SafetyState};
+use fdm_loop_msgs::{PrintEvent, PrintInfo, PrinterState, SafetyState};
 use runtime::topics;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -162,6 +163,14 @@ impl Print {
         self.safety = Some(state.clone());
     }
 
+    /// Takes an event in: who stops a print past a supervisor that does not answer leaves its cause there alone.
+    pub(crate) fn event(&mut self, at: f64, event: &PrintEvent) {
+        if event.what == stop::WHAT && self.held_up.is_none() {
+            let (cause, what_to_do) = (short(&event.why, TEXT_MAX), String::new());
+            self.held_up = Some(HeldUp { at, mode: SafetyState::MODE_SAFE_OFF, cause, what_to_do });
+        }
+    }
+
     fn enter(&mut self, at: f64, mode: Option<u8>) {
         let changed = self.modes.last().is_none_or(|(_, last)| *last != mode);
         if changed && self.modes.len() < MODES_MAX {
@@ -207,5 +216,13 @@ mod tests {
             (times["act"] - 15.0).abs() < 1e-9 && (times[NO_SUPERVISOR] - 25.0).abs() < 1e-9,
             "{times:?}"
         );
+    }
+    #[test]
+    fn a_stop_past_the_supervisor_is_why_the_print_ended() {
+        let mut print = Print::default();
+        let event =
+            PrintEvent { what: stop::WHAT.to_owned(), why: "P13: a person".to_owned(), ..<_>::default() };
+        print.event(12.0, &event);
+        assert!(print.held_up.is_some_and(|held_up| held_up.cause == "P13: a person" && held_up.at > 11.0));
     }
 }

@@ -4,6 +4,7 @@
 use super::super::fleet::Fleet;
 use super::super::reports::News;
 use super::{Watch, output};
+use crate::operate::stop;
 use fdm_loop_msgs::PrintEvent;
 use rustix::process::Signal;
 
@@ -16,6 +17,9 @@ impl Watch {
         while let Some(event) = self.ears.events.try_recv() {
             if let Some(line) = injected(&event.message) {
                 self.bar.suspend(|| output::note(&line));
+            }
+            if is_past_the_guard(&event.message) {
+                self.guard.past = Some(event.message.why);
             }
         }
         while let Some(report) = self.ears.reports.try_recv() {
@@ -49,6 +53,11 @@ impl Watch {
 /// A fault that was injected, for people.
 fn injected(event: &PrintEvent) -> Option<String> {
     (event.what == INJECTED).then(|| format!("fault injected: {}", event.why))
+}
+
+/// Whether a person has stopped the print past a supervisor that does not answer.
+fn is_past_the_guard(event: &PrintEvent) -> bool {
+    event.who == stop::WHO && event.what == stop::WHAT
 }
 
 #[cfg(test)]
