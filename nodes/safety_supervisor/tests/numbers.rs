@@ -18,36 +18,110 @@ struct File {
 
 const FILE: &str = include_str!("../../../config/safety_supervisor.param.yaml");
 
-/// Value and range of a line `name: value # [unit] in [low, high] ...`.
-fn ranged(line: &str) -> Option<(&str, f64, f64)> {
-    let (setting, comment) = line.split_once('#')?;
-    let value = setting.split_once(": ")?.1.trim();
-    value.parse::<f64>().ok()?;
-    let (low, high) = comment.split_once("in [")?.1.split_once(']')?.0.split_once(", ")?;
-    Some((value, low.parse().ok()?, high.parse().ok()?))
+/// A number of the file: its line, cut before and after it, and the range that stands in the comment.
+struct Number {
+    line: usize,
+    before: &'static str,
+    value: &'static str,
+    after: &'static str,
+    comment: &'static str,
+    low: f64,
+    high: f64,
 }
 
-/// The file with a line's value replaced is refused.
-fn is_refused(line: &str, value: &str, by: f64) -> bool {
-    let place = line.find(&format!(": {value}")).unwrap() + 2;
-    let by = if value.contains(['.', 'e']) { format!("{by:e}") } else { format!("{by}") };
-    let changed = format!("{}{by}{}", &line[..place], &line[place + value.len()..]);
-    serde_saphyr::from_str::<BTreeMap<String, File>>(&FILE.replacen(line, &changed, 1)).is_err()
+impl Number {
+    fn is_whole(&self) -> bool {
+        !self.value.contains(['.', 'e'])
+    }
+
+    /// As the file writes it.
+    fn written(&self, value: f64) -> String {
+        if self.is_whole() { format!("{value}") } else { format!("{value:e}") }
+    }
+
+    /// Just outside of an end of the range.
+    fn beyond(&self, end: f64, outwards: f64) -> String {
+        let step = if self.is_whole() { 1.0 } else { 1e-6 * if end == 0.0 { 1.0 } else { end.abs() } };
+        self.written(end + outwards * step)
+    }
+
+    /// What is said of the file with another value in this very line; empty where it is taken.
+    fn said_of(&self, value: &str) -> String {
+        let changed = format!("{}{value}{}", self.before, self.after);
+        let mut lines: Vec<_> = FILE.lines().collect();
+        lines[self.line] = &changed;
+        let file = serde_saphyr::from_str::<BTreeMap<String, File>>(&lines.join("\n"));
+        file.err().map(|error| error.to_string()).unwrap_or_default()
+    }
+
+    fn place(&self) -> String {
+        format!("line {}: {}{}", self.line + 1, self.before, self.value)
+    }
+}
+
+/// Range in a comment `[unit] in [low, high] ...`.
+fn range(comment: &str) -> Option<(f64, f64)> {
+    let (low, high) = comment.split_once("in [")?.1.split_once(']')?.0.split_once(", ")?;
+    Some((low.parse().ok()?, high.parse().ok()?))
+}
+
+/// Numbers of a line `name: value` or `name: {name: value, ..}`, each with what stands before it. The ages of a map rise:
+/// those behind a number are left out, so that its own range alone refuses it.
+fn numbers_of(setting: &'static str) -> Vec<(&'static str, &'static str, &'static str)> {
+    let after = if setting.contains('{') { "}" } else { "" };
+    let starts = setting.match_indices(": ").map(|(at, colon)| at + colon.len());
+    let cut = |at: usize| {
+        let value = setting[at..].split([',', '}']).next().unwrap_or_default().trim();
+        value.parse::<f64>().is_ok().then(|| (&setting[..at], value, after))
+    };
+    starts.filter_map(cut).collect()
+}
+
+/// Every number of the file; the range of those in maps stands above them, beside the name of their block.
+fn numbers() -> Vec<Number> {
+    let (mut numbers, mut above) = (Vec::new(), "");
+    for (line, text) in FILE.lines().enumerate() {
+        let (setting, own) = text.split_once('#').unwrap_or((text, ""));
+        if setting.trim_end().ends_with(':') {
+            above = own;
+        }
+        let comment = if setting.contains('{') { above } else { own };
+        for (before, value, after) in numbers_of(setting) {
+            assert!(range(comment).is_some(), "no range: {text}");
+            let (low, high) = range(comment).unwrap();
+            numbers.push(Number { line, before, value, after, comment, low, high });
+        }
+    }
+    numbers
 }
 
 #[test]
 fn every_number_of_the_file_is_refused_beyond_the_range_that_stands_beside_it() {
-    let lines: Vec<_> = FILE.lines().filter_map(|line| ranged(line).map(|range| (line, range))).collect();
-    assert!(lines.len() > 150, "{} lines with a range", lines.len());
-    for (line, (value, low, high)) in lines {
-        let is_whole = !value.contains(['.', 'e']);
-        let step = if is_whole { 1.0 } else { 1e-3 * (high - low) };
-        assert!(is_refused(line, value, high + step), "above {high}: {line}");
-        assert!(is_refused(line, value, low - step), "below {low}: {line}");
-        let (nan, place) = (".nan", line.find(&format!(": {value}")).unwrap() + 2);
-        let changed = format!("{}{nan}{}", &line[..place], &line[place + value.len()..]);
-        let file = FILE.replacen(line, &changed, 1);
-        assert!(serde_saphyr::from_str::<BTreeMap<String, File>>(&file).is_err(), "NaN: {line}");
+    let numbers = numbers();
+    assert_eq!(numbers.iter().filter(|number| number.after.is_empty()).count(), 179);
+    assert_eq!(numbers.iter().filter(|number| number.after == "}").count(), 13, "in maps");
+    for number in numbers {
+        assert_eq!(number.said_of(number.value), "", "as it is: {}", number.place());
+        for value in [number.beyond(number.high, 1.0), number.beyond(number.low, -1.0), ".nan".to_owned()] {
+            assert_ne!(number.said_of(&value), "", "{value} is taken: {}", number.place());
+        }
+    }
+}
+
+/// The ends are refused for the sake of another number alone: for their order, or where the comment says "at most".
+#[test]
+fn every_number_of_the_file_is_taken_at_the_ends_of_the_range_that_stands_beside_it() {
+    for number in numbers() {
+        let own = format!(
+            "{} = ",
+            number.before.rsplit(['{', ' ']).find_map(|part| part.strip_suffix(':')).unwrap()
+        );
+        for value in [number.low, number.high].map(|end| number.written(end)) {
+            let said = number.said_of(&value);
+            let is_of_order = said.contains("must be below") || number.comment.contains("], at most ");
+            assert!(!said.contains(&own) || is_of_order, "{said}: {}", number.place());
+            assert!(said.is_empty() || said.contains(": must be "), "{said}: {}", number.place());
+        }
     }
 }
 
