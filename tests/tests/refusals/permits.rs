@@ -3,7 +3,7 @@
 use crate::fleet;
 use crate::shown::Shown;
 use crate::table::Kind;
-use fdm_loop_msgs::{ControlCommand, Header};
+use fdm_loop_msgs::{ControlCommand, Header, PrinterState};
 use models::units::Seconds;
 use runtime::{Args, Node, Reason, topics};
 use std::time::Duration;
@@ -11,60 +11,72 @@ use std::time::Duration;
 /// Longest wait for all counters.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// A permit that is refused for one thing alone.
+/// Flow that the supervisor permits, and the one that bad permits, or somebody under its name, ask for.
+const PERMITTED: f64 = 1.02;
+const FORGED: f64 = 1.1;
+
+/// A permit to act that is refused for one thing alone.
 fn permit(kind: Kind, now_s: f64, sequence: u64) -> ControlCommand {
     let sound = ControlCommand {
         header: Header::at(now_s),
         session_id: 1,
         sequence,
+        mode: ControlCommand::MODE_ACT,
         validity_s: 0.25,
-        flow_factor: 1.0,
+        flow_factor: PERMITTED,
         speed_factor: 1.0,
         ..ControlCommand::default()
     };
+    let bad = ControlCommand { flow_factor: FORGED, ..sound.clone() };
     match kind {
         Kind::Sound | Kind::Malformed => sound,
-        Kind::NotFinite => ControlCommand { flow_factor: f64::NAN, ..sound },
-        Kind::OutOfRange => ControlCommand { speed_factor: 11.0, ..sound },
-        Kind::Stale => ControlCommand { header: Header::at(now_s - 30.0), ..sound },
+        Kind::NotFinite => ControlCommand { speed_factor: f64::NAN, ..bad },
+        Kind::OutOfRange => ControlCommand { speed_factor: 11.0, ..bad },
+        Kind::Stale => ControlCommand { header: Header::at(now_s - 30.0), ..bad },
     }
 }
 
-/// Sends each kind of permit in turn until the simulator has counted three of each bad one and taken the sound ones.
+/// Notes when the flow in force is the permitted one; panics on the way to another one.
+fn note_flow(state: &PrinterState, taken: &mut bool) {
+    let flow = state.flow_factor;
+    *taken |= (flow - PERMITTED).abs() < 1e-9;
+    assert!(flow < f64::midpoint(PERMITTED, FORGED), "a bad permit is in force: flow {flow}");
+}
+
+/// Sends each kind of permit in turn until the simulator has counted three of each bad one and obeyed the sound ones
+/// alone.
 pub(crate) async fn the_simulator_refuses_bad_permits() {
     let _printer = fleet::Fleet::of(vec![("printer_sim", fleet::start_printer())]);
     let mut node = Node::start_with("peer", Args::default()).unwrap();
     let mut clock = node.subscribe(&topics::CLOCK).unwrap();
     let mut reports = node.subscribe(&topics::DIAGNOSTICS).unwrap();
+    let mut states = node.subscribe(&topics::PRINTER_STATE).unwrap();
     let permits = node.publish_on(&topics::SAFETY_COMMAND).unwrap();
     let mut ticks = node.timer(Seconds(0.02));
-    let (mut shown, mut now_s, mut sequence) = (Shown::default(), None, 0_u64);
+    let (mut shown, mut now_s, mut sequence, mut taken) = (Shown::default(), None, 0_u64, false);
     let topic = topics::SAFETY_COMMAND.name();
     let counted = |shown: &Shown| {
         Kind::NUMBERS.iter().all(|kind| shown.refused("printer_sim", topic, kind.reason()) >= 3)
     };
     let limit = tokio::time::sleep(PATIENCE);
     tokio::pin!(limit);
-    while !counted(&shown) {
+    while !taken || !counted(&shown) {
         tokio::select! {
             reading = clock.recv() => now_s = reading.message.clock.seconds(),
             report = reports.recv() => shown.take(&report.message),
+            state = states.recv() => note_flow(&state.message, &mut taken),
             _ = ticks.next() => if let Some(now_s) = now_s {
                 let kinds = [Kind::Sound, Kind::NotFinite, Kind::OutOfRange, Kind::Stale];
                 permits.send(permit(kinds[usize::try_from(sequence % 4).unwrap()], now_s, sequence));
                 sequence += 1;
             },
-            () = &mut limit => panic!("not counted: {:?}", shown.nodes()),
+            () = &mut limit => panic!("taken: {taken}; {:?}", shown.nodes()),
         }
     }
     let (refused, sent) = (shown.refused_in_all("printer_sim", topic), sequence);
     // One in four is sound and taken.
     assert!(refused < sent * 9 / 10, "{refused} of {sent} refused");
 }
-
-/// Flow that the supervisor permits, and the one that somebody writes under its name.
-const PERMITTED: f64 = 1.02;
-const FORGED: f64 = 1.1;
 
 /// C8, X2: whoever copies session and sequence of the permits is a second publisher all the same.
 pub(crate) async fn the_simulator_believes_no_copied_session() {
@@ -85,14 +97,10 @@ pub(crate) async fn the_simulator_believes_no_copied_session() {
         tokio::select! {
             reading = clock.recv() => now_s = reading.message.clock.seconds(),
             report = reports.recv() => shown.take(&report.message),
-            state = states.recv() => {
-                let flow = state.message.flow_factor;
-                taken |= (flow - PERMITTED).abs() < 1e-9;
-                assert!(flow < (PERMITTED + FORGED) / 2.0, "a forged permit is in force: flow {flow}");
-            }
+            state = states.recv() => note_flow(&state.message, &mut taken),
             _ = ticks.next() => if let Some(now_s) = now_s {
-                let act = ControlCommand { mode: ControlCommand::MODE_ACT, ..permit(Kind::Sound, now_s, sequence) };
-                permits.send(ControlCommand { flow_factor: PERMITTED, ..act.clone() });
+                let act = permit(Kind::Sound, now_s, sequence);
+                permits.send(act.clone());
                 if taken {
                     forger.send(ControlCommand { flow_factor: FORGED, sequence: sequence + 1, ..act });
                 }
