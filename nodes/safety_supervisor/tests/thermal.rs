@@ -4,6 +4,8 @@
 #![allow(clippy::print_stdout, reason = "the reaction times are for people")]
 
 mod common;
+#[path = "thermal/missing.rs"]
+mod missing;
 
 use common::{Heater, params};
 use models::command::Mode;
@@ -104,26 +106,6 @@ fn p1_a_heater_that_heats_unordered_is_cut_off() {
     assert!(reaction("P1 stuck on, at target", idle, stuck, &causes) <= 5.0);
     assert!(reaction("P1 stuck on, cold", cold, stuck, &causes) <= 5.0);
     assert!(reaction("P1 stuck on, printing with fan", printing, stuck, &causes) <= 8.0);
-}
-
-/// P2: dead 5 s, loose 8 s, weak 15 s.
-#[test]
-fn p2_a_heater_without_power_is_given_up() {
-    let causes = [Cause::HeaterDeficit];
-    for (name, start) in [("at target", idle as fn(u64) -> Heater), ("printing", printing)] {
-        let fault = |gain: f64| move |heater: &mut Heater| heater.gain = gain;
-        assert!(reaction(&format!("P2 dead, {name}"), start, fault(0.0), &causes) <= 5.0);
-        assert!(reaction(&format!("P2 loose, {name}"), start, fault(0.2), &causes) <= 8.0);
-        assert!(reaction(&format!("P2 weak, {name}"), start, fault(0.5), &causes) <= 15.0);
-    }
-}
-
-/// P2 on the way up: the fault is there before the heater is switched on, or comes in the middle.
-#[test]
-fn p2_a_dead_heater_shows_during_heat_up() {
-    let causes = [Cause::HeaterDeficit];
-    let from_cold = |heater: &mut Heater| (heater.target_c, heater.gain) = (215.0, 0.0);
-    assert!(reaction("P2 dead, from cold", cold, from_cold, &causes) <= 5.0);
 }
 
 /// P2: no power is missing of a heater that is off, wherever in its cooling the check starts anew.
