@@ -7,6 +7,7 @@
 //! look alike every road's width. Evidence is added over frames and forgotten over seconds.
 
 mod footprint;
+mod fresh;
 mod looks;
 mod params;
 #[cfg(test)]
@@ -17,8 +18,10 @@ pub use params::{OffsetParams, RawOffset};
 
 use crate::camera::Camera;
 use crate::path::{PathHistory, Road};
-use crate::surroundings::{Mask, REDUCTION};
+use crate::surroundings::REDUCTION;
 use footprint::Footprint;
+use fresh::Fresh;
+use looks::Class;
 use models::units::Seconds;
 use opencv::core::Mat;
 use view::OldView;
@@ -44,6 +47,8 @@ pub struct OffsetFinder {
     marked_until_s: f64,
     /// Log likelihood per offset, `side` to a row, from negative to positive x and y.
     evidence: Vec<f64>,
+    /// Looks of the roads of the layer under way.
+    fresh_looks: Class,
     /// Steps from the middle to the end of the range.
     reach: i32,
     last: Option<Seconds>,
@@ -61,6 +66,7 @@ impl OffsetFinder {
             footprint: Footprint::new(params.bed_low_m, params.bed_high_m, cell_m),
             marked_until_s: f64::NEG_INFINITY,
             evidence: vec![0.0; side * side],
+            fresh_looks: Class::default(),
             reach,
             last: None,
         }
@@ -69,6 +75,7 @@ impl OffsetFinder {
     /// Forgets what was seen, not what was laid: after a pause, or when axes were homed.
     pub fn forget(&mut self) {
         self.evidence.fill(0.0);
+        self.fresh_looks = Class::default();
         self.last = None;
     }
 
@@ -85,8 +92,7 @@ impl OffsetFinder {
         self.fade(exposed);
         let Some(&newest) = path.roads(exposed).next_back() else { return Ok(self.offset()) };
         let is_old = |road: &Road| road.layer != newest.layer || exposed.0 - road.start.0 > self.params.old_s;
-        let mut fresh = Mask::empty(camera)?;
-        let beside_px = 2.0 * self.params.beside_new_m / camera.scale_m;
+        let mut fresh = Fresh::empty(camera)?;
         let mut marked_until_s = self.marked_until_s;
         for road in path.roads(exposed) {
             if is_old(road) {
@@ -97,16 +103,17 @@ impl OffsetFinder {
                 continue;
             }
             let end = road.point_m(path.laid_m(road, exposed));
-            let line = (camera.pixel(tool_m, road.from_m), camera.pixel(tool_m, end));
-            fresh.draw(line.0, line.1, road.width_m / camera.scale_m + beside_px)?;
+            fresh.draw((road, end), (camera, tool_m), &self.params)?;
         }
         self.marked_until_s = marked_until_s;
         let level = (newest.top_m, self.params.depth_m);
-        let mut view = OldView::new((&self.footprint, level), &fresh, (camera, tool_m))?;
+        let mut view = OldView::new((&self.footprint, level), &fresh.hides, (camera, tool_m))?;
         view.leave_out(
             [self.params.gap_m, self.params.fringe_m].map(|way_m| way_m / (camera.scale_m * REDUCTION)),
         )?;
-        if let Some(ratios) = view.ratios(grey, &self.params, camera)? {
+        let looks = view.looks(grey)?;
+        fresh.teach(&looks, &mut self.fresh_looks, camera)?;
+        if let Some(ratios) = view.ratios(&looks, &self.fresh_looks, (&self.params, camera))? {
             self.weigh(&view, &ratios, camera);
         }
         Ok(self.offset())
@@ -117,6 +124,7 @@ impl OffsetFinder {
         self.last = Some(exposed);
         let kept = (-gap_s / self.params.memory_s).exp();
         self.evidence.iter_mut().for_each(|value| *value *= kept);
+        self.fresh_looks.fade(kept);
     }
 
     /// Adds `sum ratio(q) s(q - d) / 2` over the pixels that count: s is 1 where the outline has part, -1 for bed.

@@ -1,7 +1,8 @@
 //! How part and bed look in this very frame, and how much each coarse pixel looks like the one or the other.
 //!
 //! Fisher's discriminant over grey level, unevenness, slope and distance from the middle (for the lens' vignetting).
-//! The frame itself teaches it: far inside the predicted outline all is part, far outside all is bed.
+//! The frame itself teaches it: far inside the predicted outline all is part, far outside all is bed. A wall too thin
+//! for that looks like the roads just laid, which lie where they were commanded, whatever was lost before.
 
 use nalgebra::{SMatrix, SVector};
 use opencv::core::{CV_32F, Mat, MatTraitConst, MatTraitConstManual, Size};
@@ -41,7 +42,8 @@ impl Looks {
         Ok(Self { planes: [level, soft(uneven)?, soft(slope)?], columns, rows })
     }
 
-    fn at(&self, place: usize) -> Features {
+    /// Features of a coarse pixel.
+    pub(crate) fn at(&self, place: usize) -> Features {
         let centred = |value: usize, size: usize| {
             #[expect(clippy::cast_precision_loss, reason = "coarse pixels are far below 2^52")]
             let (value, size) = (value as f64, size as f64);
@@ -57,8 +59,9 @@ impl Looks {
         ])
     }
 
-    /// Log likelihood ratio of part against bed for every coarse pixel; `None` where the two look alike.
-    pub(crate) fn ratios(&self, teach: &[Taught], bounds: &Bounds) -> Option<Vec<f64>> {
+    /// Log likelihood ratio of part against bed for every coarse pixel; `None` where the two look alike. Part has the
+    /// looks of `fresh` where the old one shows too little of itself.
+    pub(crate) fn ratios(&self, teach: &[Taught], fresh: &Class, bounds: &Bounds) -> Option<Vec<f64>> {
         let mut classes = [Class::default(), Class::default()];
         for (place, taught) in teach.iter().enumerate() {
             match taught {
@@ -67,8 +70,10 @@ impl Looks {
                 Taught::No => {}
             }
         }
-        let [bed, part] = classes;
-        if bed.count < f64::from(bounds.samples_min) || part.count < f64::from(bounds.samples_min) {
+        let [bed, old] = classes;
+        let enough = |class: &Class| class.count >= f64::from(bounds.samples_min);
+        let part = if enough(&old) { &old } else { fresh };
+        if !enough(&bed) || !enough(part) {
             return None;
         }
         let (mean_bed, spread_bed) = bed.moments();
@@ -106,18 +111,27 @@ pub(crate) struct Bounds {
     pub(crate) ratio_max: f64,
 }
 
-#[derive(Clone, Default)]
-struct Class {
+/// Looks of some coarse pixels.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Class {
     count: f64,
     sum: Features,
     products: SMatrix<f64, FEATURES, FEATURES>,
 }
 
 impl Class {
-    fn add(&mut self, features: &Features) {
+    /// Takes one more.
+    pub(crate) fn add(&mut self, features: &Features) {
         self.count += 1.0;
         self.sum += features;
         self.products += features * features.transpose();
+    }
+
+    /// Keeps this share of what was taken.
+    pub(crate) fn fade(&mut self, kept: f64) {
+        self.count *= kept;
+        self.sum *= kept;
+        self.products *= kept;
     }
 
     fn moments(&self) -> (Features, SMatrix<f64, FEATURES, FEATURES>) {

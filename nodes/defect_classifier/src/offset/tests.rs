@@ -44,8 +44,40 @@ fn seen(moved_px: [i64; 2], grain: u64) -> Mat {
         let at =
             [(u, moved_px[0]), (v, moved_px[1])].map(|(place, moved)| i64::try_from(place).unwrap() - moved);
         let inside = (446..720).contains(&at[0]) && (-16..247).contains(&at[1]);
-        let dust = (u as u64 * 7919 + v as u64 * 104_729 + grain * 31).wrapping_mul(2_654_435_761) >> 29 & 7;
-        u8::try_from(dust).unwrap() + if inside { 150 } else { 60 }
+        dust(u, v, grain) + if inside { 150 } else { 60 }
+    })
+}
+
+fn dust(u: usize, v: usize, grain: u64) -> u8 {
+    let noise = (u as u64 * 7919 + v as u64 * 104_729 + grain * 31).wrapping_mul(2_654_435_761) >> 29 & 7;
+    u8::try_from(noise).unwrap()
+}
+
+/// Two roads abreast around a corner, laid long ago; a new layer on the first half of them.
+fn thin() -> PathHistory {
+    let mut path = PathHistory::new(history());
+    for (line, in_m) in [0.0, 4.5e-4].into_iter().enumerate() {
+        let (y_m, x_m, at_s) = (0.104 - in_m, 0.108 - in_m, f64::from(u8::try_from(line).unwrap()));
+        path.on_move(Seconds(at_s), &road(0, [0.0935, y_m], [0.108, y_m]));
+        path.on_move(Seconds(at_s + 0.5), &road(0, [x_m, 0.104], [x_m, 0.095]));
+    }
+    path.on_move(Seconds(50.0), &road(1, [0.0935, 0.104], [0.1005, 0.104]));
+    path.on_move(Seconds(53.0), &road(1, [0.0935, 0.103_55], [0.1005, 0.103_55]));
+    path
+}
+
+/// What [`thin`] looks like with the tool at (0.1, 0.1) and its old layer moved.
+fn thin_seen(moved_m: [f64; 2], grain: u64) -> Mat {
+    let within = |at_m: [f64; 2], x_m: (f64, f64), y_m: (f64, f64)| {
+        (x_m.0..x_m.1).contains(&at_m[0]) && (y_m.0..y_m.1).contains(&at_m[1])
+    };
+    picture(640, 480, |u, v| {
+        let bed_m = camera().bed([0.1, 0.1], [u, v].map(|pixel| f64::from(u16::try_from(pixel).unwrap())));
+        let old_m = [bed_m[0] - moved_m[0], bed_m[1] - moved_m[1]];
+        let part = within(bed_m, (0.093_275, 0.100_725), (0.103_325, 0.104_225))
+            || within(old_m, (0.093_275, 0.108_225), (0.103_325, 0.104_225))
+            || within(old_m, (0.107_325, 0.108_225), (0.094_775, 0.104_225));
+        dust(u, v, grain) + if part { 150 } else { 60 }
     })
 }
 
@@ -106,4 +138,23 @@ fn what_lies_far_below_is_neither_part_nor_bed() {
     assert_eq!(found([0.105, 0.1], 1e-3), Lies::Part);
     assert_eq!(found([0.105, 0.1], 2e-2), Lies::Deep);
     assert_eq!((found([0.105, 0.102], 1e-3), found([-1.0, f64::NAN], 1e-3)), (Lies::Bed, Lies::Bed));
+}
+
+/// A wall of 0.9 mm has no pixel that is part wherever it lies: the roads just laid tell how part looks.
+#[test]
+fn a_thin_wall_is_found_by_the_looks_of_fresh_roads() {
+    for moved_m in [[0.0, 0.0], [8e-4, 0.0], [-8e-4, 8e-4]] {
+        let (path, mut finder) = (thin(), OffsetFinder::new(params(), &camera()));
+        let mut offset = None;
+        for frame in 0..12_u32 {
+            let exposed = Seconds(60.0 + 0.5 * f64::from(frame));
+            let grey = thin_seen(moved_m, u64::from(frame));
+            offset = finder.on_frame(&grey, (&path, exposed), (&camera(), [0.1, 0.1])).unwrap();
+        }
+        let found_m = offset.unwrap().offset_m;
+        assert!(
+            (0..2).all(|axis| (found_m[axis] - moved_m[axis]).abs() < 3.6e-4),
+            "{moved_m:?}: {found_m:?}"
+        );
+    }
 }

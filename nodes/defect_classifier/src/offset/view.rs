@@ -1,7 +1,7 @@
 //! The old part as predicted in one view, beside what the picture shows there.
 
 use super::footprint::{Footprint, Lies};
-use super::looks::{Bounds, Looks, Taught};
+use super::looks::{Bounds, Class, Looks, Taught};
 use super::{FINENESS, OffsetParams, whole};
 use crate::camera::Camera;
 use crate::surroundings::{Mask, REDUCTION};
@@ -21,13 +21,13 @@ pub(super) struct OldView {
 impl OldView {
     pub(super) fn new(
         (footprint, level): (&Footprint, (f64, f64)),
-        fresh: &Mask,
+        hides: &Mask,
         (camera, tool_m): (&Camera, [f64; 2]),
     ) -> Result<Self, opencv::Error> {
-        let (fresh, columns) = fresh.levels()?;
-        let rows = fresh.len() / columns.max(1);
-        let (mut signs, mut counts) = (Vec::with_capacity(fresh.len()), Vec::with_capacity(fresh.len()));
-        for (place, hidden) in fresh.iter().enumerate() {
+        let (hides, columns) = hides.levels()?;
+        let rows = hides.len() / columns.max(1);
+        let (mut signs, mut counts) = (Vec::with_capacity(hides.len()), Vec::with_capacity(hides.len()));
+        for (place, hidden) in hides.iter().enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "coarse pixels are far below 2^52")]
             let coarse = [(place % columns) as f64, (place / columns) as f64];
             let pixel = coarse.map(|value| (value + 0.5) * REDUCTION - 0.5);
@@ -41,13 +41,18 @@ impl OldView {
         Ok(Self { columns, rows, signs, counts })
     }
 
+    /// Features of a picture at the coarse pixels.
+    pub(super) fn looks(&self, grey: &Mat) -> Result<Looks, opencv::Error> {
+        Looks::of(grey, self.columns, self.rows)
+    }
+
     /// Teaches the looks and yields the ratio of every pixel, 0 where none counts. What may look like either does not
     /// count wherever the outline is moved: it would speak for every offset that makes bed of it.
     pub(super) fn ratios(
         &self,
-        grey: &Mat,
-        params: &OffsetParams,
-        camera: &Camera,
+        looks: &Looks,
+        fresh: &Class,
+        (params, camera): (&OffsetParams, &Camera),
     ) -> Result<Option<Vec<i16>>, opencv::Error> {
         let sure_px = params.sure_m / (camera.scale_m * REDUCTION);
         let part = self.eroded(1, sure_px)?;
@@ -64,8 +69,7 @@ impl OldView {
             separation_min: params.separation_min,
             ratio_max: params.ratio_max,
         };
-        let looks = Looks::of(grey, self.columns, self.rows)?;
-        let ratios = looks.ratios(&taught, &bounds);
+        let ratios = looks.ratios(&taught, fresh, &bounds);
         #[expect(clippy::cast_possible_truncation, reason = "bounded by ratio_max; a cast saturates")]
         let counted = |ratios: Vec<f64>| {
             let told = self.counts.iter().zip(&self.signs).map(|(counts, sign)| *counts && *sign != 0);
@@ -93,8 +97,7 @@ impl OldView {
 
     /// Pixels around which all is of one sign, as far as `reach_px`.
     fn eroded(&self, sign: i16, reach_px: f64) -> Result<Vec<bool>, opencv::Error> {
-        let mut out = Mat::default();
-        imgproc::erode_def(&self.plane(sign)?, &mut out, &disc(reach_px)?)?;
+        let out = eroded(&self.plane(sign)?, reach_px)?;
         Ok(out.data_bytes()?.iter().map(|level| *level > 0).collect())
     }
 
@@ -127,6 +130,13 @@ impl OldView {
         }
         sum
     }
+}
+
+/// What is left of a plane less what lies within `reach_px` of anything else.
+pub(super) fn eroded(plane: &Mat, reach_px: f64) -> Result<Mat, opencv::Error> {
+    let mut out = Mat::default();
+    imgproc::erode_def(plane, &mut out, &disc(reach_px)?)?;
+    Ok(out)
 }
 
 /// Disc of this radius as a structuring element.
