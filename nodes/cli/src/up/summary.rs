@@ -122,7 +122,11 @@ pub fn table(prints: &[Print]) -> String {
     }
     for print in prints {
         if let Some(why) = &print.bag_not_whole {
-            _ = writeln!(text, "{} is not whole: {why}", print.bag);
+            _ = writeln!(
+                text,
+                "{} is not whole: {why}; `fdm recover {}` mends what can be",
+                print.bag, print.bag
+            );
         }
     }
     text
@@ -158,6 +162,11 @@ mod tests {
         };
         assert!(!table(&[print(None)]).contains("not whole"));
         let told = table(&[print(None), print(Some("the disk is nearly full"))]);
-        assert!(told.ends_with("\nbags/one is not whole: the disk is nearly full\n"), "{told}");
+        assert!(
+            told.ends_with(
+                "\nbags/one is not whole: the disk is nearly full; `fdm recover bags/one` mends what can be\n"
+            ),
+            "{told}"
+        );
     }
 }
