@@ -16,6 +16,11 @@ const FEED_MAX_M_S: f64 = 0.1;
 /// drawn back farther is another filament when it comes again.
 const STROKE_MAX_M: f64 = 0.015;
 
+/// Longest way that a filament is drawn out `[m]`.
+const OUT_MAX_M: f64 = 3.0;
+/// Faster than any nozzle melts, 29 mm3/s: pushed so behind a filament that was drawn out, it passes an empty tube `[m/s]`.
+const LOAD_M_S: f64 = 0.012;
+
 /// Period in which a firmware sets the duty `[s]`: of states that come as often nothing is unseen.
 const SET_PERIOD_S: f64 = 0.1;
 /// Longest time between two states that counts for their period `[s]`.
@@ -41,6 +46,8 @@ pub struct DriveHistory {
     next: usize,
     /// Filament drawn back and not yet pushed again `[m]`.
     drawn_m: f64,
+    /// The same of a filament that was drawn out whole `[m]`.
+    out_m: f64,
     /// Of the duty from state to state `[-]`.
     roughness: Roughness,
     /// Mean time between two states `[s]`.
@@ -56,6 +63,7 @@ impl Default for DriveHistory {
             ring: [None; KEPT],
             next: 0,
             drawn_m: 0.0,
+            out_m: 0.0,
             roughness: Roughness::new(0.0),
             period_s: SET_PERIOD_S,
         }
@@ -75,7 +83,7 @@ impl DriveHistory {
             }
         }
         self.roughness.on_sample(stamp, Some(drive.duty));
-        let pushed_m = self.pushed_m(&drive);
+        let pushed_m = self.pushed_m(stamp, &drive);
         self.ring[self.next] = Some((stamp, drive, pushed_m));
         self.next = (self.next + 1) % KEPT;
     }
@@ -97,14 +105,20 @@ impl DriveHistory {
         self.ring[(self.next + KEPT - 1) % KEPT]
     }
 
-    /// Pressure advance and retractions push again what they have drawn back: it is hot already.
-    fn pushed_m(&mut self, drive: &Drive) -> f64 {
-        let Some((_, before, pushed_m)) = self.last() else { return 0.0 };
+    /// Pressure advance and retractions push again what they have drawn back: it is hot already. What is loaded reaches no
+    /// nozzle before its tube is full.
+    fn pushed_m(&mut self, stamp: Seconds, drive: &Drive) -> f64 {
+        let Some((then, before, pushed_m)) = self.last() else { return 0.0 };
         let moved_m = drive.motor_position_m - before.motor_position_m;
         // What is drawn back does not slip.
         let moved_m = if moved_m > 0.0 { moved_m * (1.0 - drive.slip) } else { moved_m };
         if !moved_m.is_finite() {
             // counted where it came in; a sum would keep it for ever
+            return pushed_m;
+        }
+        let out_m = self.out_m;
+        self.out_m = (out_m - moved_m).clamp(0.0, OUT_MAX_M);
+        if out_m > STROKE_MAX_M && moved_m > LOAD_M_S * (stamp - then).0 {
             return pushed_m;
         }
         let returned_m = moved_m.clamp(0.0, self.drawn_m);
@@ -206,7 +220,32 @@ mod tests {
     #[test]
     fn what_was_drawn_back_is_hot_already() {
         assert!((fed_m(&[0.0, 3e-3, 1e-3, 3.5e-3, 1.5e-3, 4e-3]) - 4e-3).abs() < 1e-12);
-        assert!((fed_m(&[0.0, 0.01, -0.07, 0.01]) - (0.01 + 0.08 - STROKE_MAX_M)).abs() < 1e-12);
+        // 80 mm at 10 mm/s.
+        let again = (1..=400_u32).map(|step| -0.07 + 2e-4 * f64::from(step));
+        let positions_m: Vec<f64> = [0.0, 0.01, -0.07].into_iter().chain(again).collect();
+        assert!((fed_m(&positions_m) - (0.01 + 0.08 - STROKE_MAX_M)).abs() < 1e-9);
+    }
+
+    /// 400 mm out of a Bowden tube, 380 mm in again at 20 mm/s, the rest and as much more at 5 mm/s. What is pushed as fast
+    /// with nothing drawn out is on its way to the nozzle.
+    #[test]
+    fn a_filament_that_is_loaded_takes_no_heat_before_it_is_there() {
+        let mut history = DriveHistory::default();
+        let (mut stamp_s, mut position_m) = (0.0, 0.0);
+        let mut moved = |way_m: f64, speed_m_s: f64| {
+            for _ in 0..100 {
+                stamp_s += way_m.abs() / speed_m_s / 100.0;
+                position_m += way_m / 100.0;
+                history.push(Seconds(stamp_s), drive(0.5, position_m));
+            }
+            history.fed_m(Seconds(1e3)).unwrap()
+        };
+        let first_m = moved(0.02, 0.02);
+        assert!(first_m > 0.0195, "{first_m}");
+        assert!((moved(-0.4, 0.05) - first_m).abs() < 1e-12);
+        assert!((moved(0.38, 0.02) - first_m).abs() < 1e-12);
+        let more_m = moved(0.04, 5e-3) - first_m;
+        assert!((0.024..0.0401).contains(&more_m), "{more_m}");
     }
 
     /// A balance that was told of 1 km in 0.1 s would be lost for ever.
