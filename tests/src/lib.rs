@@ -2,6 +2,7 @@
 
 pub mod fuzz;
 
+use std::io::Write;
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 
@@ -27,7 +28,7 @@ pub fn run_in_own_domain(test: &str, nth: u32) -> std::io::Result<Option<ExitSta
     let ran =
         command.env(ALONE, "1").env("ROS_DOMAIN_ID", own_domain(nth)).stderr(Stdio::inherit()).output()?;
     let text = String::from_utf8_lossy(&ran.stdout);
-    print!("{text}");
+    std::io::stdout().write_all(&ran.stdout)?;
     if ran.status.success() && !text.contains("1 passed") {
         return Err(std::io::Error::other(format!("{test}: no such test")));
     }
