@@ -45,6 +45,10 @@ const ASKED: &[(&str, &str, f64)] = &[
     ("P5", "a fifth lost, seen by the camera", 20.0),
     ("P5", "a fifth lost over sparse infill, seen by the camera", 20.0),
     ("P5", "total", 10.0),
+    // "1 layer or 30 s": beside the layers, the later counts.
+    ("P8", "back along y", 30.0),
+    ("P8", "a bracket along y", 30.0),
+    ("P8", "a hollow box", 30.0),
     ("P8", "flagged", 0.1),
     ("P8", "knock", 0.1),
     ("P9", "part off the bed", 60.0),
