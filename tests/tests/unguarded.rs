@@ -12,9 +12,7 @@
 #[path = "process_faults/graph.rs"]
 mod graph;
 
-use fdm_loop_msgs::{
-    ChangeState, ChangeStateRequest, DiagnosticStatus, PrintEvent, PrinterState, Transition,
-};
+use fdm_loop_msgs::{ChangeState, ChangeStateRequest, DiagnosticStatus, PrinterState, Transition};
 use graph::{Graph, Network, program};
 use models::units::Seconds;
 use runtime::{Args, Client, Node, topics};
