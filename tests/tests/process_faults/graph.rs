@@ -143,11 +143,6 @@ impl Graph {
 
     /// Ctrl-C, and this exit code in time: 0, or 1 where the print had failed.
     pub(crate) async fn end(&mut self, code: i32) {
-        self.end_with(&[code]).await;
-    }
-
-    /// The same with one of several codes.
-    pub(crate) async fn end_with(&mut self, codes: &[i32]) {
         kill_process(Pid::from_child(&self.fdm), Signal::INT).unwrap();
         let begin = Instant::now();
         let status = loop {
@@ -157,7 +152,7 @@ impl Graph {
             assert!(begin.elapsed() < END, "fdm does not end within {END:?}");
             tokio::time::sleep(LOOK).await;
         };
-        assert!(status.code().is_some_and(|code| codes.contains(&code)), "{status}");
+        assert_eq!(status.code(), Some(code), "{status}");
     }
 
     /// Nodes whose newest process still exists.

@@ -25,8 +25,8 @@ const EVERY: Duration = Duration::from_millis(20);
 const VALIDITY: Seconds = Seconds(0.25);
 
 /// Who says on `events` that a print was stopped past the supervisor, and how it is called.
-pub(crate) const WHO: &str = "fdm";
-pub(crate) const WHAT: &str = "stopped_past_the_supervisor";
+const WHO: &str = "fdm";
+const WHAT: &str = "stopped_past_the_supervisor";
 
 /// What was confirmed, and by whom.
 enum Outcome {
@@ -146,8 +146,13 @@ impl Printer {
     }
 }
 
+/// Whether an event says that a person has stopped the print past a supervisor that does not answer.
+pub(crate) fn is_past_the_supervisor(event: &PrintEvent) -> bool {
+    event.who == WHO && event.what == WHAT
+}
+
 /// What the record keeps of it: no supervisor is there to say why the print ended.
-fn told(now: Seconds, request: Request) -> PrintEvent {
+pub(crate) fn told(now: Seconds, request: Request) -> PrintEvent {
     PrintEvent {
         header: Header::at(now.0),
         severity: PrintEvent::SEVERITY_ERROR,

@@ -185,13 +185,6 @@ impl Watch {
         self.finish(if ended == Ended::Lost { ended } else { self.fate().unwrap_or(ended) })
     }
 
-    /// What the supervisor gave as the cause last, if anything; else what a person did past it.
-    #[must_use]
-    pub fn cause(&self) -> Option<&str> {
-        let told = self.newest_safety.as_ref().map(|safety| safety.cause.as_str());
-        told.filter(|cause| !cause.is_empty()).or(self.guard.past.as_deref())
-    }
-
     /// Ends the nodes in order.
     pub async fn stop(&mut self, fleet: &mut Fleet) {
         ending::end(fleet, &self.ears.node).await;

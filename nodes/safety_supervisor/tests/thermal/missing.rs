@@ -48,7 +48,7 @@ fn found_after_a_fall(seed: u64, gain: f64) -> (f64, f64) {
 }
 
 /// P2: no heat is ordered for the first seconds, and that it does not come shows only after them: as soon as ever then.
-/// `config/faults.yaml` gives a dead one 8 s from the fall.
+/// `config/faults.yaml` gives a dead one 9 s from the fall, a loose one 11 s.
 #[test]
 fn p2_a_heater_that_fails_as_the_set_point_falls_is_found_once_heat_is_ordered_again() {
     for (name, gain, fall_limit_s, limit_s) in [("dead", 0.0, 8.0, 5.0), ("loose", 0.2, 10.0, 8.0)] {

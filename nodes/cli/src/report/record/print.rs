@@ -165,7 +165,7 @@ impl Print {
 
     /// Takes an event in: who stops a print past a supervisor that does not answer leaves its cause there alone.
     pub(crate) fn event(&mut self, at: f64, event: &PrintEvent) {
-        if event.what == stop::WHAT && self.held_up.is_none() {
+        if stop::is_past_the_supervisor(event) && self.held_up.is_none() {
             let (cause, what_to_do) = (short(&event.why, TEXT_MAX), String::new());
             self.held_up = Some(HeldUp { at, mode: SafetyState::MODE_SAFE_OFF, cause, what_to_do });
         }
@@ -201,6 +201,8 @@ impl Print {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use models::command::Request;
+    use models::units::Seconds;
 
     /// C2: a supervisor that is killed in `act` guards nothing until it is there again, and after its last word.
     #[test]
@@ -217,12 +219,14 @@ mod tests {
             "{times:?}"
         );
     }
+
     #[test]
     fn a_stop_past_the_supervisor_is_why_the_print_ended() {
         let mut print = Print::default();
-        let event =
-            PrintEvent { what: stop::WHAT.to_owned(), why: "P13: a person".to_owned(), ..<_>::default() };
+        let event = stop::told(Seconds(12.0), Request::HeatersOff);
+        print.event(11.0, &PrintEvent { who: "somebody".to_owned(), ..event.clone() });
+        assert_eq!(print.held_up, None);
         print.event(12.0, &event);
-        assert!(print.held_up.is_some_and(|held_up| held_up.cause == "P13: a person" && held_up.at > 11.0));
+        assert!(print.held_up.is_some_and(|held_up| held_up.cause.starts_with("P13: a person stops")));
     }
 }

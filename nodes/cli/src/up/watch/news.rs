@@ -18,7 +18,7 @@ impl Watch {
             if let Some(line) = injected(&event.message) {
                 self.bar.suspend(|| output::note(&line));
             }
-            if is_past_the_guard(&event.message) {
+            if stop::is_past_the_supervisor(&event.message) {
                 self.guard.past = Some(event.message.why);
             }
         }
@@ -43,6 +43,13 @@ impl Watch {
         }
     }
 
+    /// What the supervisor gave as the cause last, if anything; else what a person did past it.
+    #[must_use]
+    pub fn cause(&self) -> Option<&str> {
+        let told = self.newest_safety.as_ref().map(|safety| safety.cause.as_str());
+        told.filter(|cause| !cause.is_empty()).or(self.guard.past.as_deref())
+    }
+
     /// Why the bag is not whole, if it is not.
     #[must_use]
     pub fn gap(&self) -> Option<&str> {
@@ -53,11 +60,6 @@ impl Watch {
 /// A fault that was injected, for people.
 fn injected(event: &PrintEvent) -> Option<String> {
     (event.what == INJECTED).then(|| format!("fault injected: {}", event.why))
-}
-
-/// Whether a person has stopped the print past a supervisor that does not answer.
-fn is_past_the_guard(event: &PrintEvent) -> bool {
-    event.who == stop::WHO && event.what == stop::WHAT
 }
 
 #[cfg(test)]
