@@ -93,6 +93,8 @@ struct Rig {
     motor_m: f64,
     fed_m: f64,
     flow_m_s: f64,
+    /// What the motor pushes beside strokes.
+    feed_m_s: f64,
     /// Of the outlet at 210 degC.
     law: StaticLaw,
     slip: f64,
@@ -119,6 +121,7 @@ impl Rig {
             motor_m: 0.0,
             fed_m: 0.0,
             flow_m_s: FEED_M_S,
+            feed_m_s: FEED_M_S,
             law: StaticLaw::of_melting(
                 (&Melt::new(&pla(), &bowden()), &bowden()),
                 (Kelvin(483.15), Kelvin(298.15)),
@@ -151,7 +154,7 @@ impl Rig {
                 6..12 => self.stroke_m / 0.06,
                 _ => 0.0,
             };
-            let motor_m_s = FEED_M_S + stroke_m_s;
+            let motor_m_s = self.feed_m_s + stroke_m_s;
             let fed_m_s = if motor_m_s > 0.0 { (1.0 - self.slip) * motor_m_s } else { motor_m_s };
             self.motor_m += motor_m_s * 0.01;
             self.fed_m += fed_m_s * 0.01;

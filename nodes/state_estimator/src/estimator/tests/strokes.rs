@@ -59,3 +59,14 @@ fn a_slip_of_strokes_is_told_behind_a_host_that_is_too_slow_to_show_them() {
         assert_eq!(estimate.resets, 0);
     }
 }
+
+/// K4: 100 mm out at 25 mm/s and in again, as a filament is unloaded and loaded, are a long stroke and no divergence.
+#[test]
+fn a_filament_that_is_unloaded_is_no_divergence() {
+    let mut rig = Rig::new();
+    rig.run(1000);
+    (rig.feed_m_s, rig.width_noise_m) = (-0.025, f64::NAN);
+    assert_eq!(rig.run(400).resets, 0);
+    rig.feed_m_s = 0.025;
+    assert_eq!(rig.run(390).resets, 0);
+}
