@@ -9,7 +9,7 @@ use std::process::{Child, ChildStderr, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 /// Longest wait until what was asked for shows.
-const PATIENCE: Duration = Duration::from_secs(30);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 fn root() -> PathBuf {
     std::fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap()
@@ -115,7 +115,9 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     // Ctrl-Z: the printer would go on without its loop, so it is not heeded.
     kill_process(Pid::from_child(&graph.child), Signal::TSTP).unwrap();
     graph.until("cannot be suspended");
-    assert!(granted(&["mode", "observe"]).contains("mode observe"));
+    // On a busy machine the mode may be degraded just then: it is set beneath that.
+    let set = granted(&["mode", "observe"]);
+    assert!(set.contains("mode observe") || set.contains("observe is set"), "{set}");
     graph.until(", observe, ");
     status_where("observe", |told| told["mode"] == "observe" && told["phase"] == "printing");
     // Long after the end of this test, so that the print goes on as it is.
@@ -125,12 +127,13 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     assert!(injected.contains("s of the simulation on, lasts 20 s"), "{injected}");
     graph.until("fault injected: extruder slip");
     // S7: a sensor of the simulated printer falls silent, which the supervisor tells and gets over.
-    let cut = ["inject", "encoder", "off", "--duration-s", "20"];
+    let cut = ["inject", "encoder", "off", "--duration-s", "30"];
     assert!(granted(&cut).contains("injected: encoder off, from"));
-    let missed = status_where("degraded", |told| told["mode"] == "degraded");
-    assert!(missed["cause"].as_str().unwrap().starts_with("S7"), "{missed}");
+    let silent = |told: &Value| told["cause"].as_str().is_some_and(|cause| cause.starts_with("S7"));
+    status_where("degraded", |told| told["mode"] == "degraded" && silent(told));
     status_where("observe again", |told| told["mode"] == "observe");
-    assert!(granted(&["pause"]).contains("mode paused"));
+    let paused = granted(&["pause"]);
+    assert!(paused.contains("mode paused"), "{paused}");
     graph.until("supervisor at");
     let held = status_where("paused", |told| told["mode"] == "paused" && told["phase"] == "paused");
     assert!(held["cause"].as_str().unwrap().starts_with("P13") && held["latched"] == false, "{held}");
@@ -146,7 +149,8 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
         "{}",
         said(&refused)
     );
-    assert!(granted(&["stop"]).contains("safety/stop: mode safe_off"));
+    let stopped = granted(&["stop"]);
+    assert!(stopped.contains("safety/stop: mode safe_off"), "{stopped}");
     let told = graph.until("safe_off: P13");
     assert!(told.contains("start the next print") && !told.contains("fdm acknowledge"), "{told}");
     let (code, figures) = graph.end();
