@@ -25,8 +25,9 @@ step "brains build without ROS"
 brains=(thermistor filament_encoder imu camera defect_classifier state_estimator mpc_controller advance_predictor safety_supervisor printer_sim printer_bridge bag_recorder)
 cargo check -q --locked --lib --no-default-features "${brains[@]/#/-p=}"
 
-step "node binaries"
-cargo build --workspace --bins --locked
+# Together: what tests ask of a library would have it built a second time for them.
+step "programs and tests"
+cargo build --workspace --bins --tests --locked
 
 # All of them, even after one has failed: who mends the first sees the others.
 step "tests"
