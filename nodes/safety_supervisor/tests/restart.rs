@@ -137,6 +137,8 @@ struct Peer {
     run: u64,
     states: Subscription<SafetyState>,
     events: Subscription<PrintEvent>,
+    /// Events that nobody has asked for yet.
+    heard: Vec<PrintEvent>,
     log: Subscription<Log>,
     pause: Client<Trigger>,
     estop: Client<Trigger>,
@@ -153,6 +155,7 @@ impl Peer {
             run: 0,
             states: node.subscribe(&topics::SAFETY_STATE).unwrap(),
             events: node.subscribe(&topics::EVENTS).unwrap(),
+            heard: Vec::new(),
             log: node.subscribe(&topics::ROSOUT).unwrap(),
             pause: node.client(&topics::SAFETY_PAUSE).unwrap(),
             estop: node.client(&topics::SAFETY_ESTOP).unwrap(),
@@ -187,7 +190,7 @@ impl Peer {
         self.event_where(what, |_| true).await
     }
 
-    /// What a run has taken over from the one before it. Its events may come behind those of the next one.
+    /// What a run has taken over from the one before it.
     async fn remembered(&mut self, mode: &str) -> PrintEvent {
         self.event_where("remembered", |event| event.after == mode).await
     }
@@ -198,14 +201,16 @@ impl Peer {
         self.event_where("record_refused", |event| event.why.starts_with(&record)).await.why
     }
 
+    /// The first that holds, of those that came before it was asked for too: they may come in any order.
     async fn event_where(&mut self, what: &str, holds: impl Fn(&PrintEvent) -> bool) -> PrintEvent {
-        let events = &mut self.events;
+        let is_it = |event: &PrintEvent| event.what == what && holds(event);
+        let (events, heard) = (&mut self.events, &mut self.heard);
         let event = self.printer.during(what, async {
             loop {
-                let event = events.recv().await.message;
-                if event.what == what && holds(&event) {
-                    return event;
+                if let Some(place) = heard.iter().position(is_it) {
+                    return heard.remove(place);
                 }
+                heard.push(events.recv().await.message);
             }
         });
         event.await
