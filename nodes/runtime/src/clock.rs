@@ -16,6 +16,7 @@ use tokio::sync::watch;
 mod punctuality;
 
 use punctuality::Punctuality;
+pub use punctuality::TICKS_LATE_MS;
 
 /// Past readings of `/clock` that are kept to date a message by its age: 256 readings 5 ms apart reach back 1.3 s,
 /// longer than any validity.

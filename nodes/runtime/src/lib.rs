@@ -94,7 +94,7 @@ mod witness;
 pub use args::{Args, ArgsError, LogLevel};
 pub use bounds::{DRIVEN_OUT, MEMORY_LIMIT, STARTED_AGAIN};
 pub use build::build;
-pub use clock::{Clock, ClockDriver, Timer};
+pub use clock::{Clock, ClockDriver, TICKS_LATE_MS, Timer};
 pub use diagnostics::{Diagnostics, Level};
 pub use environment::{Environment, Range};
 pub use error::RuntimeError;

@@ -10,6 +10,10 @@ const MEANINGS: [(&str, &str); 24] = [
     ("answer", "time until a service call was answered"),
     ("answered_hz", "service calls answered a second"),
     ("back_s", "from the fault until the process was started again, or continued"),
+    (
+        "bare timer late",
+        "the same of a thread in `fdm` that does nothing but wake every 20 ms: the machine's share",
+    ),
     ("beats_s", "from the fault until the first heartbeat of its next run, or of the one that goes on"),
     ("died", "1 where the process ended for lack of memory, 0 where it went on"),
     ("foreign_cores", "processors that were busy with something else"),
@@ -18,8 +22,10 @@ const MEANINGS: [(&str, &str); 24] = [
     ("neutral_s", "from the fault until the printer was at the slicer's values"),
     ("not_answered", "service calls without an answer"),
     ("paused_s", "from the fault until the supervisor had paused the print"),
-    ("permit", "how far the interval of two permits was from 20 ms"),
-    ("permit late", "how much longer than 20 ms the interval of two permits was"),
+    (
+        "permit late",
+        "how much longer than usual the supervisor took from tick to tick, in whole ms, rounded up",
+    ),
     ("permit that stops", "time from the call until the permit that demands the stop"),
     ("printer_state_gap_s", "longest silence of printer/state"),
     ("rss_all_mib", "memory of all nodes together"),

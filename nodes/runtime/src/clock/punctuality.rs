@@ -2,7 +2,7 @@
 
 use crate::diagnostics::Diagnostics;
 use models::units::Seconds;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 /// Ticks that are looked back on: 20 s at 50 Hz.
 const WINDOW: u64 = 1000;
@@ -12,6 +12,12 @@ const OFF_MAX: usize = 1;
 const NEW_SHARE: f64 = 0.02;
 /// Name among the alarms of the node.
 const NAME: &str = "ticks";
+/// Name of the counts of late ticks: `0:498 1:2`, two were later than usual by 1 ms to 2 ms.
+pub const TICKS_LATE_MS: &str = "ticks_late_ms";
+/// Ticks between two tellings of how late they were: 1 s at 50 Hz, as `/diagnostics` is published.
+const TELL: u64 = 50;
+/// Later than so many milliseconds is told as so many.
+const LATE_MAX_MS: u16 = 100;
 
 /// What is known of the intervals.
 #[derive(Debug)]
@@ -23,12 +29,22 @@ pub(crate) struct Punctuality {
     ticks: u64,
     /// Numbers of those that were off.
     off: VecDeque<u64>,
+    /// How many of all were later than the usual interval by whole milliseconds.
+    late_ms: BTreeMap<u16, u64>,
 }
 
 impl Punctuality {
     /// Tells in `diagnostics` where more than 0.1 % of the intervals differ by more than `tolerance` from the usual one.
     pub(crate) fn new(diagnostics: Diagnostics, tolerance: Seconds) -> Self {
-        Self { diagnostics, tolerance, last: None, usual_s: None, ticks: 0, off: VecDeque::new() }
+        Self {
+            diagnostics,
+            tolerance,
+            last: None,
+            usual_s: None,
+            ticks: 0,
+            off: VecDeque::new(),
+            late_ms: BTreeMap::new(),
+        }
     }
 
     /// A tick at `now` of real time.
@@ -41,6 +57,13 @@ impl Punctuality {
         let last = self.last.replace(now);
         if let Some(interval_s) = last.map(|last| (now - last).0) {
             let usual_s = self.usual_s.unwrap_or(interval_s);
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates at both ends"
+            )]
+            let late_ms = ((interval_s - usual_s) * 1e3) as u16;
+            *self.late_ms.entry(late_ms.min(LATE_MAX_MS)).or_default() += 1;
             if (interval_s - usual_s).abs() > self.tolerance.0 {
                 self.off.push_back(self.ticks);
             }
@@ -50,6 +73,11 @@ impl Punctuality {
         }
         if self.off.len() != before {
             self.tell();
+        }
+        if self.ticks.is_multiple_of(TELL) {
+            let counts: Vec<String> =
+                self.late_ms.iter().map(|(late_ms, ticks)| format!("{late_ms}:{ticks}")).collect();
+            self.diagnostics.set(TICKS_LATE_MS, counts.join(" "));
         }
     }
 
@@ -95,6 +123,23 @@ mod tests {
         );
         (0..1000).for_each(|_| tick(0.02));
         assert_eq!(level(&diagnostics), (DiagnosticStatus::OK, "ok".to_owned()));
+    }
+
+    #[test]
+    fn late_ticks_are_counted_by_whole_milliseconds() {
+        let diagnostics = Diagnostics::default();
+        let mut ticks = Punctuality::new(diagnostics.clone(), Seconds(0.01));
+        let mut now = Seconds(100.0);
+        for (interval_s, times) in [(0.02, 47), (0.0236, 1), (0.0164, 1), (0.5, 1)] {
+            (0..times).for_each(|_| {
+                now = now + Seconds(interval_s);
+                ticks.tick(now);
+            });
+        }
+        let own = diagnostics.array("/x", &Clock::simulated()).status.swap_remove(0);
+        let told =
+            own.values.iter().find(|value| value.key == TICKS_LATE_MS).map(|value| value.value.as_str());
+        assert_eq!(told, Some("0:47 3:1 100:1"));
     }
 
     /// Simulated time at a tenth of its pace: intervals of 0.2 s are as even as those of 20 ms.

@@ -189,7 +189,7 @@ impl Act {
     pub fn bench(&self) -> Bench {
         match self {
             Self::Orders { .. } => Bench::Own,
-            Self::Spin { .. } => Bench::HostClock,
+            Self::Spin { .. } | Self::Calls { .. } => Bench::HostClock,
             Self::StepClock { .. } | Self::SlowDisk { .. } | Self::FullDisk { .. } => Bench::Shimmed,
             _ => Bench::Plain,
         }

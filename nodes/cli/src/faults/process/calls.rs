@@ -2,6 +2,7 @@
 
 use super::aside::Aside;
 use super::graph::Spinners;
+use super::machine::bare_timer;
 use super::observer::Seen;
 use super::outcome::Observed;
 use super::session::Session;
@@ -135,7 +136,7 @@ async fn until_acknowledged(session: &mut Session) -> anyhow::Result<bool> {
 
 /// Whether this is a permit that demands an emergency stop, or one that does not.
 fn is_permit(seen: &Seen, stops: bool) -> bool {
-    matches!(seen, Seen::Permit(permit) if (permit.command.request == ControlCommand::REQUEST_EMERGENCY_STOP) == stops)
+    matches!(seen, Seen::Permit(permit) if (permit.request == ControlCommand::REQUEST_EMERGENCY_STOP) == stops)
 }
 
 /// Calls of one caller.
@@ -148,10 +149,11 @@ struct Tally {
 
 /// C11: eight callers ask for parameters and of the supervisor what it cannot grant or grants without effect.
 pub(super) async fn flood(session: &mut Session, rate_hz: f64, for_s: f64) -> anyhow::Result<Observed> {
-    let callers = Aside::start(move |stop| call_all(rate_hz, stop));
+    let (callers, bare) = (Aside::start(move |stop| call_all(rate_hz, stop)), bare_timer());
     let mut watcher = session.watcher();
     session.watch(&mut watcher, for_s).await?;
     callers.stop();
+    bare.stop();
     while !callers.is_finished() {
         _ = session.next().await?;
     }
@@ -166,7 +168,8 @@ pub(super) async fn flood(session: &mut Session, rate_hz: f64, for_s: f64) -> an
     observed.figures.insert("answered_hz", answered_hz);
     observed.figures.insert("not_answered", f64::from(tally.failed));
     observed.measures.insert("answer", tally.answered);
-    observed.measures.insert("permit late", watcher.jitter.late(for_s));
+    observed.measures.insert("permit late", watcher.jitter.late());
+    observed.measures.insert("bare timer late", bare.result()?);
     Ok(observed)
 }
 

@@ -2,6 +2,7 @@
 
 use super::aside::Aside;
 use super::graph::Spinners;
+use super::machine::bare_timer;
 use super::outcome::Observed;
 use super::session::Session;
 use super::watcher::Watcher;
@@ -24,21 +25,22 @@ const LONG_S: f64 = 1800.0;
 const HOUR_S: f64 = 3600.0;
 
 /// What was seen of permits and printer.
-fn seen_of(watcher: &mut Watcher) -> Observed {
+fn seen_of(watcher: &Watcher) -> Observed {
     let mut observed = Observed::of(watcher);
     observed.figures.insert("printer_state_gap_s", watcher.gap_s);
-    observed.measures.insert("permit", watcher.jitter.off());
+    observed.measures.insert("permit late", watcher.jitter.late());
     observed
 }
 
 /// L1: so many processes count meanwhile.
 pub(super) async fn spin(session: &mut Session, processes: u32, for_s: f64) -> anyhow::Result<Observed> {
     let _spinners = Spinners::start(processes)?;
+    let bare = bare_timer();
     let mut watcher = session.watcher();
     session.watch(&mut watcher, for_s).await?;
-    let mut observed = Observed::of(&watcher);
-    observed.figures.insert("printer_state_gap_s", watcher.gap_s);
-    observed.measures.insert("permit late", watcher.jitter.late(for_s));
+    bare.stop();
+    let mut observed = seen_of(&watcher);
+    observed.measures.insert("bare timer late", bare.result()?);
     Ok(observed)
 }
 
@@ -62,7 +64,7 @@ pub(super) async fn flood(
     flood.stop();
     session.watch(&mut watcher, LOOK_S).await?;
     let sent = flood.result()?;
-    let mut observed = seen_of(&mut watcher);
+    let mut observed = seen_of(&watcher);
     let (name, grown) = most.iter().max_by(|a, b| a.1.total_cmp(b.1)).map_or(("", 0.0), |(n, g)| (*n, *g));
     if grown > growth_mib {
         observed.wrong.push(format!("{name} grew by {grown:.0} MiB, limit {growth_mib}"));
@@ -115,7 +117,7 @@ pub(super) async fn soak(session: &mut Session, for_s: f64, slope_mib_h: f64) ->
             sizes.entry(name).or_default().push((now_s, resident));
         }
     }
-    let mut observed = seen_of(&mut watcher);
+    let mut observed = seen_of(&watcher);
     // The first third warms caches and queues up.
     let settled =
         |points: &[(f64, f64)]| -> f64 { slope(points.get(points.len() / 3..).unwrap_or_default()) * HOUR_S };

@@ -1,6 +1,11 @@
-//! How much of the machine is taken by what is none of ours: without that a measured jitter says little.
+//! How much of the machine is taken by what is none of ours, and how late it wakes a thread that does nothing: without
+//! these a measured jitter says little.
 
+use super::aside::Aside;
 use super::session::Session;
+use runtime::topics;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
 
 /// Ticks of the processors since the start: all, busy ones, and those of the graph and of this process.
 #[derive(Debug, Clone, Copy)]
@@ -41,4 +46,25 @@ fn ticks_of(pid: u32) -> f64 {
     // The name may hold anything, it ends with the last bracket; then user and system time are the 12th and 13th.
     let (_, rest) = text.rsplit_once(')').unwrap_or_default();
     rest.split_whitespace().skip(11).take(2).filter_map(|field| field.parse::<f64>().ok()).sum()
+}
+
+/// A thread that wakes as often as the supervisor ticks, and does nothing else: how much longer than that it took each time
+/// `[s]`.
+pub(super) fn bare_timer() -> Aside<Vec<f64>> {
+    Aside::start(|stop| {
+        let period = Duration::from_secs_f64(topics::PERMIT_PERIOD.0);
+        let mut due = Instant::now() + period;
+        let mut before: Option<Instant> = None;
+        let mut late = Vec::new();
+        while !stop.load(Ordering::Relaxed) {
+            std::thread::sleep(due.saturating_duration_since(Instant::now()));
+            let now = Instant::now();
+            late.extend(before.map(|before| now.duration_since(before).saturating_sub(period).as_secs_f64()));
+            before = Some(now);
+            while due <= now {
+                due += period;
+            }
+        }
+        Ok(late)
+    })
 }

@@ -7,6 +7,7 @@
 mod aside;
 mod calls;
 mod graph;
+mod jitter;
 mod limits;
 mod load;
 mod machine;

@@ -1,29 +1,16 @@
 //! A participant that sees what the printer does and what the supervisor says. Its clock is the host's.
 
-use crate::report::decode::decode;
 use crate::up::fleet::Happening;
-use anyhow::Context;
 use fdm_loop_msgs::{
     Clock as ClockMessage, ControlCommand, DiagnosticArray, Heartbeat, PrinterState, SafetyState, Trigger,
 };
 use models::units::Seconds;
-use runtime::{Args, Client, Gid, Node, RawMessage, RawSubscription, Shutdown, Subscription, Timer, topics};
+use runtime::{Args, Client, Node, Shutdown, Subscription, Timer, topics};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How often it looks up where nothing comes `[s]`.
 const LOOK_S: f64 = 0.01;
-
-/// A permit as it came over the wire.
-#[derive(Debug)]
-pub(super) struct Permit {
-    /// Who sent it, and which one of theirs it is.
-    pub(super) publisher: Gid,
-    pub(super) sequence: i64,
-    /// When it was sent, by the sender's wall clock `[ns]`.
-    pub(super) sent_ns: Option<i64>,
-    pub(super) command: ControlCommand,
-}
 
 /// Something that was observed.
 #[derive(Debug)]
@@ -32,7 +19,7 @@ pub(super) enum Seen {
     Safety(SafetyState),
     /// Node and session.
     Heart(String, u64),
-    Permit(Box<Permit>),
+    Permit(Box<ControlCommand>),
     /// The graph's clock `[s]`.
     Clock(f64),
     Report(DiagnosticArray),
@@ -54,7 +41,7 @@ pub(super) struct Observer {
     hearts: Subscription<Heartbeat>,
     reports: Subscription<DiagnosticArray>,
     clock: Subscription<ClockMessage>,
-    permits: RawSubscription,
+    permits: Subscription<ControlCommand>,
     shutdown: Shutdown,
     /// Nothing is heard through DDS any more.
     deaf: Arc<AtomicBool>,
@@ -76,7 +63,7 @@ impl Observer {
             hearts: node.subscribe(&topics::HEARTBEAT)?,
             reports: node.subscribe(&topics::DIAGNOSTICS)?,
             clock: node.subscribe(&topics::CLOCK)?,
-            permits: node.subscribe_raw(&topics::SAFETY_COMMAND.info())?,
+            permits: node.subscribe(&topics::SAFETY_COMMAND)?,
             shutdown: node.shutdown_handle(),
             ticks: node.timer(Seconds(LOOK_S)),
             node,
@@ -113,7 +100,7 @@ impl Observer {
             message = self.clock.recv() => {
                 (message.received, Seen::Clock(message.message.clock.seconds().unwrap_or(f64::NAN)))
             }
-            message = self.permits.recv() => (message.received, Seen::Permit(Box::new(permit(&message)?))),
+            message = self.permits.recv() => (message.received, Seen::Permit(Box::new(message.message))),
             beat = self.hearts.recv() => {
                 let name = beat.message.node.rsplit('/').next().unwrap_or_default().to_owned();
                 (beat.received, Seen::Heart(name, beat.message.session_id))
@@ -121,13 +108,6 @@ impl Observer {
             now = self.ticks.next() => (now, Seen::Tick),
         })
     }
-}
-
-/// Decodes a permit; one that cannot be is the end of the run.
-fn permit(message: &RawMessage) -> anyhow::Result<Permit> {
-    let command = decode(&message.payload).context("a permit that cannot be decoded")?;
-    let RawMessage { publisher, sequence, sent_ns, .. } = *message;
-    Ok(Permit { publisher, sequence, sent_ns, command })
 }
 
 /// The printer is at the slicer's own values.

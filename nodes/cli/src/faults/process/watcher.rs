@@ -1,74 +1,16 @@
 //! What follows on a fault, by the clock of the observer and by that of the graph.
 
-use super::observer::{Permit, Seen, is_neutral};
+use super::jitter::Jitter;
+use super::observer::{Seen, is_neutral};
 use crate::up::fleet::Happening;
 use crate::up::words::mode_name;
-use fdm_loop_msgs::{DiagnosticArray, DiagnosticStatus, Header, PrinterState, SafetyState, Time};
+use fdm_loop_msgs::{DiagnosticArray, DiagnosticStatus, Header, PrinterState, SafetyState};
 use models::units::Seconds;
-use runtime::{Gid, topics};
 
-/// Nanoseconds in a second.
-const NANOS_PER_S: f64 = 1e9;
 /// So long a graph stays whole to be called whole `[s]`: longer than the supervisor's patience with any stream.
 const LASTS_S: f64 = 1.0;
 /// What the supervisor's own status says where its permits come irregularly.
 const ALARM: &str = "irregular";
-
-/// How regularly permits are sent, by the supervisor's own stamps of sending.
-///
-/// Of ticks alone: a permit that answers a command or a request bears the graph's time of the tick before it, which goes
-/// on once in 20 ms, as the ticks do.
-#[derive(Debug, Default)]
-pub(super) struct Jitter {
-    last: Option<Heard>,
-    /// Differences of the intervals from 20 ms, longer ones positive `[s]`.
-    samples: Vec<f64>,
-}
-
-/// The newest permit.
-#[derive(Debug)]
-struct Heard {
-    publisher: Gid,
-    sequence: i64,
-    /// Time of the graph.
-    stamp: Time,
-    /// When the permit of its tick was sent `[ns]`.
-    tick_ns: i64,
-}
-
-impl Jitter {
-    fn take(&mut self, permit: &Permit) {
-        let Some(tick_ns) = permit.sent_ns else { return };
-        let Permit { publisher, sequence, .. } = *permit;
-        let stamp = permit.command.header.stamp.clone();
-        let before = self.last.replace(Heard { publisher, sequence, stamp, tick_ns });
-        let follows = |before: &Heard| before.publisher == publisher && before.sequence + 1 == sequence;
-        let (Some(before), Some(last)) = (before.filter(follows), &mut self.last) else { return };
-        if before.stamp == last.stamp {
-            last.tick_ns = before.tick_ns;
-            return;
-        }
-        #[allow(clippy::cast_precision_loss, reason = "an interval, not a date")]
-        let interval_s = (tick_ns - before.tick_ns) as f64 / NANOS_PER_S;
-        self.samples.push(interval_s - topics::PERMIT_PERIOD.0);
-    }
-
-    /// How far the intervals are from 20 ms `[s]`.
-    pub(super) fn off(&mut self) -> Vec<f64> {
-        std::mem::take(&mut self.samples).into_iter().map(f64::abs).collect()
-    }
-
-    /// How late permits come in `for_s`, one number for each period of it `[s]`: where a request is answered with a
-    /// permit of its own, the intervals in between are short, and no fault.
-    pub(super) fn late(&mut self, for_s: f64) -> Vec<f64> {
-        let mut late: Vec<f64> =
-            std::mem::take(&mut self.samples).into_iter().map(|off_s| off_s.max(0.0)).collect();
-        late.sort_by(|a, b| b.total_cmp(a));
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "thousands")]
-        late.truncate((for_s / topics::PERMIT_PERIOD.0) as usize);
-        late
-    }
-}
 
 /// What was seen since a moment. Times count from there `[s]`; what printer and supervisor do is dated by their stamps, on
 /// the graph's clock, which lags behind the observer's where the machine is loaded; the rest by its arrival.
@@ -97,7 +39,7 @@ pub(super) struct Watcher {
     pub(super) alarmed: bool,
     /// Nodes that ended or fell silent.
     pub(super) fallen: Vec<&'static str>,
-    /// Permits meanwhile.
+    /// How regularly it ticked.
     pub(super) jitter: Jitter,
     /// Longest time between two states of the printer `[s]`.
     pub(super) gap_s: f64,
@@ -146,8 +88,7 @@ impl Watcher {
         match seen {
             Seen::Printer(state) => self.on_printer(at, state),
             Seen::Safety(state) => self.on_safety(state),
-            Seen::Permit(permit) => self.jitter.take(permit),
-            Seen::Report(report) => self.alarmed |= tells_alarm(report),
+            Seen::Report(report) => self.on_report(report),
             Seen::Happened(Happening::Silent { name }) => self.fallen.push(name),
             Seen::Happened(happening) => self.fallen.extend(happening.ended()),
             _ => {}
@@ -188,6 +129,14 @@ impl Watcher {
         self.printer = Some(Box::new(state.clone()));
     }
 
+    fn on_report(&mut self, report: &DiagnosticArray) {
+        let own = |status: &&DiagnosticStatus| status.name.ends_with("safety_supervisor");
+        for status in report.status.iter().filter(own) {
+            self.alarmed |= status.level >= DiagnosticStatus::WARN && status.message.contains(ALARM);
+            self.jitter.take(status);
+        }
+    }
+
     fn on_safety(&mut self, state: &SafetyState) {
         let Some(at_s) = self.on_graph(&state.header) else { return };
         self.mode = state.mode;
@@ -211,14 +160,4 @@ impl Watcher {
     fn on_graph(&self, header: &Header) -> Option<f64> {
         header.stamp.seconds().map(|stamp_s| stamp_s - self.stamp_s)
     }
-}
-
-/// Whether the supervisor's own status says that its permits come irregularly.
-fn tells_alarm(report: &DiagnosticArray) -> bool {
-    let tells = |status: &DiagnosticStatus| {
-        status.name.ends_with("safety_supervisor")
-            && status.level >= DiagnosticStatus::WARN
-            && status.message.contains(ALARM)
-    };
-    report.status.iter().any(tells)
 }
