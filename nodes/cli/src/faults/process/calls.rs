@@ -2,7 +2,7 @@
 
 use super::aside::Aside;
 use super::graph::Spinners;
-use super::machine::bare_timer;
+use super::machine::{BARE, bare_timer};
 use super::observer::Seen;
 use super::outcome::Observed;
 use super::session::Session;
@@ -169,7 +169,7 @@ pub(super) async fn flood(session: &mut Session, rate_hz: f64, for_s: f64) -> an
     observed.figures.insert("not_answered", f64::from(tally.failed));
     observed.measures.insert("answer", tally.answered);
     observed.measures.insert("permit late", watcher.jitter.late());
-    observed.measures.insert("bare timer late", bare.result()?);
+    observed.measures.insert(BARE, bare.result()?);
     Ok(observed)
 }
 

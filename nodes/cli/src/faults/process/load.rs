@@ -2,7 +2,7 @@
 
 use super::aside::Aside;
 use super::graph::Spinners;
-use super::machine::bare_timer;
+use super::machine::{BARE, bare_timer};
 use super::outcome::Observed;
 use super::session::Session;
 use super::watcher::Watcher;
@@ -40,7 +40,7 @@ pub(super) async fn spin(session: &mut Session, processes: u32, for_s: f64) -> a
     session.watch(&mut watcher, for_s).await?;
     bare.stop();
     let mut observed = seen_of(&watcher);
-    observed.measures.insert("bare timer late", bare.result()?);
+    observed.measures.insert(BARE, bare.result()?);
     Ok(observed)
 }
 

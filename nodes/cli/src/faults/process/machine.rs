@@ -7,6 +7,9 @@ use runtime::topics;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+/// Name of what [`bare_timer`] measures.
+pub(super) const BARE: &str = "bare timer late";
+
 /// Ticks of the processors since the start: all, busy ones, and those of the graph and of this process.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Machine {

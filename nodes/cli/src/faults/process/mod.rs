@@ -20,15 +20,17 @@ mod shim;
 mod storage;
 mod watcher;
 
-use super::catalogue::{Act, Bench, Catalogue, FaultSpec, ProcessSpec, Reaction};
+use super::catalogue::{Act, Bench, Bound, Catalogue, FaultSpec, ProcessSpec, Reaction};
 use super::figures::{FaultFigures, Figures, TrialFigures};
+use super::measure::Measure;
 use super::trial::share_of;
 use crate::config::ConfigDir;
 use crate::output;
 use anyhow::{Context, bail};
 use graph::{Graph, Setting};
-use machine::Machine;
+use machine::{BARE, Machine};
 use outcome::Observed;
+use runtime::topics;
 use session::Session;
 use std::collections::BTreeMap;
 
@@ -48,6 +50,9 @@ struct Due<'a> {
 
 /// Where so many processors were busy with something else, what the machine could not keep is excused if it was told.
 const FOREIGN_CORES: f64 = 0.2;
+
+/// So is it where a thread that does nothing is woken later than this with one of a thousand: half of what a permit may be `[s]`.
+const BARE_LATE_S: f64 = 0.5 * topics::PERMIT_JITTER.0;
 
 /// What is asked for beside the catalogue.
 #[derive(Debug, Clone)]
@@ -242,8 +247,16 @@ async fn one(setting: &Setting, bench: &mut Running, due: &Due<'_>, wish: &Wish)
     let mut observed = act(session, due, wish).await?;
     let foreign = Machine::look(session).foreign_since(&before);
     observed.figures.insert("foreign_cores", foreign);
-    observed.excused = foreign > FOREIGN_CORES;
+    observed.excused =
+        foreign > FOREIGN_CORES || observed.measures.get(BARE).is_some_and(|late| is_uneven(late));
     Ok(observed)
+}
+
+/// Whether the machine itself wakes a thread so late that a permit cannot be in time.
+fn is_uneven(bare_late_s: &[f64]) -> bool {
+    Measure::of(BARE, bare_late_s.to_vec(), Bound::default())
+        .p999_s
+        .is_some_and(|late_s| late_s > BARE_LATE_S)
 }
 
 /// What a trial does.

@@ -57,6 +57,20 @@ impl Observed {
         Self { seed, wrong: vec![why], ..Self::default() }
     }
 
+    /// Bounds that were not kept, in words.
+    fn unkept(&self, spec: &ProcessSpec) -> Vec<String> {
+        let measured = self.measures.iter().map(|(name, samples)| {
+            let bound = spec.bounds.get(*name).copied().unwrap_or_default();
+            Measure::of(name, samples.clone(), bound)
+        });
+        measured.filter(|measure| !measure.within_limit).map(|measure| measure.text()).collect()
+    }
+
+    /// Whether a bound counts as kept because the supervisor told of it, where the machine gave no time.
+    fn is_excused(&self, spec: &ProcessSpec) -> bool {
+        self.alarmed && self.excused && !self.unkept(spec).is_empty()
+    }
+
     /// What was wrong, in words.
     fn miss(&self, spec: &ProcessSpec, reaction: Reaction) -> Option<String> {
         let mut wrong = self.wrong.clone();
@@ -94,13 +108,9 @@ impl Observed {
             }
             _ => {}
         }
-        for (name, samples) in &self.measures {
-            let bound = spec.bounds.get(*name).copied().unwrap_or_default();
-            let measure = Measure::of(name, samples.clone(), bound);
-            let told = self.alarmed && (spec.or_alarm || self.excused);
-            if !measure.within_limit && !told {
-                wrong.push(measure.text());
-            }
+        let told = self.alarmed && (spec.or_alarm || self.excused);
+        if !told {
+            wrong.extend(self.unkept(spec));
         }
         (!wrong.is_empty()).then(|| format!("seed {}: {}", self.seed, wrong.join("; ")))
     }
@@ -145,6 +155,11 @@ pub(super) fn sum_up(spec: &ProcessSpec, reaction: Reaction, runs: &[Observed]) 
     }
     if let Some(recovered_s) = recovered {
         figures.insert("whole_s".to_owned(), recovered_s);
+    }
+    let excused = runs.iter().filter(|run| run.is_excused(spec)).count();
+    if excused > 0 {
+        #[allow(clippy::cast_precision_loss, reason = "a handful")]
+        figures.insert("excused_runs".to_owned(), excused as f64);
     }
     let bound = |name: &str| spec.bounds.get(name).copied().unwrap_or(Bound::default());
     TrialFigures {
