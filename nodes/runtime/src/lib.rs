@@ -116,3 +116,4 @@ pub use sessions::Sessions;
 pub use shutdown::{STOP_WITH_PARENT, Shutdown};
 pub use start::run;
 pub use subscription::{Gid, Received, Subscription};
+pub use witness::WITNESS;

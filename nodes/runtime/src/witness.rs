@@ -14,10 +14,14 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 use tokio::time::{MissedTickBehavior, interval};
 
+/// Key of a status that another node tells in somebody's name: its value is who tells it.
+pub const WITNESS: &str = "witness";
 /// Silence after which a node counts as gone `[s]`: six beats of 10 Hz, so that it is told within 1 s.
 const SILENT_S: f64 = 0.6;
 /// Time between two looks, and how late a beat may be heard.
 const LOOK: Duration = Duration::from_millis(100);
+/// A look that is later than this comes of a process that had no time itself `[s]`.
+const OWN_SLEEP_S: f64 = 0.3;
 /// Looks between two words about a node that is gone: 1 Hz.
 const LOOKS_PER_WORD: u32 = 10;
 /// A node that was gone for so long is forgotten `[s]`: its place may be empty for good.
@@ -65,6 +69,13 @@ impl Hearts {
                 let heart = Heart { heard: now, session, replaced: false, rest: LOOKS_PER_WORD };
                 self.0.insert(node.to_owned(), heart);
             }
+        }
+    }
+
+    /// This process itself had no time for `slept`: nobody's silence counts for so long.
+    fn slept(&mut self, slept: Seconds) {
+        for heart in self.0.values_mut() {
+            heart.heard = heart.heard + slept;
         }
     }
 
@@ -134,8 +145,14 @@ async fn watch(mut beats: Subscription<Heartbeat>, words: Publisher<DiagnosticAr
     let mut hearts = Hearts::default();
     let mut looks = interval(LOOK);
     looks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let mut looked = monotonic();
     loop {
         looks.tick().await;
+        let late = monotonic() - looked;
+        if late.0 > OWN_SLEEP_S {
+            hearts.slept(late);
+        }
+        looked = monotonic();
         // Not one by one: a dozen nodes beat a hundred times a second. What came while this process had no time is heard
         // first, too.
         for beat in std::iter::from_fn(|| beats.try_recv()).take(MOST_BEATS) {
@@ -160,7 +177,7 @@ fn word(told: Vec<(String, Told)>, subject: &Subject) -> DiagnosticArray {
                 "another process speaks in its name: it ended and was started again, or two run".into()
             }
         };
-        status(node, Level::Error, message, vec![pair("witness".to_owned(), &subject.own)])
+        status(node, Level::Error, message, vec![pair(WITNESS.to_owned(), &subject.own)])
     };
     DiagnosticArray {
         header: Header::at(subject.clock.stamp().0),
@@ -210,5 +227,15 @@ mod tests {
         let mut hearts = Hearts::default();
         let two = told(&mut hearts, 30, |hearts, tenths, now| hearts.beat(now, NODE, u64::from(tenths % 2)));
         assert_eq!(two, [(1, false), (11, false), (21, false)]);
+    }
+
+    /// Who was stopped for 6 s has heard nobody; who hangs meanwhile is told as late as if the silence had begun then.
+    #[test]
+    fn a_witness_that_had_no_time_itself_accuses_nobody() {
+        let mut hearts = Hearts::default();
+        hearts.beat(Seconds(10.0), NODE, 1);
+        hearts.slept(Seconds(6.0));
+        assert!(hearts.look(Seconds(16.1)).is_empty());
+        assert_eq!(hearts.look(Seconds(16.7)).len(), 1);
     }
 }

@@ -4,6 +4,7 @@ mod bring_up;
 mod ears;
 pub mod ended;
 pub(crate) mod ending;
+mod failure;
 pub mod fleet;
 mod guard;
 pub mod hearing;

@@ -12,7 +12,7 @@ const OUT_S: f64 = 0.9;
 /// Who keeps the record.
 const RECORDER: &str = "bag_recorder";
 /// Who has the job in its memory, and is not replaced.
-const PRINTER: &str = "printer_sim";
+pub(super) const PRINTER: &str = "printer_sim";
 /// Who guards.
 const SUPERVISOR: &str = "safety_supervisor";
 
@@ -63,11 +63,14 @@ pub(super) struct Reports {
 }
 
 impl Reports {
-    /// Takes a status in that came at `now`.
+    /// Takes a status in that came at `now`. What a witness says of a node is its own view: that one may be at work.
     pub(super) fn take(&mut self, now: Seconds, namespace: &str, status: &DiagnosticStatus) -> Vec<News> {
         let own = status.name.strip_prefix(namespace.trim_end_matches('/'));
         let own = own.and_then(|name| name.strip_prefix('/'));
         let Some(name) = NODES.into_iter().find(|name| Some(*name) == own) else { return Vec::new() };
+        if status.values.iter().any(|value| value.key == runtime::WITNESS) {
+            return Vec::new();
+        }
         let state = status.values.iter().find(|value| value.key == "lifecycle");
         let mut news = Vec::new();
         news.extend(state.and_then(|state| self.state(now, name, &state.value)));
@@ -188,5 +191,20 @@ mod tests {
         assert_eq!(ended.gap(), None);
         ended.ended("bag_recorder");
         assert!(ended.gap().is_some());
+    }
+
+    /// A supervisor that was stopped itself said so of a recorder that missed nothing.
+    #[test]
+    fn what_a_witness_says_of_the_recorder_is_no_gap() {
+        let mut reports = Reports::default();
+        let mut said =
+            status("/printer/bag_recorder", "active", DiagnosticStatus::ERROR, "not heard for 5.9 s");
+        assert_eq!(reports.take(Seconds(1.0), "/printer", &said).len(), 1);
+        let mut reports = Reports::default();
+        said.values.push(KeyValue {
+            key: runtime::WITNESS.to_owned(),
+            value: "/printer/safety_supervisor".to_owned(),
+        });
+        assert!(reports.take(Seconds(1.0), "/printer", &said).is_empty() && reports.gap().is_none());
     }
 }

@@ -26,7 +26,7 @@ pub struct Print {
     pub seed: u64,
     /// How it ended.
     pub ended: Ended,
-    /// The cause that the supervisor gave last.
+    /// Why, as the supervisor or `fdm` said.
     pub cause: Option<String>,
     /// Simulated time `[s]`.
     pub print_time_s: f64,
@@ -71,7 +71,7 @@ impl Print {
             host: plan.host.clone(),
             seed: plan.seed,
             ended,
-            cause: watch.cause().map(str::to_owned),
+            cause: watch.cause(ended),
             print_time_s: watch.marks.last_s,
             wall_time_s: watch.elapsed_s(),
             quality_mean: whole.map(|figures| figures.quality_mean),

@@ -3,6 +3,7 @@
 use super::ears::Ears;
 use super::ended::{Ended, Marks};
 use super::ending;
+use super::failure::Failure;
 use super::fleet::{Fleet, Happening};
 use super::guard::Guard;
 use super::hearing::Hearing;
@@ -47,6 +48,7 @@ pub struct Watch {
     newest_state: Option<PrinterState>,
     newest_safety: Option<SafetyState>,
     guard: Guard,
+    failure: Failure,
     reports: Reports,
     started: Seconds,
     stay: bool,
@@ -55,7 +57,7 @@ pub struct Watch {
     pub marks: Marks,
     /// Processes that ended or fell silent, and what became of them.
     pub happenings: Vec<Happening>,
-    /// Mode changes of the supervisor: simulated time and text.
+    /// Modes of the supervisor and its causes, as they change: simulated time and text.
     pub modes: Vec<(f64, String)>,
 }
 
@@ -77,6 +79,7 @@ impl Watch {
             newest_state: None,
             newest_safety: None,
             guard: Guard::default(),
+            failure: Failure::default(),
             reports: Reports::default(),
             stay: plan.stay,
             host_clock: plan.host_clock,
@@ -153,9 +156,7 @@ impl Watch {
         match self.newest_state.as_ref()?.phase {
             phase if phase == JobPhase::Done as u8 => Some(Ended::Done),
             phase if phase == JobPhase::Failed as u8 => {
-                let by_person =
-                    self.guard.past.is_some() || self.cause().is_some_and(|cause| cause.starts_with("P13"));
-                Some(if by_person { Ended::Stopped } else { Ended::Failed })
+                Some(if self.failure.is_wished() { Ended::Stopped } else { Ended::Failed })
             }
             _ => None,
         }
@@ -255,11 +256,15 @@ impl Watch {
             self.newest_state = Some(state.message);
         }
         self.look_for_guard(guarded);
+        let failed = self.newest_state.as_ref().is_some_and(|state| state.phase == JobPhase::Failed as u8);
+        let now = self.ears.node.clock().now();
+        self.failure.look(now, failed, self.newest_safety.as_ref(), self.guard.past.as_deref());
         heard
     }
 
     fn note_mode(&mut self, safety: &SafetyState) {
-        if self.newest_safety.as_ref().is_some_and(|before| before.mode == safety.mode) {
+        let told = |before: &SafetyState| before.mode == safety.mode && before.cause == safety.cause;
+        if self.newest_safety.as_ref().is_some_and(told) {
             return;
         }
         let why = if safety.cause.is_empty() { String::new() } else { format!(": {}", safety.cause) };

@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn what_came_late_before_the_trial_is_not_counted() {
         assert_eq!(told(&["0:498 12:1", "0:500 3:1 12:2"]), [0.001, 0.001, 0.004, 0.013]);
-        assert_eq!(told(&["0:498 12:1"]), []);
+        assert!(told(&["0:498 12:1"]).is_empty());
         assert_eq!(told(&["0:1", "1:x", "0:2", "ok"]), [0.001], "what cannot be read is left out");
     }
 }

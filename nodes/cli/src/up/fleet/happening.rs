@@ -52,6 +52,21 @@ pub enum Happening {
 }
 
 impl Happening {
+    /// The node it happened to.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Ended { name, .. }
+            | Self::Restarted { name, .. }
+            | Self::GivenUp { name }
+            | Self::KeepsEnding { name, .. }
+            | Self::EndedAgain { name }
+            | Self::Silent { name }
+            | Self::Hung { name }
+            | Self::HeardAgain { name } => name,
+        }
+    }
+
     /// The node whose process has ended by it.
     #[must_use]
     pub fn ended(&self) -> Option<&'static str> {

@@ -1,9 +1,10 @@
 //! What a person has to know beside the supervisor's modes: whether there is one, who was taken out of its work, what the
 //! recorder misses, which faults were injected.
 
-use super::super::fleet::Fleet;
-use super::super::reports::News;
-use super::{Watch, output};
+use super::super::fleet::{Fleet, Happening};
+use super::super::reports::{News, PRINTER};
+use super::super::words::text;
+use super::{Ended, Watch, output};
 use crate::operate::stop;
 use fdm_loop_msgs::PrintEvent;
 use rustix::process::Signal;
@@ -43,11 +44,19 @@ impl Watch {
         }
     }
 
-    /// What the supervisor gave as the cause last, if anything; else what a person did past it.
+    /// Why it ended so, as far as anybody said: of a job that was given up what was in force then, of a printer that is gone
+    /// what became of it, else what the supervisor says now.
     #[must_use]
-    pub fn cause(&self) -> Option<&str> {
-        let told = self.newest_safety.as_ref().map(|safety| safety.cause.as_str());
-        told.filter(|cause| !cause.is_empty()).or(self.guard.past.as_deref())
+    pub fn cause(&self, ended: Ended) -> Option<String> {
+        let told = self.newest_safety.as_ref().map(|safety| safety.cause.clone());
+        match ended {
+            Ended::Failed | Ended::Stopped => self.failure.cause().map(str::to_owned),
+            Ended::Lost => {
+                let printer = |happening: &&Happening| happening.name() == PRINTER;
+                self.happenings.iter().rev().find(printer).map(text)
+            }
+            Ended::Done | Ended::Interrupted => told.filter(|cause| !cause.is_empty()),
+        }
     }
 
     /// Why the bag is not whole, if it is not.
