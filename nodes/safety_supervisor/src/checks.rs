@@ -23,6 +23,7 @@ pub mod rising;
 mod roughness;
 pub mod run_out;
 pub mod shift;
+mod sinking;
 pub mod stale;
 pub mod stop_input;
 pub mod unjudged;

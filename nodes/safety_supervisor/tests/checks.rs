@@ -73,9 +73,11 @@ fn a_fall_faster_than_any_cooling_trips_and_nothing_slower_or_shorter() {
     };
     // The first span needs four samples before it, the fifth in a row four more.
     assert!(!after(8, 5.5, 0.1) && after(9, 5.5, 0.1));
-    assert!(!after(50, 4.5, 0.1), "slower");
+    assert!(!after(25, 4.5, 0.1), "slower");
+    assert!(after(60, 4.5, 0.1), "but for seconds");
+    assert!(!after(300, 2.4, 0.1), "still slower");
     assert!(!after(50, -5.5, 0.1), "rising");
-    assert!(!after(50, 5.5, 1.2), "1.2 s are a gap, not a span");
+    assert!(!after(6, 5.5, 1.2), "1.2 s are a gap, not a span");
     assert!(
         !after(4, 5.5, 0.25) && after(5, 5.5, 0.25),
         "two readings of 4 Hz are a span, and three spans in a row"

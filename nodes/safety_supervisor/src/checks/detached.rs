@@ -2,6 +2,7 @@
 
 use models::units::{Celsius, Seconds};
 
+use super::sinking::Sinking;
 use crate::params::DetachedParams;
 
 /// Most samples before the newest over which the fall is measured.
@@ -18,17 +19,27 @@ pub struct DetachedCheck {
     /// Spans in a row with a fall that trip at this pace.
     needed: u32,
     fall_k_s: f64,
+    sinking: Sinking,
 }
 
 impl DetachedCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: DetachedParams) -> Self {
-        Self { params, recent: [None; SPAN as usize], falling: 0, needed: params.samples, fall_k_s: 0.0 }
+        let sinking = Sinking::new(params.fall_k_s);
+        Self {
+            params,
+            recent: [None; SPAN as usize],
+            falling: 0,
+            needed: params.samples,
+            fall_k_s: 0.0,
+            sinking,
+        }
     }
 
     /// Takes a temperature received at `now`.
     pub fn on_sample(&mut self, now: Seconds, temp: Celsius) {
+        self.sinking.on_sample(now, temp);
         let from = self.span_from(now);
         self.recent.rotate_left(1);
         self.recent[SPAN as usize - 1] = Some((now, temp.0));
@@ -50,16 +61,17 @@ impl DetachedCheck {
         spans.find(long).or(self.recent[0].map(|oldest| (SPAN, oldest)))
     }
 
-    /// How fast it falls `[K/s]`.
+    /// How fast it falls, and what no heater does `[K/s]`: over seconds where that tells, else from reading to reading.
     #[must_use]
-    pub fn fall_k_s(&self) -> f64 {
-        self.fall_k_s
+    pub fn fall_k_s(&self) -> (f64, f64) {
+        let sunk = self.sinking.sunk_k_s().filter(|_| self.falling < self.needed);
+        sunk.unwrap_or((self.fall_k_s, self.params.fall_k_s))
     }
 
     /// Whether it fell out. One spike makes at most as many fast spans as the parameter demands less one.
     #[must_use]
     pub fn tripped(&self) -> bool {
-        self.falling >= self.needed
+        self.falling >= self.needed || self.sinking.sunk_k_s().is_some()
     }
 
     /// Whether the reading falls so fast just now that it is not the block's.

@@ -54,10 +54,8 @@ impl Supervisor {
             Cause::BedStuckOn if checks.bed_rising.tripped() => return None,
             Cause::HeaterStuckOn | Cause::HeaterDeficit => checks.heater.beyond_w(),
             Cause::BedStuckOn | Cause::BedDeficit => checks.bed_heater.beyond_w(),
-            Cause::ThermistorDetached => (-checks.detached.fall_k_s(), Some(-params.detached.fall_k_s)),
-            Cause::BedThermistorDetached => {
-                (-checks.bed_detached.fall_k_s(), Some(-params.bed_detached.fall_k_s))
-            }
+            Cause::ThermistorDetached => fallen(checks.detached.fall_k_s()),
+            Cause::BedThermistorDetached => fallen(checks.bed_detached.fall_k_s()),
             Cause::HotendUnjudged => beside(checks.unjudged.unjudged_s(now)?),
             Cause::BedUnjudged => beside(checks.bed_unjudged.unjudged_s(now)?),
             Cause::HotendNoisy => (100.0 * checks.noise.share(), Some(100.0 * params.noise.share_max)),
@@ -105,4 +103,9 @@ impl Supervisor {
             _ => return None,
         })
     }
+}
+
+/// A fall beside the one that counts `[K/s]`, both as they change a reading.
+fn fallen((fall_k_s, most_k_s): (f64, f64)) -> Number {
+    (-fall_k_s, Some(-most_k_s))
 }

@@ -1,0 +1,147 @@
+//! P3 over seconds: a reading that sinks faster than any heater cools, though by little from one reading to the next.
+//!
+//! The balance takes such a reading for its own error and begins anew at the false level, while the firmware heats the block
+//! to where the reading was. Medians of a second or more are compared: spikes and noise sink nothing.
+
+use models::units::{Celsius, Seconds};
+
+/// Span of a median `[s]`, and the least readings of it.
+const SPAN_S: f64 = 1.0;
+const SPAN_READINGS: usize = 3;
+/// Most readings of a median; further ones do not count.
+const READINGS_MAX: usize = 16;
+/// Medians that are looked back on.
+const MEDIANS: usize = 8;
+/// Times over which two medians are compared `[s]`.
+const BACK_S: std::ops::RangeInclusive<f64> = 2.5..=6.5;
+/// A smaller fall is not judged `[K]`: the block's own, and noise.
+const LEAST_K: f64 = 8.0;
+/// Share of the fastest credible fall from reading to reading that no heater keeps up for seconds `[-]`.
+const SHARE: f64 = 0.5;
+/// Medians in a row that have to have sunk.
+const SUNK: u32 = 2;
+
+/// Watches one temperature.
+#[derive(Debug, Clone)]
+pub(super) struct Sinking {
+    /// Fastest fall that is kept up `[K/s]`.
+    most_k_s: f64,
+    readings_c: [f64; READINGS_MAX],
+    count: usize,
+    since: Seconds,
+    /// When they were taken, newest last.
+    medians: [Option<(Seconds, f64)>; MEDIANS],
+    sunk: u32,
+    fall_k_s: f64,
+}
+
+impl Sinking {
+    /// A check that has seen nothing; from reading to reading a fall of `fall_k_s` `[K/s]` is credible.
+    pub(super) fn new(fall_k_s: f64) -> Self {
+        Self {
+            most_k_s: SHARE * fall_k_s,
+            readings_c: [0.0; READINGS_MAX],
+            count: 0,
+            since: Seconds(0.0),
+            medians: [None; MEDIANS],
+            sunk: 0,
+            fall_k_s: 0.0,
+        }
+    }
+
+    /// Takes a temperature of `stamp`.
+    pub(super) fn on_sample(&mut self, stamp: Seconds, temp: Celsius) {
+        let begun =
+            if self.count > 0 { Some(self.since) } else { self.medians[MEDIANS - 1].map(|(at, _)| at) };
+        if begun.is_some_and(|begun| stamp < begun) {
+            // Time was set back.
+            *self = Self { most_k_s: self.most_k_s, ..Self::new(0.0) };
+        }
+        if self.count == 0 {
+            self.since = stamp;
+        }
+        if let Some(place) = self.readings_c.get_mut(self.count) {
+            *place = temp.0;
+            self.count += 1;
+        }
+        if self.count >= SPAN_READINGS && (stamp - self.since).0 >= SPAN_S {
+            let readings_c = &mut self.readings_c[..self.count];
+            readings_c.sort_by(f64::total_cmp);
+            let median_c = readings_c[readings_c.len() / 2];
+            self.count = 0;
+            self.compare(stamp, median_c);
+        }
+    }
+
+    fn compare(&mut self, stamp: Seconds, median_c: f64) {
+        let falls = self.medians.iter().flatten().filter_map(|(then, before_c)| {
+            let (span_s, fall_k) = ((stamp - *then).0, before_c - median_c);
+            (BACK_S.contains(&span_s) && fall_k > LEAST_K).then_some(fall_k / span_s)
+        });
+        self.fall_k_s = falls.fold(0.0, f64::max);
+        self.sunk = if self.fall_k_s > self.most_k_s { self.sunk.saturating_add(1) } else { 0 };
+        self.medians.rotate_left(1);
+        self.medians[MEDIANS - 1] = Some((stamp, median_c));
+    }
+
+    /// How fast it sinks, and what no heater does `[K/s]`, where it has sunk.
+    pub(super) fn sunk_k_s(&self) -> Option<(f64, f64)> {
+        (self.sunk >= SUNK).then_some((self.fall_k_s, self.most_k_s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// When a reading of 10 Hz that stands at 210 degC for 10 s and then changes trips, from then on `[s]`.
+    fn sunk_s(change_k: impl Fn(f64) -> f64) -> Option<f64> {
+        let mut check = Sinking::new(5.0);
+        let tick = (0..700_u32).find(|tick| {
+            let time_s = 0.1 * f64::from(*tick) - 10.0;
+            let change_k = if time_s < 0.0 { 0.0 } else { change_k(time_s) };
+            check.on_sample(Seconds(110.0 + time_s), Celsius(210.0 + change_k));
+            check.sunk_k_s().is_some()
+        });
+        tick.map(|tick| 0.1 * f64::from(tick) - 10.0)
+    }
+
+    /// Steps of 0.5 K from reading to reading, which no spike is and no step.
+    #[test]
+    fn a_fall_over_seconds_is_found_before_the_block_is_hot() {
+        for (fall_k, over_s) in [(24.0, 5.0), (24.0, 6.0), (32.0, 6.0), (40.0, 10.0)] {
+            let found_s = sunk_s(|time_s| -fall_k * (time_s / over_s).min(1.0));
+            assert!(found_s.is_some_and(|found_s| found_s < 5.5), "{fall_k} K in {over_s} s: {found_s:?}");
+        }
+        assert!(sunk_s(|_| -12.0).is_some_and(|found_s| found_s < 5.0), "a step that stays");
+    }
+
+    /// All losses together cool a block by 1.7 K/s, and nothing that passes counts.
+    #[test]
+    fn what_cools_what_is_rough_and_what_passes_is_no_fall() {
+        assert_eq!(sunk_s(|time_s| -1.7 * time_s), None);
+        assert_eq!(sunk_s(|_| -7.0), None);
+        let tick = |time_s: f64| (time_s * 10.0).round() as u32;
+        assert_eq!(sunk_s(|time_s| if tick(time_s) % 2 == 0 { 6.0 } else { -6.0 }), None);
+        assert_eq!(sunk_s(|time_s| if tick(time_s) % 10 < 4 { -60.0 } else { 0.0 }), None);
+        assert_eq!(sunk_s(|time_s| if time_s < 0.8 { -20.0 } else { 0.0 }), None);
+    }
+
+    #[test]
+    fn slow_readings_are_judged_and_time_that_is_set_back_begins_anew() {
+        let mut check = Sinking::new(5.0);
+        let found_s = (0..30_u32).find(|second| {
+            let fallen_k = 4.8 * (f64::from(*second) - 15.0).clamp(0.0, 6.0);
+            check.on_sample(Seconds(f64::from(*second)), Celsius(210.0 - fallen_k));
+            check.sunk_k_s().is_some()
+        });
+        assert_eq!(found_s, Some(23), "medians of three readings, two of which have sunk");
+        let mut check = Sinking::new(5.0);
+        for (from_s, temp_c) in [(100.0, 210.0), (50.0, 180.0)] {
+            for tick in 0..50_u32 {
+                check.on_sample(Seconds(from_s + 0.1 * f64::from(tick)), Celsius(temp_c));
+            }
+        }
+        assert_eq!(check.sunk_k_s(), None);
+    }
+}
