@@ -13,15 +13,17 @@ use models::units::Seconds;
 use serde::{Deserialize, Serialize};
 
 pub use oscillation::{OscillationParams, RawOscillationParams};
-pub use readings::{DriftParams, JumpParams, NoiseParams, PartFanParams, StopInputParams};
+pub use readings::{
+    DetachedParams, DriftParams, JumpParams, NoiseParams, PartFanParams, RawDetachedParams, StopInputParams,
+};
 pub use required::Streams;
 pub use rest::{
     AttentionParams, BurstParams, FilamentParams, ModeParams, RawAttentionParams, RawBurstParams,
     RawFilamentParams, RawModeParams, RawRunOutParams, RawStaleParams, RunOutParams, StaleParams,
 };
 pub use thermal::{
-    DetachedParams, FrozenParams, HeaterParams, ObserverParams, RangeParams, RawDetachedParams,
-    RawFrozenParams, RawHeaterParams, RawObserverParams, RawRangeParams,
+    FrozenParams, HeaterParams, ObserverParams, RangeParams, RawFrozenParams, RawHeaterParams,
+    RawObserverParams, RawRangeParams,
 };
 pub use vision::{
     DefectParams, ImpulseParams, RawDefectParams, RawImpulseParams, RawShiftParams, ShiftParams,

@@ -158,6 +158,42 @@ impl StopInputParams {
     }
 }
 
+/// P3: a fall no heater shows.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(try_from = "RawDetachedParams")]
+pub struct DetachedParams {
+    /// Fastest credible fall `[K/s]`.
+    pub fall_k_s: f64,
+    /// Longest span of four samples that is judged `[s]`.
+    pub span_max_s: f64,
+    /// Spans in a row until it trips; above 4, so that one spike cannot `[-]`.
+    pub samples: u32,
+}
+
+/// As [`DetachedParams`], as it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawDetachedParams {
+    /// Fastest credible fall `[K/s]`.
+    pub fall_k_s: f64,
+    /// Longest span of four samples that is judged `[s]`.
+    pub span_max_s: f64,
+    /// Spans in a row until it trips; above 4, so that one spike cannot `[-]`.
+    pub samples: u32,
+}
+
+impl TryFrom<RawDetachedParams> for DetachedParams {
+    type Error = ParamError;
+
+    fn try_from(raw: RawDetachedParams) -> Result<Self, ParamError> {
+        Ok(Self {
+            fall_k_s: in_range("fall_k_s", raw.fall_k_s, "K/s", (1.0, 50.0))?,
+            span_max_s: in_range("span_max_s", raw.span_max_s, "s", (0.1, 10.0))?,
+            samples: count("samples", raw.samples, 20)?,
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

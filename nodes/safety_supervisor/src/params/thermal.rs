@@ -111,42 +111,6 @@ impl TryFrom<RawFrozenParams> for FrozenParams {
     }
 }
 
-/// P3: a fall no heater shows.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(try_from = "RawDetachedParams")]
-pub struct DetachedParams {
-    /// Fastest credible fall `[K/s]`.
-    pub fall_k_s: f64,
-    /// Longest span of four samples that is judged `[s]`.
-    pub span_max_s: f64,
-    /// Spans in a row until it trips; above 4, so that one spike cannot `[-]`.
-    pub samples: u32,
-}
-
-/// As [`DetachedParams`], as it is written.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RawDetachedParams {
-    /// Fastest credible fall `[K/s]`.
-    pub fall_k_s: f64,
-    /// Longest span of four samples that is judged `[s]`.
-    pub span_max_s: f64,
-    /// Spans in a row until it trips; above 4, so that one spike cannot `[-]`.
-    pub samples: u32,
-}
-
-impl TryFrom<RawDetachedParams> for DetachedParams {
-    type Error = ParamError;
-
-    fn try_from(raw: RawDetachedParams) -> Result<Self, ParamError> {
-        Ok(Self {
-            fall_k_s: in_range("fall_k_s", raw.fall_k_s, "K/s", (1.0, 50.0))?,
-            span_max_s: in_range("span_max_s", raw.span_max_s, "s", (0.1, 10.0))?,
-            samples: count("samples", raw.samples, 20)?,
-        })
-    }
-}
-
 /// P1, P2: one observer of the balance.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "RawObserverParams")]
@@ -197,6 +161,9 @@ impl TryFrom<RawObserverParams> for ObserverParams {
         })
     }
 }
+
+/// Largest share of the heater's power that heat without order may have to have `[-]`: the rest holds a block at its target.
+const STUCK_ON_SHARE: f64 = 0.6;
 
 /// P1, P2: constants of the energy balance: the supervisor's own, not the estimator's.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -278,8 +245,14 @@ impl TryFrom<RawHeaterParams> for HeaterParams {
     type Error = ParamError;
 
     fn try_from(raw: RawHeaterParams) -> Result<Self, ParamError> {
+        let power_w = in_range("power_w", raw.power_w, "W", (1.0, 2000.0))?;
+        // What is ordered is no excess: a limit of more than this finds no switch that conducts by itself.
+        let most_w = STUCK_ON_SHARE * power_w;
+        for (name, observer) in [("fast.stuck_on_w", raw.fast), ("slow.stuck_on_w", raw.slow)] {
+            in_range(name, observer.stuck_on_w, "W", (0.0, most_w))?;
+        }
         Ok(Self {
-            power_w: in_range("power_w", raw.power_w, "W", (1.0, 2000.0))?,
+            power_w,
             capacity_j_k: in_range("capacity_j_k", raw.capacity_j_k, "J/K", (0.1, 1e5))?,
             loss_w_k: in_range("loss_w_k", raw.loss_w_k, "W/K", (0.001, 100.0))?,
             fan_loss_w_k: in_range("fan_loss_w_k", raw.fan_loss_w_k, "W/K", (0.0, 1.0))?,
@@ -290,11 +263,34 @@ impl TryFrom<RawHeaterParams> for HeaterParams {
             usual_max_w: in_range("usual_max_w", raw.usual_max_w, "W", (0.0, 100.0))?,
             capacity_error: in_range("capacity_error", raw.capacity_error, "-", (0.0, 1.0))?,
             lag_error_s: in_range("lag_error_s", raw.lag_error_s, "s", (0.0, 60.0))?,
-            spike_k: in_range("spike_k", raw.spike_k, "K", (0.01, 100.0))?,
+            spike_k: in_range("spike_k", raw.spike_k, "K", (0.3, 100.0))?,
             spike_samples: count("spike_samples", raw.spike_samples, 10)?,
             usual_noise_k: in_range("usual_noise_k", raw.usual_noise_k, "K", (0.001, 5.0))?,
             fast: raw.fast,
             slow: raw.slow,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half of 40 W at a target: a limit of 25 W never finds the rest of them.
+    #[test]
+    fn a_limit_that_no_heater_exceeds_is_refused() {
+        let text = include_str!("../../../../config/safety_supervisor.param.yaml");
+        let file: serde_json::Value = serde_saphyr::from_str(text).unwrap();
+        let heater = |stuck_on_w: f64, spike_k: f64| {
+            let mut heater = file["/**"]["ros__parameters"]["heater"].clone();
+            heater["slow"]["stuck_on_w"] = stuck_on_w.into();
+            heater["spike_k"] = spike_k.into();
+            serde_json::from_value::<HeaterParams>(heater).map_err(|error| error.to_string())
+        };
+        assert!(heater(24.0, 0.8).is_ok());
+        let told = heater(25.0, 0.8).unwrap_err();
+        assert!(told.contains("slow.stuck_on_w = 25 W: must be in [0, 24]"), "{told}");
+        let told = heater(16.0, 0.1).unwrap_err();
+        assert!(told.contains("spike_k = 0.1 K: must be in [0.3, 100]"), "{told}");
     }
 }
