@@ -95,11 +95,11 @@ mod tests {
     use super::*;
 
     /// When a reading of 10 Hz that stands at 210 degC for 10 s and then changes trips, from then on `[s]`.
-    fn sunk_s(change_k: impl Fn(f64) -> f64) -> Option<f64> {
+    fn sunk_s(change_k: impl Fn(f64, u32) -> f64) -> Option<f64> {
         let mut check = Sinking::new(5.0);
         let tick = (0..700_u32).find(|tick| {
             let time_s = 0.1 * f64::from(*tick) - 10.0;
-            let change_k = if time_s < 0.0 { 0.0 } else { change_k(time_s) };
+            let change_k = if time_s < 0.0 { 0.0 } else { change_k(time_s, *tick) };
             check.on_sample(Seconds(110.0 + time_s), Celsius(210.0 + change_k));
             check.sunk_k_s().is_some()
         });
@@ -110,21 +110,20 @@ mod tests {
     #[test]
     fn a_fall_over_seconds_is_found_before_the_block_is_hot() {
         for (fall_k, over_s) in [(24.0, 5.0), (24.0, 6.0), (32.0, 6.0), (40.0, 10.0)] {
-            let found_s = sunk_s(|time_s| -fall_k * (time_s / over_s).min(1.0));
+            let found_s = sunk_s(|time_s, _| -fall_k * (time_s / over_s).min(1.0));
             assert!(found_s.is_some_and(|found_s| found_s < 5.5), "{fall_k} K in {over_s} s: {found_s:?}");
         }
-        assert!(sunk_s(|_| -12.0).is_some_and(|found_s| found_s < 5.0), "a step that stays");
+        assert!(sunk_s(|_, _| -12.0).is_some_and(|found_s| found_s < 5.0), "a step that stays");
     }
 
     /// All losses together cool a block by 1.7 K/s, and nothing that passes counts.
     #[test]
     fn what_cools_what_is_rough_and_what_passes_is_no_fall() {
-        assert_eq!(sunk_s(|time_s| -1.7 * time_s), None);
-        assert_eq!(sunk_s(|_| -7.0), None);
-        let tick = |time_s: f64| (time_s * 10.0).round() as u32;
-        assert_eq!(sunk_s(|time_s| if tick(time_s) % 2 == 0 { 6.0 } else { -6.0 }), None);
-        assert_eq!(sunk_s(|time_s| if tick(time_s) % 10 < 4 { -60.0 } else { 0.0 }), None);
-        assert_eq!(sunk_s(|time_s| if time_s < 0.8 { -20.0 } else { 0.0 }), None);
+        assert_eq!(sunk_s(|time_s, _| -1.7 * time_s), None);
+        assert_eq!(sunk_s(|_, _| -7.0), None);
+        assert_eq!(sunk_s(|_, tick| if tick.is_multiple_of(2) { 6.0 } else { -6.0 }), None);
+        assert_eq!(sunk_s(|_, tick| if tick % 10 < 4 { -60.0 } else { 0.0 }), None);
+        assert_eq!(sunk_s(|time_s, _| if time_s < 0.8 { -20.0 } else { 0.0 }), None);
     }
 
     #[test]
