@@ -13,6 +13,7 @@ mod heater_observer;
 pub mod heater_start;
 pub mod impulse;
 pub mod jump;
+mod median;
 mod moved;
 pub mod noise;
 pub mod oscillation;

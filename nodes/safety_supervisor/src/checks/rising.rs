@@ -6,6 +6,7 @@
 //! readings that are rough, spiked or mostly lost, where it begins anew over and over: the median of those of a second or
 //! more is what is compared.
 
+use super::median::Median;
 use models::units::{Celsius, Seconds};
 
 /// Time in which a reading still follows a block that was heated until then, 1.3 lags of a slow sensor `[s]`.
@@ -14,11 +15,6 @@ const SETTLE_S: f64 = 6.0;
 const RISE_K: f64 = 15.0;
 /// A larger step from median to median is not the block's `[K]`.
 const JUMP_K: f64 = 25.0;
-/// Span of a median `[s]`, and the least readings of it.
-const SPAN_S: f64 = 1.0;
-const SPAN_READINGS: usize = 3;
-/// Most readings of a median; further ones do not count.
-const READINGS_MAX: usize = 32;
 /// Medians in a row that have to be above.
 const ABOVE: u32 = 2;
 
@@ -28,9 +24,7 @@ pub struct RisingCheck {
     drift_k_s: f64,
     heard: Seconds,
     off_since: Option<Seconds>,
-    readings_c: [f64; READINGS_MAX],
-    count: usize,
-    since: Seconds,
+    median: Median,
     /// The last median and when it was taken.
     newest: Option<(Seconds, f64)>,
     least_c: Option<f64>,
@@ -45,9 +39,7 @@ impl RisingCheck {
             drift_k_s,
             heard: Seconds(f64::NEG_INFINITY),
             off_since: None,
-            readings_c: [0.0; READINGS_MAX],
-            count: 0,
-            since: Seconds(0.0),
+            median: Median::new(),
             newest: None,
             least_c: None,
             above: 0,
@@ -65,18 +57,7 @@ impl RisingCheck {
         if (now - off_since).0 < SETTLE_S {
             return;
         }
-        if self.count == 0 {
-            self.since = now;
-        }
-        if let Some(place) = self.readings_c.get_mut(self.count) {
-            *place = temp.0;
-            self.count += 1;
-        }
-        if self.count >= SPAN_READINGS && (now - self.since).0 >= SPAN_S {
-            let readings_c = &mut self.readings_c[..self.count];
-            readings_c.sort_by(f64::total_cmp);
-            let median_c = readings_c[readings_c.len() / 2];
-            self.count = 0;
+        if let Some(median_c) = self.median.on_sample(now, temp) {
             self.compare(now, median_c);
         }
     }

@@ -3,13 +3,9 @@
 //! The balance takes such a reading for its own error and begins anew at the false level, while the firmware heats the block
 //! to where the reading was. Medians of a second or more are compared: spikes and noise sink nothing.
 
+use super::median::Median;
 use models::units::{Celsius, Seconds};
 
-/// Span of a median `[s]`, and the least readings of it.
-const SPAN_S: f64 = 1.0;
-const SPAN_READINGS: usize = 3;
-/// Most readings of a median; further ones do not count.
-const READINGS_MAX: usize = 16;
 /// Medians that are looked back on.
 const MEDIANS: usize = 8;
 /// Times over which two medians are compared `[s]`.
@@ -26,9 +22,7 @@ const SUNK: u32 = 2;
 pub(super) struct Sinking {
     /// Fastest fall that is kept up `[K/s]`.
     most_k_s: f64,
-    readings_c: [f64; READINGS_MAX],
-    count: usize,
-    since: Seconds,
+    median: Median,
     /// When they were taken, newest last.
     medians: [Option<(Seconds, f64)>; MEDIANS],
     sunk: u32,
@@ -40,9 +34,7 @@ impl Sinking {
     pub(super) fn new(fall_k_s: f64) -> Self {
         Self {
             most_k_s: SHARE * fall_k_s,
-            readings_c: [0.0; READINGS_MAX],
-            count: 0,
-            since: Seconds(0.0),
+            median: Median::new(),
             medians: [None; MEDIANS],
             sunk: 0,
             fall_k_s: 0.0,
@@ -51,24 +43,12 @@ impl Sinking {
 
     /// Takes a temperature of `stamp`.
     pub(super) fn on_sample(&mut self, stamp: Seconds, temp: Celsius) {
-        let begun =
-            if self.count > 0 { Some(self.since) } else { self.medians[MEDIANS - 1].map(|(at, _)| at) };
+        let begun = self.median.since().or(self.medians[MEDIANS - 1].map(|(at, _)| at));
         if begun.is_some_and(|begun| stamp < begun) {
             // Time was set back.
             *self = Self { most_k_s: self.most_k_s, ..Self::new(0.0) };
         }
-        if self.count == 0 {
-            self.since = stamp;
-        }
-        if let Some(place) = self.readings_c.get_mut(self.count) {
-            *place = temp.0;
-            self.count += 1;
-        }
-        if self.count >= SPAN_READINGS && (stamp - self.since).0 >= SPAN_S {
-            let readings_c = &mut self.readings_c[..self.count];
-            readings_c.sort_by(f64::total_cmp);
-            let median_c = readings_c[readings_c.len() / 2];
-            self.count = 0;
+        if let Some(median_c) = self.median.on_sample(stamp, temp) {
             self.compare(stamp, median_c);
         }
     }
