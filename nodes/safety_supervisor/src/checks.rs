@@ -28,4 +28,5 @@ mod sinking;
 pub mod stale;
 pub mod stop_input;
 pub mod unjudged;
+pub mod unseen;
 pub mod work;

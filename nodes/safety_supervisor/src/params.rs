@@ -127,6 +127,8 @@ pub struct Stales {
     pub hotend_unjudged_s: f64,
     /// P12: as of the hot end, of the bed `[s]`.
     pub bed_unjudged_s: f64,
+    /// P1: time for which heaters that are off by order may go unseen until the mains relay opens `[s]`.
+    pub unseen_s: f64,
 }
 
 /// All parameters. Built only from valid [`RawParams`].
@@ -220,6 +222,7 @@ impl TryFrom<RawParams> for Params {
         in_range("stale.work_s", raw.stale.work_s, "s", (1.0, 60.0))?;
         in_range("stale.hotend_unjudged_s", raw.stale.hotend_unjudged_s, "s", (1.0, 600.0))?;
         in_range("stale.bed_unjudged_s", raw.stale.bed_unjudged_s, "s", (1.0, 600.0))?;
+        in_range("stale.unseen_s", raw.stale.unseen_s, "s", (1.0, 600.0))?;
         raw.hotend_step.check()?;
         raw.noise.check()?;
         raw.drift.check()?;

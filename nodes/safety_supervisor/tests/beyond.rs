@@ -66,23 +66,30 @@ fn what_cools_behind_a_latch_stays_there() {
     }
 }
 
-/// P12: above its range no balance of the bed is judged, and warm as it is it must not become warmer.
+/// P12: warm as a bed is it must not become warmer behind a stop, and beyond its range it is not seen to cool.
 #[test]
 fn p12_a_bed_that_warms_behind_a_latch_is_cut_off_the_mains() {
-    for (rate_k_s, cut) in [(0.3, true), (-0.1, false), (0.0, false)] {
+    let stuck = Some((62.0, Cause::BedStuckOn)); // 15 K at 0.3 K/s, 6 s, and two medians
+    let unseen = Some((8.6, Cause::HeatUnseen));
+    for (from_c, rate_k_s, cut) in
+        [(120.0, 0.3, stuck), (120.0, -0.1, None), (120.0, 0.0, None), (145.0, 0.0, unseen)]
+    {
         let mut print = Print::acting();
         print.ask(Operator::Stop);
         print.report.bed_duty = 0.0;
         let from_s = print.now();
         while print.now() - from_s < 90.0 && print.mode() != Mode::Estop {
-            let bed_c = 145.0 + rate_k_s * (print.now() - from_s);
+            let bed_c = from_c + rate_k_s * (print.now() - from_s);
             print.event(Event::Bed { stamp: Seconds(print.now()), temp: Celsius(bed_c) });
             print.run(0.1);
         }
-        let mode = if cut { Mode::Estop } else { Mode::SafeOff };
-        assert_eq!(print.mode(), mode, "{rate_k_s} K/s: {:?}", print.output.state.cause);
-        assert!(!cut || print.output.state.cause == Some(Cause::BedStuckOn));
-        assert!(!cut || print.now() - from_s < 62.0, "15 K at 0.3 K/s, 6 s, and two medians");
+        let cause = print.output.state.cause;
+        let Some((within_s, expected)) = cut else {
+            assert_eq!(print.mode(), Mode::SafeOff, "{rate_k_s} K/s: {cause:?}");
+            continue;
+        };
+        assert_eq!((print.mode(), cause), (Mode::Estop, Some(expected)), "{rate_k_s} K/s");
+        assert!(print.now() - from_s < within_s, "{rate_k_s} K/s");
     }
 }
 

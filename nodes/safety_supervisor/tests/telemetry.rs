@@ -170,7 +170,8 @@ fn s2_stalls_do_not_hide_a_reading_that_stands_still() {
 /// S2: behind the latch the reading stands on, a stall is no proof that it moved, and neither is a restart.
 #[test]
 fn s2_a_reading_that_still_stands_is_not_acknowledged() {
-    let mut bench = Bench::new(Heater::settled(3, 215.0, 0.0, 0.0), params());
+    let patient = || params_with("unseen_s: 8.0", "unseen_s: 600.0");
+    let mut bench = Bench::new(Heater::settled(3, 215.0, 0.0, 0.0), patient());
     assert_eq!(bench.off(30.0), None);
     bench.heater.frozen = true;
     assert!(bench.off(30.0).is_some_and(|(_, cause)| cause == Some(Cause::HotendFrozen)));
@@ -185,7 +186,7 @@ fn s2_a_reading_that_still_stands_is_not_acknowledged() {
     // 0.3 s in which nothing is taken: a stall.
     (0..15).for_each(|_| drop(bench.heater.step()));
     assert!(wait(&mut bench, 1.0) && !acknowledged(&mut bench), "after a stall");
-    bench.supervisor = Supervisor::new(params(), 2, bench.supervisor.latch());
+    bench.supervisor = Supervisor::new(patient(), 2, bench.supervisor.latch());
     assert!(wait(&mut bench, 25.0) && !acknowledged(&mut bench), "after a restart");
     bench.heater.frozen = false;
     assert!(wait(&mut bench, 10.0) && acknowledged(&mut bench), "it moves");

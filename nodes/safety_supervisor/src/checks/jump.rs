@@ -28,6 +28,8 @@ pub struct JumpCheck {
 #[derive(Debug, Clone, Copy)]
 struct Apart {
     newest_c: f64,
+    /// How far off a block could be when the first of them came `[K]`: that counts for the others, however slowly they come.
+    reach_k: f64,
     in_a_row: u32,
     /// Since when `[s]`.
     for_s: f64,
@@ -51,7 +53,8 @@ impl JumpCheck {
             return;
         }
         let period_s = self.newest.replace(stamp).map_or(0.0, |newest| (stamp - newest).0);
-        let reach_k = self.params.step_k + self.params.rate_max_k_s * gap_s;
+        let reach_k =
+            self.apart.map_or(self.params.step_k + self.params.rate_max_k_s * gap_s, |apart| apart.reach_k);
         let near = (temp.0 - held_c).abs() <= reach_k;
         // Slow readings have to agree as often as it takes.
         let gap_max_s =
@@ -64,9 +67,10 @@ impl JumpCheck {
         }
         let agrees = |apart: &Apart| (temp.0 - apart.newest_c).abs() <= self.params.step_k;
         self.apart = Some(self.apart.filter(agrees).map_or(
-            Apart { newest_c: temp.0, in_a_row: 1, for_s: 0.0 },
+            Apart { newest_c: temp.0, reach_k, in_a_row: 1, for_s: 0.0 },
             |apart| Apart {
                 newest_c: temp.0,
+                reach_k,
                 in_a_row: apart.in_a_row.saturating_add(1),
                 for_s: apart.for_s + period_s,
             },
@@ -179,5 +183,16 @@ mod tests {
         assert!((0..12).all(|number| !take(number, 210.0)));
         assert!(!take(12, 240.0) && !take(13, 241.0) && !take(14, 210.0));
         assert!(!take(15, 240.0) && !take(16, 240.0) && take(17, 239.0));
+    }
+
+    /// A step down by 25 K at 1 Hz, after which the firmware heats: no block would be there after 1 s, whatever comes later.
+    #[test]
+    fn slow_readings_that_come_back_as_a_block_warms_have_stepped_all_the_same() {
+        let mut check = after(&[]);
+        for (number, temp_c) in [210.0; 12].into_iter().chain([185.0, 187.0, 189.0]).enumerate() {
+            assert!(!check.tripped());
+            check.on_sample(Seconds(number as f64), Celsius(temp_c));
+        }
+        assert!(check.tripped());
     }
 }

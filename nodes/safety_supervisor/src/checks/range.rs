@@ -2,12 +2,14 @@
 
 use models::units::{Celsius, Seconds};
 
-use super::pace::Pace;
+use super::pace::{COUNTED_PERIOD_S, Pace};
 
 use crate::params::RangeParams;
 
 /// Readings in a row that are sound.
 const SOUND: u32 = 10;
+/// So many slow readings in a row are no spike, where they lie as far apart as `samples` of 10 Hz do.
+const SLOW: u32 = 2;
 
 /// Watches one temperature.
 #[derive(Debug, Clone)]
@@ -17,6 +19,10 @@ pub struct RangeCheck {
     newest: Option<Celsius>,
     inside: bool,
     outside: u32,
+    /// Since when they are outside.
+    since: Option<Seconds>,
+    /// For how long the newest ones have been outside `[s]`.
+    for_s: f64,
     /// Readings in a row that were inside.
     sound: u32,
 }
@@ -25,7 +31,16 @@ impl RangeCheck {
     /// A check that has seen nothing.
     #[must_use]
     pub fn new(params: RangeParams) -> Self {
-        Self { params, pace: Pace::default(), newest: None, inside: true, outside: 0, sound: 0 }
+        Self {
+            params,
+            pace: Pace::default(),
+            newest: None,
+            inside: true,
+            outside: 0,
+            since: None,
+            for_s: 0.0,
+            sound: 0,
+        }
     }
 
     /// Takes a temperature received at `now`.
@@ -35,12 +50,15 @@ impl RangeCheck {
         let counts = self.pace.counts(now);
         self.sound = if self.inside { self.sound.saturating_add(u32::from(counts)) } else { 0 };
         self.outside = if self.inside { 0 } else { self.outside.saturating_add(u32::from(counts)) };
+        self.since = self.since.filter(|_| !self.inside).or((!self.inside).then_some(now));
+        self.for_s = self.since.map_or(0.0, |since| (now - since).0);
     }
 
     /// Whether enough samples in a row were outside; a single spike is not.
     #[must_use]
     pub fn tripped(&self) -> bool {
-        self.outside >= self.params.samples
+        let span_s = COUNTED_PERIOD_S * f64::from(self.params.samples);
+        self.outside >= self.params.samples || self.outside >= SLOW && self.for_s >= span_s
     }
 
     /// The newest sample; `None` before the first.

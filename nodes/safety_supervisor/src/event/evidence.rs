@@ -43,7 +43,7 @@ fn unit(cause: Cause) -> Option<(&'static str, usize)> {
         | Cause::StaleEstimate
         | Cause::StaleImu
         | Cause::StaleVision => ("s", 2),
-        Cause::HotendUnjudged | Cause::BedUnjudged => ("s", 1),
+        Cause::HotendUnjudged | Cause::BedUnjudged | Cause::HeatUnseen => ("s", 1),
         Cause::EstimatorIdle | Cause::ControllerIdle | Cause::CameraIdle | Cause::JudgeIdle => ("s", 1),
         Cause::BadValues => ("since the start", 0),
         Cause::Envelope => ("commands since the start", 0),

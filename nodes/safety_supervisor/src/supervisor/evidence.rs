@@ -58,6 +58,7 @@ impl Supervisor {
             Cause::BedThermistorDetached => fallen(checks.bed_detached.fall_k_s()),
             Cause::HotendUnjudged => beside(checks.unjudged.unjudged_s(now)?),
             Cause::BedUnjudged => beside(checks.bed_unjudged.unjudged_s(now)?),
+            Cause::HeatUnseen => beside(checks.unseen.unseen_s(now)?),
             Cause::HotendNoisy => (100.0 * checks.noise.share(), Some(100.0 * params.noise.share_max)),
             Cause::HotendDrift => (checks.drift.residual_k(), Some(checks.drift.limit_k())),
             Cause::HotendStep => {

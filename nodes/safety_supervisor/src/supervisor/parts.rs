@@ -23,6 +23,7 @@ use crate::checks::shift::ShiftCheck;
 use crate::checks::stale::StaleCheck;
 use crate::checks::stop_input::StopInputCheck;
 use crate::checks::unjudged::UnjudgedCheck;
+use crate::checks::unseen::UnseenCheck;
 use crate::checks::work::WorkCheck;
 use crate::event::{Defect, Stream, Worker};
 use crate::params::{Params, Streams};
@@ -170,6 +171,7 @@ pub(super) struct Checks {
     pub(super) bed_heater: HeaterCheck,
     pub(super) bed_unjudged: UnjudgedCheck,
     pub(super) bed_rising: RisingCheck,
+    pub(super) unseen: UnseenCheck,
     pub(super) part_fan: PartFanCheck,
     pub(super) stop_input: StopInputCheck,
     pub(super) filament: FilamentCheck,
@@ -207,6 +209,7 @@ impl Checks {
             bed_heater: HeaterCheck::new(params.bed_heater),
             bed_unjudged: UnjudgedCheck::new(params.stale.bed_unjudged_s),
             bed_rising: RisingCheck::new(BED_DRIFT_K_S),
+            unseen: UnseenCheck::new(params.stale.unseen_s),
             part_fan: PartFanCheck::new(params.part_fan),
             stop_input: StopInputCheck::new(params.stop_input),
             filament: FilamentCheck::new(params.filament),
@@ -229,6 +232,7 @@ impl Checks {
         self.bed_frozen.forgive(now, gap);
         self.unjudged.forgive(now, gap);
         self.bed_unjudged.forgive(now, gap);
+        self.unseen.forgive(now, gap);
         self.detached.reset();
         self.bed_detached.reset();
     }

@@ -8,6 +8,7 @@ use super::parts::Checks;
 use crate::cause::{Cause, Reaction};
 use crate::checks::heater::{Drive, HeaterFault};
 use crate::event::PrinterReport;
+use crate::modes::Raised;
 use crate::params::Params;
 
 /// Age of the printer's state from which nobody knows what the heaters are told `[s]`: until then readings wait for it.
@@ -65,6 +66,23 @@ impl Supervisor {
             checks.bed_heater.on_sample(stamp, temp);
             checks.bed_detached.on_sample(stamp, temp);
         }
+    }
+
+    /// Whether heaters are off by order, and no reading shows whether they are: one that was not the block's stays so until a
+    /// person has looked, one that is missing or impossible may come back.
+    pub(super) fn is_unseen(&self, raised: &Raised) -> bool {
+        const NOT_OF_THE_BLOCK: [Cause; 5] = [
+            Cause::HotendFrozen,
+            Cause::ThermistorDetached,
+            Cause::HotendStep,
+            Cause::BedFrozen,
+            Cause::BedThermistorDetached,
+        ];
+        const NONE: [Cause; 4] = [Cause::HotendRange, Cause::StaleHotend, Cause::BedRange, Cause::StaleBed];
+        let missing = || NONE.iter().any(|cause| raised[*cause as usize] >= Some(Reaction::SafeOff));
+        self.modes
+            .latch()
+            .is_some_and(|latch| !latch.estop && (NOT_OF_THE_BLOCK.contains(&latch.cause) || missing()))
     }
 
     /// Whether hot end and bed are to be off, by our order or because nobody asks for heat; `None` where that is not known

@@ -23,6 +23,9 @@ pub struct ProcessSpec {
     /// Worst that may follow; where it is missing, the reaction itself.
     #[serde(default)]
     pub at_most: Option<Reaction>,
+    /// IDs under which the supervisor may find it, instead of its own.
+    #[serde(default)]
+    pub found_as: Vec<String>,
     /// Longest time from the fault until `fdm` tells that the process ended, hangs or cannot write `[s]`; its source is
     /// the entry's.
     #[serde(default)]

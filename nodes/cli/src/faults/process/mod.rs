@@ -118,7 +118,7 @@ fn figures(chosen: &[&FaultSpec], dues: &[Due<'_>]) -> Figures {
         for spec in &fault.process {
             let ours = dues.iter().find(|due| std::ptr::eq(due.spec, spec));
             let summed = ours.map(|due| {
-                let figures = outcome::sum_up(spec, reaction(due), &due.runs);
+                let figures = outcome::sum_up((&fault.id, spec), reaction(due), &due.runs);
                 let told_limit_source = fault.source.filter(|_| spec.told_s.is_some());
                 let figures = figures.limited_by(spec.source.or(fault.source));
                 TrialFigures { told_limit_source, ..figures }

@@ -71,9 +71,17 @@ impl Observed {
         self.alarmed && self.excused && !self.unkept(spec).is_empty()
     }
 
+    /// The name under which the supervisor found what it may not be found as.
+    fn misnamed(&self, id: &str, spec: &ProcessSpec) -> Option<&str> {
+        let found = self.found_as.as_deref()?;
+        let own = spec.found_as.is_empty() && found == id;
+        (!own && !spec.found_as.iter().any(|name| name == found)).then_some(found)
+    }
+
     /// What was wrong, in words.
-    fn miss(&self, spec: &ProcessSpec, reaction: Reaction) -> Option<String> {
+    fn miss(&self, (id, spec): (&str, &ProcessSpec), reaction: Reaction) -> Option<String> {
         let mut wrong = self.wrong.clone();
+        wrong.extend(self.misnamed(id, spec).map(|found| format!("found as {found}")));
         let time = |time: Option<f64>| time.map_or("never".to_owned(), |time| format!("after {time:.2} s"));
         let late = |took: Option<f64>, limit_s: f64| took.is_none_or(|took| took > limit_s);
         if let Some(limit_s) = spec.told_s.filter(|limit_s| late(self.told_s, *limit_s)) {
@@ -134,12 +142,16 @@ fn highest(most: Reaction) -> u8 {
 }
 
 /// Sums up all runs of a trial.
-pub(super) fn sum_up(spec: &ProcessSpec, reaction: Reaction, runs: &[Observed]) -> TrialFigures {
+pub(super) fn sum_up(
+    (id, spec): (&str, &ProcessSpec),
+    reaction: Reaction,
+    runs: &[Observed],
+) -> TrialFigures {
     let mut times: Vec<f64> = runs.iter().filter_map(|run| run.reaction_s).collect();
     times.sort_by(f64::total_cmp);
     let told: Vec<f64> = runs.iter().filter_map(|run| run.told_s).collect();
     let due = reaction != Reaction::Told || !times.is_empty();
-    let misses: Vec<String> = runs.iter().filter_map(|run| run.miss(spec, reaction)).collect();
+    let misses: Vec<String> = runs.iter().filter_map(|run| run.miss((id, spec), reaction)).collect();
     let found_as: BTreeSet<String> = runs.iter().filter_map(|run| run.found_as.clone()).collect();
     let recovered = runs.iter().filter_map(|run| run.recovered_s).max_by(f64::total_cmp);
     let mut figures: BTreeMap<String, f64> = BTreeMap::new();
