@@ -71,9 +71,7 @@ fn what_cools_behind_a_latch_stays_there() {
 fn p12_a_bed_that_warms_behind_a_latch_is_cut_off_the_mains() {
     let stuck = Some((62.0, Cause::BedStuckOn)); // 15 K at 0.3 K/s, 6 s, and two medians
     let unseen = Some((8.6, Cause::HeatUnseen));
-    for (from_c, rate_k_s, cut) in
-        [(120.0, 0.3, stuck), (120.0, -0.1, None), (120.0, 0.0, None), (145.0, 0.0, unseen)]
-    {
+    for (from_c, rate_k_s, cut) in [(120.0, 0.3, stuck), (120.0, -0.1, None), (145.0, 0.0, unseen)] {
         let mut print = Print::acting();
         print.ask(Operator::Stop);
         print.report.bed_duty = 0.0;

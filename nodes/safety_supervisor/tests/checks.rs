@@ -47,7 +47,6 @@ fn a_range_trips_on_samples_in_a_row_at_either_end() {
     }
 }
 
-/// A spike of 0.1 s is ten readings of 100 Hz, and as little as one of 10 Hz; 0.2 s of them are three.
 /// Open or short within 0.5 s at 10 Hz, and two periods more where they are longer.
 #[test]
 fn a_range_of_slow_readings_trips_with_the_second_one() {
@@ -68,6 +67,7 @@ fn a_range_of_slow_readings_trips_with_the_second_one() {
     }
 }
 
+/// A spike of 0.1 s is ten readings of 100 Hz, and as little as one of 10 Hz; 0.2 s of them are three.
 #[test]
 fn a_range_counts_readings_of_ten_hertz() {
     let mut check = RangeCheck::new(RangeParams { min_c: 0.0, max_c: 285.0, samples: 3 });

@@ -159,7 +159,7 @@ fn c8_a_second_publisher_is_told_by_how_many_commands_were_refused() {
 #[test]
 fn p12_a_bed_that_stands_still_is_told_by_how_long() {
     let mut print = Print::acting();
-    for step in 0..210_u32 {
+    for step in 0..150_u32 {
         print.report.bed_target = Celsius(60.0);
         print.report.bed_duty = if step % 20 < 10 { 0.3 } else { 0.6 };
         let temp = Celsius(60.0);

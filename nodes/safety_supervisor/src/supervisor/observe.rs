@@ -180,8 +180,8 @@ impl Supervisor {
         let patience_s = if self.takes_up { modes.take_up_s.max(modes.adopt_s) } else { modes.adopt_s };
         let alone = self.paused_alone_since.is_some_and(|since| now.0 - since.0 > patience_s);
         set(Cause::PrinterPaused, alone.then_some(Reaction::Pause));
-        let unseen = self.is_unseen(&raised);
-        self.checks.unseen.look(now, unseen);
+        let sight = self.sight(now, &raised);
+        self.checks.unseen.look(now, sight);
         let unseen = self.checks.unseen.unseen_s(now).is_some();
         raised[Cause::HeatUnseen as usize] = unseen.then_some(Reaction::Estop);
         self.graced(raised, printing)

@@ -7,12 +7,26 @@ use super::Supervisor;
 use super::parts::Checks;
 use crate::cause::{Cause, Reaction};
 use crate::checks::heater::{Drive, HeaterFault};
+use crate::checks::range::RangeCheck;
+use crate::checks::unseen::Sight;
 use crate::event::PrinterReport;
 use crate::modes::Raised;
 use crate::params::Params;
 
 /// Age of the printer's state from which nobody knows what the heaters are told `[s]`: until then readings wait for it.
 const UNORDERED_S: f64 = 1.5;
+
+/// Causes behind which a reading is not the block's or the bed's, or may not be: what falls behind what a heater should give
+/// may be a thermistor that fell out.
+const DOUBTS: [Cause; 7] = [
+    Cause::HotendFrozen,
+    Cause::ThermistorDetached,
+    Cause::HotendStep,
+    Cause::HeaterDeficit,
+    Cause::BedFrozen,
+    Cause::BedThermistorDetached,
+    Cause::BedDeficit,
+];
 
 impl Supervisor {
     pub(super) fn on_hotend(&mut self, now: Seconds, stamp: Seconds, temp: Celsius) {
@@ -68,21 +82,22 @@ impl Supervisor {
         }
     }
 
-    /// Whether heaters are off by order, and no reading shows whether they are: one that was not the block's stays so until a
-    /// person has looked, one that is missing or impossible may come back.
-    pub(super) fn is_unseen(&self, raised: &Raised) -> bool {
-        const NOT_OF_THE_BLOCK: [Cause; 5] = [
-            Cause::HotendFrozen,
-            Cause::ThermistorDetached,
-            Cause::HotendStep,
-            Cause::BedFrozen,
-            Cause::BedThermistorDetached,
-        ];
-        const NONE: [Cause; 4] = [Cause::HotendRange, Cause::StaleHotend, Cause::BedRange, Cause::StaleBed];
-        let missing = || NONE.iter().any(|cause| raised[*cause as usize] >= Some(Reaction::SafeOff));
-        self.modes
-            .latch()
-            .is_some_and(|latch| !latch.estop && (NOT_OF_THE_BLOCK.contains(&latch.cause) || missing()))
+    /// What the readings show of heaters that are off by order.
+    pub(super) fn sight(&self, now: Seconds, raised: &Raised) -> Option<Sight> {
+        let latch = self.modes.latch().filter(|latch| !latch.estop)?;
+        let calls = |cause: &Cause| raised[*cause as usize] >= Some(Reaction::SafeOff);
+        // Where the printer is not heard either, no order would reach it.
+        let heard = self.ages.printer.age(now).is_some_and(|age| age.0 <= UNORDERED_S);
+        let silent = heard && [Cause::StaleHotend, Cause::StaleBed].iter().any(calls);
+        Some(if DOUBTS.contains(&latch.cause) || DOUBTS.iter().any(calls) {
+            Sight::Doubted
+        } else if silent || [Cause::HotendRange, Cause::BedRange].iter().any(calls) {
+            Sight::None
+        } else {
+            let well = |range: &RangeCheck| range.newest().is_none() || range.is_well();
+            let clear = well(&self.checks.hotend_range) && well(&self.checks.bed_range);
+            if clear { Sight::Clear } else { Sight::Unsure }
+        })
     }
 
     /// Whether hot end and bed are to be off, by our order or because nobody asks for heat; `None` where that is not known
@@ -120,6 +135,7 @@ impl Supervisor {
     /// Whatever the parameters require: what heats has to be measured, and judged.
     pub(super) fn look_at_heat(&mut self, now: Seconds) {
         let (hotend, bed) = self.printer.map_or((false, false), |printer| heats(&printer));
+        let ordered = self.modes.latch().is_none();
         if hotend {
             self.ages.hotend.expect(now);
         }
@@ -127,8 +143,9 @@ impl Supervisor {
             self.ages.bed.expect(now);
         }
         let checks = &mut self.checks;
-        checks.unjudged.look(now, hotend, checks.heater.is_judging());
-        checks.bed_unjudged.look(now, bed, checks.bed_heater.is_judging());
+        // What is off by order is not in use, whatever the slicer asks for; the readings alone are looked at then.
+        checks.unjudged.look(now, hotend && ordered, checks.heater.is_judging());
+        checks.bed_unjudged.look(now, bed && ordered, checks.bed_heater.is_judging());
     }
 }
 

@@ -24,6 +24,8 @@ pub(crate) struct Print {
     pub(crate) output: Output,
     pub(crate) report: PrinterReport,
     pub(crate) temp_c: f64,
+    /// What the last digits of its readings differ by `[K]`.
+    pub(crate) bits: f64,
     pub(crate) hotend: bool,
     pub(crate) encoder: bool,
     pub(crate) printer: bool,
@@ -51,6 +53,7 @@ impl Print {
             output,
             report,
             temp_c: 210.0,
+            bits: 0.01,
             hotend: true,
             encoder: true,
             printer: true,
@@ -100,7 +103,7 @@ impl Print {
         }
         if self.hotend && self.tick.is_multiple_of(5) {
             // the last digits differ, as of a sound sensor
-            let temp = Celsius(self.temp_c + f64::from(self.tick % 7) * 0.01);
+            let temp = Celsius(self.temp_c + f64::from(self.tick % 7) * self.bits);
             self.event(Event::Hotend { stamp: now, temp });
         }
         if self.printer {

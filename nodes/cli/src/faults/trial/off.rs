@@ -4,8 +4,8 @@ use super::Reaction;
 use crate::sim::printing::Printing;
 use models::units::{Celsius, Kelvin};
 
-/// How long it is looked at behind the reaction `[s]`; what nobody sees may go off the mains after 8 s.
-pub(super) const WATCHED_S: f64 = 7.9;
+/// How long it is looked at behind the reaction `[s]`.
+pub(super) const WATCHED_S: f64 = 10.0;
 /// Time in which the printer carries the order out `[s]`: its heaters' loop runs ten times a second.
 const CARRIED_OUT_S: f64 = 0.3;
 /// How far the block may rise all the same: the heat of a cartridge on its way `[K]`.
