@@ -16,6 +16,8 @@ const LEAST_K: f64 = 8.0;
 const SHARE: f64 = 0.5;
 /// Medians in a row that have to have sunk.
 const SUNK: u32 = 2;
+/// Readings further apart begin anew: a median of both ends would be of no moment `[s]`.
+const GAP_MAX_S: f64 = 1.6;
 
 /// Watches one temperature.
 #[derive(Debug, Clone)]
@@ -23,6 +25,7 @@ pub(super) struct Sinking {
     /// Fastest fall that is kept up `[K/s]`.
     most_k_s: f64,
     median: Median,
+    newest: Option<Seconds>,
     /// When they were taken, newest last.
     medians: [Option<(Seconds, f64)>; MEDIANS],
     sunk: u32,
@@ -35,6 +38,7 @@ impl Sinking {
         Self {
             most_k_s: SHARE * fall_k_s,
             median: Median::new(),
+            newest: None,
             medians: [None; MEDIANS],
             sunk: 0,
             fall_k_s: 0.0,
@@ -44,10 +48,12 @@ impl Sinking {
     /// Takes a temperature of `stamp`.
     pub(super) fn on_sample(&mut self, stamp: Seconds, temp: Celsius) {
         let begun = self.median.since().or(self.medians[MEDIANS - 1].map(|(at, _)| at));
-        if begun.is_some_and(|begun| stamp < begun) {
-            // Time was set back.
+        let was_silent = self.newest.is_some_and(|newest| (stamp - newest).0 > GAP_MAX_S);
+        if was_silent || begun.is_some_and(|begun| stamp < begun) {
+            // Or time was set back.
             *self = Self { most_k_s: self.most_k_s, ..Self::new(0.0) };
         }
+        self.newest = Some(stamp);
         if let Some(median_c) = self.median.on_sample(stamp, temp) {
             self.compare(stamp, median_c);
         }
@@ -122,5 +128,17 @@ mod tests {
             }
         }
         assert_eq!(check.sunk_k_s(), None);
+    }
+
+    /// A block that cools by 12 K in a silence of 9 s, in the middle of a median.
+    #[test]
+    fn what_a_silence_hides_has_not_sunk() {
+        let mut check = Sinking::new(5.0);
+        for (from_s, temp_c) in [(100.0, 210.0), (114.6, 198.0)] {
+            for tick in 0..56_u32 {
+                check.on_sample(Seconds(from_s + 0.1 * f64::from(tick)), Celsius(temp_c));
+                assert_eq!(check.sunk_k_s(), None, "{temp_c} {tick}");
+            }
+        }
     }
 }
