@@ -55,6 +55,8 @@ struct Status {
     progress: Option<f64>,
     layer: Option<u32>,
     line: Option<u64>,
+    /// The mains relay feeds the heaters.
+    mains_on: Option<bool>,
     hotend_degc: Option<f64>,
     hotend_target_degc: Option<f64>,
     bed_degc: Option<f64>,
@@ -143,6 +145,7 @@ fn status(
         progress: state.as_ref().map(|state| state.progress),
         layer: state.as_ref().filter(|state| state.layer_known).map(|state| state.layer + 1),
         line: state.as_ref().map(|state| state.line),
+        mains_on: state.as_ref().map(|state| state.mains_on),
         hotend_degc,
         hotend_target_degc: state.as_ref().map(|state| state.hotend_target_degc),
         bed_degc,
@@ -202,7 +205,8 @@ fn text(status: &Status) -> String {
     if let Some(progress) = status.progress {
         let layer = status.layer.map_or("-".to_owned(), |layer| layer.to_string());
         let phase = status.phase.as_deref().unwrap_or("unknown");
-        lines.push(format!("printer: {phase}, {:.1} %, layer {layer}", progress * 100.0));
+        let mains = if status.mains_on == Some(false) { ", off the mains" } else { "" };
+        lines.push(format!("printer: {phase}, {:.1} %, layer {layer}{mains}", progress * 100.0));
     }
     let hotend = temperature(status.hotend_degc, status.hotend_target_degc);
     let bed = temperature(status.bed_degc, status.bed_target_degc);

@@ -70,7 +70,7 @@ causes! {
     HeaterStuckOn, "P1", "the hot end heats without being told to",
         "take the printer off the mains; replace the heater switch, then `fdm acknowledge`";
     HeatUnseen, "P1", "the heaters are off by order, and no reading shows whether they are",
-        "take the printer off the mains; check the thermistor and its plug, then `fdm acknowledge`";
+        "take the printer off the mains; check the thermistor and its plug; power it again, then `fdm acknowledge`";
     HeaterDeficit, "P2", "the hot end heater gives too little power",
         "check heater cartridge and its wires, then `fdm acknowledge`";
     ThermistorDetached, "P3", "hot end temperature falls faster than it can cool",

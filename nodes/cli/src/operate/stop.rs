@@ -121,6 +121,9 @@ impl Printer {
             if let Some(state) = self.states.drain_newest() {
                 // Of what was demanded before it: the first one comes after a demand.
                 if sequence > 1 && is_safe(&state.message, self.request) {
+                    // Once more: who was not matched yet has not heard the first one.
+                    let now = state.message.header.stamp.seconds();
+                    self.events.send(told(now.map_or_else(|| self.clock.now(), Seconds), self.request));
                     return Ok(());
                 }
                 newest = Some(state);

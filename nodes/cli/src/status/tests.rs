@@ -24,6 +24,7 @@ fn printer() -> PrinterState {
         layer_known: true,
         hotend_target_degc: 215.0,
         bed_target_degc: 60.0,
+        mains_on: true,
         ..PrinterState::default()
     }
 }
@@ -79,6 +80,9 @@ fn the_phase_of_the_job_and_a_latch_are_told() {
     let (lines, json) = told(false, PrinterState::PHASE_DONE);
     assert!(lines.contains("supervisor: safe_off (S1), set to act\n"), "{lines}");
     assert_eq!((&json["latched"], &json["phase"]), (&false.into(), &"done".into()));
+    let off = PrinterState { mains_on: false, ..printer() };
+    let told = text(&status(<_>::default(), None, Some(off), (None, None)));
+    assert!(told.contains("printer: paused, 25.0 %, layer 3, off the mains\n"), "{told}");
     let nobody = serde_json::to_value(status(<_>::default(), None, None, (None, None))).unwrap();
     assert!(nobody["latched"].is_null() && nobody["phase"].is_null());
 }
