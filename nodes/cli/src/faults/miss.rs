@@ -35,7 +35,7 @@ pub(super) fn miss((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: 
 fn misnamed((id, spec): (&str, &TrialSpec), reaction: Reaction, outcome: &Outcome) -> Option<String> {
     let found = outcome.found_as.as_deref().or((reaction >= Reaction::Degraded).then_some(""))?;
     let what = if found.is_empty() { "found by nobody".to_owned() } else { format!("found as {found}") };
-    (!may_be(id, spec, found)).then_some(what)
+    (!may_be(id, &spec.found_as, found)).then_some(what)
 }
 
 /// How much later a reaction came than it may; where seconds and layers are allowed, the later of them counts.
@@ -63,9 +63,10 @@ fn counted_s(spec: &TrialSpec, outcome: &Outcome) -> Option<f64> {
     }
 }
 
-/// Whether a fault may be found under this name; an empty one where the printer acted by itself.
-fn may_be(id: &str, spec: &TrialSpec, found: &str) -> bool {
-    if spec.found_as.is_empty() { found == id } else { spec.found_as.iter().any(|name| name == found) }
+/// Whether a fault may be found under this name: its own, where none are named; an empty one where the printer acted by
+/// itself.
+pub(super) fn may_be(id: &str, named: &[String], found: &str) -> bool {
+    if named.is_empty() { found == id } else { named.iter().any(|name| name == found) }
 }
 
 #[cfg(test)]

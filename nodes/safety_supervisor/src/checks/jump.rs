@@ -53,8 +53,8 @@ impl JumpCheck {
             return;
         }
         let period_s = self.newest.replace(stamp).map_or(0.0, |newest| (stamp - newest).0);
-        let reach_k =
-            self.apart.map_or(self.params.step_k + self.params.rate_max_k_s * gap_s, |apart| apart.reach_k);
+        let reach_now_k = self.params.step_k + self.params.rate_max_k_s * gap_s;
+        let reach_k = self.apart.map_or(reach_now_k, |apart| apart.reach_k);
         let near = (temp.0 - held_c).abs() <= reach_k;
         // Slow readings have to agree as often as it takes.
         let gap_max_s =

@@ -50,7 +50,7 @@ impl RangeCheck {
         let counts = self.pace.counts(now);
         self.sound = if self.inside { self.sound.saturating_add(u32::from(counts)) } else { 0 };
         self.outside = if self.inside { 0 } else { self.outside.saturating_add(u32::from(counts)) };
-        self.since = self.since.filter(|_| !self.inside).or((!self.inside).then_some(now));
+        self.since = if self.inside { None } else { self.since.or(Some(now)) };
         self.for_s = self.since.map_or(0.0, |since| (now - since).0);
     }
 
@@ -85,5 +85,30 @@ impl RangeCheck {
     #[must_use]
     pub fn is_inside(&self) -> bool {
         self.inside
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Open or short within 0.5 s at 10 Hz, and two periods more where they are longer.
+    #[test]
+    fn a_range_of_slow_readings_trips_with_the_second_one() {
+        for (period_s, within_s) in [(0.1, 0.2), (0.25, 0.5), (0.5, 0.5), (1.0, 1.0)] {
+            let mut check = RangeCheck::new(RangeParams { min_c: 0.0, max_c: 285.0, samples: 3 });
+            check.on_sample(Seconds(9.0), Celsius(300.0));
+            check.on_sample(Seconds(9.0 + period_s), Celsius(210.0));
+            let mut since_s = 0.0;
+            loop {
+                assert!(!check.tripped(), "{period_s} s: a spike, or too soon");
+                check.on_sample(Seconds(20.0 + since_s), Celsius(-20.0));
+                if since_s >= within_s {
+                    break;
+                }
+                since_s += period_s;
+            }
+            assert!(check.tripped(), "{period_s} s");
+        }
     }
 }

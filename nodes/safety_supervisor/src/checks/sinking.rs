@@ -49,8 +49,8 @@ impl Sinking {
     pub(super) fn on_sample(&mut self, stamp: Seconds, temp: Celsius) {
         let begun = self.median.since().or(self.medians[MEDIANS - 1].map(|(at, _)| at));
         let was_silent = self.newest.is_some_and(|newest| (stamp - newest).0 > GAP_MAX_S);
-        if was_silent || begun.is_some_and(|begun| stamp < begun) {
-            // Or time was set back.
+        let was_set_back = begun.is_some_and(|begun| stamp < begun);
+        if was_silent || was_set_back {
             *self = Self { most_k_s: self.most_k_s, ..Self::new(0.0) };
         }
         self.newest = Some(stamp);

@@ -42,10 +42,9 @@ impl UnseenCheck {
         self.doubted |= sight == Sight::Doubted;
         let before = self.since.filter(|since| *since <= now);
         self.since = match sight {
-            _ if self.doubted => before.or(Some(now)),
-            Sight::Clear => None,
-            Sight::Unsure => before,
-            Sight::None | Sight::Doubted => before.or(Some(now)),
+            Sight::Clear if !self.doubted => None,
+            Sight::Unsure if !self.doubted => before,
+            _ => before.or(Some(now)),
         };
     }
 

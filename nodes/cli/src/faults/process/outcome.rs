@@ -4,6 +4,7 @@ use super::watcher::Watcher;
 use crate::faults::catalogue::{Bound, ProcessSpec, Reaction};
 use crate::faults::figures::TrialFigures;
 use crate::faults::measure::Measure;
+use crate::faults::miss::may_be;
 use crate::up::words::mode_name;
 use fdm_loop_msgs::SafetyState;
 use std::collections::{BTreeMap, BTreeSet};
@@ -73,9 +74,7 @@ impl Observed {
 
     /// The name under which the supervisor found what it may not be found as.
     fn misnamed(&self, id: &str, spec: &ProcessSpec) -> Option<&str> {
-        let found = self.found_as.as_deref()?;
-        let own = spec.found_as.is_empty() && found == id;
-        (!own && !spec.found_as.iter().any(|name| name == found)).then_some(found)
+        self.found_as.as_deref().filter(|found| !may_be(id, &spec.found_as, found))
     }
 
     /// What was wrong, in words.
@@ -197,5 +196,27 @@ pub(super) fn sum_up(
         figures,
         measures: samples.into_iter().map(|(name, all)| Measure::of(name, all, bound(name))).collect(),
         ..TrialFigures::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    /// Another fault that happened to be found in time is none of this one.
+    #[test]
+    fn what_was_found_as_something_else_is_a_miss() {
+        let miss = |named: &[&str], found: Option<&str>| {
+            let spec = json!({"name": "a", "do": {"kill": "imu"}, "found_as": named});
+            let spec: ProcessSpec = serde_json::from_value(spec).unwrap();
+            let found_as = found.map(str::to_owned);
+            let run =
+                Observed { seed: 3, found_as, worst: SafetyState::MODE_DEGRADED, ..Observed::default() };
+            run.miss(("C1", &spec), Reaction::Degraded)
+        };
+        assert_eq!(miss(&["S7"], Some("C13")).as_deref(), Some("seed 3: found as C13"));
+        assert_eq!(miss(&[], Some("S7")).as_deref(), Some("seed 3: found as S7"));
+        assert_eq!((miss(&["S7"], Some("S7")), miss(&[], Some("C1")), miss(&[], None)), (None, None, None));
     }
 }
