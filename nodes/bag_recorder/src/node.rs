@@ -11,10 +11,11 @@ use crate::folder::Folder;
 use crate::params::{LIVE, Params};
 use crate::tally::Tally;
 use crate::writer::{Item, Recorded, Recorder, Settings, Wish};
+use fdm_loop_msgs::{PrintEvent, PrintInfo};
 use intake::Intake;
 use passed::Passed;
 use report::Report;
-use runtime::{Node, RawSubscription, RuntimeError, topics};
+use runtime::{Node, RawSubscription, RuntimeError, Subscription, topics};
 use services::Services;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -30,6 +31,9 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Real time between two reports.
 const REPORT: Duration = Duration::from_secs(1);
 
+/// What the recorder itself listens to.
+type Heard = (Subscription<PrintInfo>, Subscription<PrintEvent>);
+
 /// Records until the end is demanded.
 ///
 /// # Errors
@@ -42,6 +46,9 @@ pub async fn run(mut node: Node) -> Result<(), RecorderError> {
             node.refuse();
         }
     })?;
+    // Before the wait for the clock, in which everybody is discovered: RustDDS 0.15.1 may hang where endpoints are made then.
+    let services = Services::serve(&mut node, params.snapshot.span_ns > 0)?;
+    let heard = (node.subscribe(&topics::PRINT_INFO)?, node.subscribe(&topics::EVENTS)?);
     node.activated().await;
     let tally = Arc::new(Tally::new(recorded.len()));
     let folder = Folder::open(&params.bag_dir, params.bag_name(), Arc::clone(&tally))?;
@@ -67,7 +74,6 @@ pub async fn run(mut node: Node) -> Result<(), RecorderError> {
             node.refuse();
         }
     })?;
-    let services = Services::serve(&mut node, params.snapshot.span_ns > 0)?;
 
     let taken = subscriptions.into_iter().enumerate().map(|(topic, subscription)| {
         let (queue, tally, work) = (recorder.queue(), Arc::clone(&tally), node.work());
@@ -77,7 +83,7 @@ pub async fn run(mut node: Node) -> Result<(), RecorderError> {
     let mut readers = JoinSet::new();
     readers.spawn(intake::take_all(taken.collect(), node.shutdown_handle()));
     let report = Report { names, tally, diagnostics: node.diagnostics() };
-    let outcome = watch(&mut node, (&recorder, services), &report, &params).await;
+    let outcome = watch(&mut node, (&recorder, services, heard), &report, &params).await;
     // The readers end with the demand; where the writer failed, there is none.
     node.stop();
     while readers.join_next().await.is_some() {}
@@ -143,12 +149,10 @@ async fn wait_for_clock(node: &Node, longest: Duration) {
 /// the writer fails.
 async fn watch(
     node: &mut Node,
-    (recorder, mut services): (&Recorder, Services),
+    (recorder, mut services, (mut prints, mut events)): (&Recorder, Services, Heard),
     report: &Report,
     params: &Params,
 ) -> Result<(), RecorderError> {
-    let mut prints = node.subscribe(&topics::PRINT_INFO)?;
-    let mut events = node.subscribe(&topics::EVENTS)?;
     let queue = recorder.queue();
     let mut live = node.live_parameters(&LIVE);
     let mut keep_severity = params.room.keep_severity;

@@ -17,7 +17,7 @@ use crate::names::Names;
 use crate::params::store::{LiveParameters, Store};
 use crate::params::{NodePath, ParamFileError, Parameters};
 use crate::participants::Participants;
-use crate::self_loop::SelfLoop;
+use crate::self_loop::{Making, SelfLoop};
 use crate::shutdown::{self, Shutdown, ShutdownSender};
 use crate::{bounds, logging};
 use middleware::{once, random_session, watch_middleware};
@@ -46,6 +46,7 @@ struct Core {
     // Dropped in this order: tasks hold readers and writers, the watchdog a participant of its own.
     tasks: Mutex<JoinSet<()>>,
     self_loop: SelfLoop,
+    making: Making,
     ros: Mutex<ros2_client::Node>,
     context: Context,
     names: Names,
@@ -136,7 +137,9 @@ impl Node {
         let participant = participants.own.clone();
         let session = random_session();
         let (shutdown_sender, shutdown) = Shutdown::channel();
-        let self_loop = watch_middleware(participants, session, on_deaf, shutdown_sender.clone())?;
+        let making = Making::default();
+        let watched = (participants, making.clone());
+        let self_loop = watch_middleware(watched, session, on_deaf, shutdown_sender.clone())?;
         let context = Context::from_domain_participant(participant.clone())
             .map_err(|error| RuntimeError::create("context", &error))?;
         let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
@@ -148,6 +151,7 @@ impl Node {
         let core = Core {
             tasks: Mutex::new(JoinSet::new()),
             self_loop,
+            making,
             ros: Mutex::new(ros),
             context,
             names,

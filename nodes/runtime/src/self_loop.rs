@@ -12,6 +12,8 @@
 //! Nothing heard for a second ends the process; whoever started it starts it again. The limit counts time in which this
 //! watchdog itself ran: a process that was stopped or starved of the processor is not ended for that alone.
 //!
+//! An endpoint that is never made hangs the node as well: that is seen sooner than the silence (`making`).
+//!
 //! A wall clock that is set back deafens a participant of RustDDS 0.15.1 for as long (T3): readers that ask for best
 //! effort look for samples up to the present by that clock, and the newest lie beyond. That is seen at once.
 
@@ -28,8 +30,11 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+mod making;
 mod ring;
 mod silence;
+use making::Patience;
+pub(crate) use making::{Begun, Making};
 use ring::Ring;
 use silence::Silence;
 
@@ -71,10 +76,11 @@ pub(crate) struct SelfLoop {
 }
 
 impl SelfLoop {
-    /// Starts the watchdog over the process's own participant; `on_silence` is called once, from its thread, `on_crowd`
-    /// with the number of participants as often as they are too many.
+    /// Starts the watchdog over the process's own participant and the endpoints that it makes; `on_silence` is called once,
+    /// from its thread, `on_crowd` with the number of participants as often as they are too many.
     pub(crate) fn start(
         participants: Participants,
+        making: Making,
         session: u64,
         on_silence: impl FnOnce() + Send + 'static,
         on_crowd: impl Fn(usize) + Send + 'static,
@@ -86,10 +92,11 @@ impl SelfLoop {
         let age = SelfLoopAge::default();
         let (stop, stopped) = channel();
         let shared = age.clone();
+        let patience = Patience::new(making, monotonic());
         let thread = std::thread::Builder::new()
             .name("self_loop".to_owned())
             .spawn(move || {
-                if watch((ring, acks), (crowd, &on_crowd), &shared, &stopped) {
+                if watch((ring, acks, patience), (crowd, &on_crowd), &shared, &stopped) {
                     on_silence();
                 }
             })
@@ -112,9 +119,9 @@ impl Drop for SelfLoop {
     }
 }
 
-/// Sends and listens until stopped (false) or silent for too long (true).
+/// Sends and listens until stopped (false), or silent or busy with an endpoint for too long (true).
 fn watch(
-    (mut ring, mut acks): (Ring, Vec<SelfAck>),
+    (mut ring, mut acks, mut patience): (Ring, Vec<SelfAck>, Patience),
     (mut crowd, on_crowd): (Crowd, &impl Fn(usize)),
     age: &SelfLoopAge,
     stopped: &Receiver<()>,
@@ -136,6 +143,10 @@ fn watch(
         let now = monotonic();
         if heard {
             age.heard(now);
+        }
+        if patience.pass(now) {
+            tracing::error!("the middleware makes an endpoint and does not come to an end");
+            return true;
         }
         let wall_ns = wall_ns();
         if silence.pass(now, heard) || wall_ns < newest_ns - SET_BACK_NS {

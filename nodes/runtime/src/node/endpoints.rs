@@ -7,6 +7,7 @@ use crate::publisher::Publisher;
 use crate::qos;
 use crate::raw::{Bytes, PassThrough, RawNames, RawSubscription};
 use crate::raw_publisher::Serialized;
+use crate::self_loop::Begun;
 use crate::service::{Client, Server};
 use crate::stats::TopicStats;
 use crate::subscription::Subscription;
@@ -14,7 +15,7 @@ use crate::topics::{self, Service, Topic, TopicInfo};
 use fdm_loop_msgs::{RosService, RosType};
 use ros2_client::{MessageTypeName, ServiceTypeName};
 use rustdds::{QosPolicies, TopicKind};
-use std::sync::Arc;
+use std::sync::{Arc, MutexGuard};
 
 impl Node {
     /// Listens to a topic.
@@ -34,7 +35,8 @@ impl Node {
         let failed =
             |error: ros2_client::CreateError| RuntimeError::create(format!("subscription {name}"), &error);
         let ros_topic = self.create_topic(&name, &topic.info(), &profile)?;
-        let reader = lock(&self.core.ros).create_subscription(&ros_topic, Some(profile)).map_err(failed)?;
+        let (_begun, mut ros) = self.ros();
+        let reader = ros.create_subscription(&ros_topic, Some(profile)).map_err(failed)?;
         let stats = Arc::new(TopicStats::subscriber(&name));
         Ok(Subscription::new(reader, self.core.clock.clone(), stats, self.gate.clone()))
     }
@@ -49,7 +51,8 @@ impl Node {
         let failed =
             |error: ros2_client::CreateError| RuntimeError::create(format!("publisher {name}"), &error);
         let ros_topic = self.create_topic(&name, &topic.info(), &profile)?;
-        let writer = lock(&self.core.ros).create_publisher(&ros_topic, Some(profile)).map_err(failed)?;
+        let (_begun, mut ros) = self.ros();
+        let writer = ros.create_publisher(&ros_topic, Some(profile)).map_err(failed)?;
         let stats = Arc::new(TopicStats::publisher(&name));
         self.core.diagnostics.watch(Arc::clone(&stats));
         Ok(Publisher::new(writer, stats, self.gate.clone()))
@@ -65,6 +68,7 @@ impl Node {
         let failed =
             |error: rustdds::dds::CreateError| RuntimeError::create(format!("subscription {name}"), &error);
         let qos = QosPolicies::from(topic.qos.requested.profile());
+        let _begun = self.core.making.begin();
         let participant = self.core.context.domain_participant();
         let type_name = MessageTypeName::new(topic.definition.package, topic.definition.name);
         let dds_topic = participant
@@ -95,6 +99,7 @@ impl Node {
         let qos = QosPolicies::from(offered.profile());
         let (package, message) = type_name.split_once("/msg/").unwrap_or(("", type_name));
         let type_name = MessageTypeName::new(package, message).dds_msg_type();
+        let _begun = self.core.making.begin();
         let participant = self.core.context.domain_participant();
         let dds_topic = participant
             .create_topic(format!("rt{name}"), type_name, &qos, TopicKind::NoKey)
@@ -114,7 +119,8 @@ impl Node {
         let name = self.core.names.resolve(service.name());
         let ros_name = self.core.names.check(&name)?;
         let profile = qos::SERVICE.profile();
-        let server = lock(&self.core.ros).create_server(
+        let (_begun, mut ros) = self.ros();
+        let server = ros.create_server(
             self.core.services.mapping(),
             &ros_name,
             &ServiceTypeName::new(S::PACKAGE, S::NAME),
@@ -163,7 +169,8 @@ impl Node {
     {
         let ros_name = self.core.names.check(&name)?;
         let profile = qos::SERVICE.profile();
-        let client = lock(&self.core.ros).create_client(
+        let (_begun, mut ros) = self.ros();
+        let client = ros.create_client(
             self.core.services.mapping(),
             &ros_name,
             &ServiceTypeName::new(S::PACKAGE, S::NAME),
@@ -187,6 +194,11 @@ impl Node {
         Ok(ClockDriver::new(self.core.clock.clone(), publisher))
     }
 
+    /// The client, to make an endpoint with: the watchdog looks how long that takes.
+    fn ros(&self) -> (Begun<'_>, MutexGuard<'_, ros2_client::Node>) {
+        (self.core.making.begin(), lock(&self.core.ros))
+    }
+
     /// The client's topic.
     fn create_topic(
         &self,
@@ -196,8 +208,8 @@ impl Node {
     ) -> Result<rustdds::Topic, RuntimeError> {
         let ros_name = self.core.names.check(name)?;
         let type_name = MessageTypeName::new(info.definition.package, info.definition.name);
-        lock(&self.core.ros)
-            .create_topic(&ros_name, type_name, profile)
+        let (_begun, ros) = self.ros();
+        ros.create_topic(&ros_name, type_name, profile)
             .map_err(|error| RuntimeError::create(format!("topic {name}"), &error))
     }
 }

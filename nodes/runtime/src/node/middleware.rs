@@ -4,7 +4,7 @@ use super::lock;
 use crate::bounds;
 use crate::error::RuntimeError;
 use crate::participants::Participants;
-use crate::self_loop::SelfLoop;
+use crate::self_loop::{Making, SelfLoop};
 use crate::shutdown::{self, ShutdownSender};
 use std::hash::{BuildHasher, Hasher};
 use std::sync::{Arc, Mutex};
@@ -32,7 +32,7 @@ pub(super) fn random_session() -> u64 {
 /// Watches over this process's middleware: what happens where it is deaf is told, and where it is overcrowded the process
 /// leaves the graph.
 pub(super) fn watch_middleware(
-    participants: Participants,
+    (participants, making): (Participants, Making),
     session: u64,
     on_silence: impl FnOnce() + Send + 'static,
     leave: ShutdownSender,
@@ -47,5 +47,5 @@ pub(super) fn watch_middleware(
             shutdown::end_where_it_hangs(bounds::end_deaf);
         }
     };
-    SelfLoop::start(participants, session, on_silence, on_crowd)
+    SelfLoop::start(participants, making, session, on_silence, on_crowd)
 }
