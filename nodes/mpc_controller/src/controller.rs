@@ -179,6 +179,7 @@ impl Controller {
         self.nominal.on_status(status, (self.base.feed(), self.params.slip.wanted_jump_m), law.as_ref());
         self.balance.on_wanted(status.stamp.0, self.nominal.fed_m());
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
+        status.trims.slip.into_iter().for_each(|slip| self.catch_up.on_in_force(status.stamp.0, slip));
         self.advance.on_status(status, law.map(|law| law.advance()));
         if self.status.is_none_or(|before| self.unsteady(&before, status)) {
             self.steady_since_s = status.stamp.0;

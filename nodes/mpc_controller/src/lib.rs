@@ -29,6 +29,7 @@ mod input;
 pub mod node;
 mod nominal;
 pub mod params;
+mod pending;
 pub mod qp;
 pub mod reference;
 mod saturation;

@@ -1,7 +1,7 @@
 //! Executes a planned job: moves at the pace of the trims, waits for temperatures, pauses.
 //!
-//! A `native` host applies trims at once. A `serial` host has already sent some moves when a trim arrives: every move
-//! carries the trims that were in force when it entered the buffer.
+//! A `native` host applies trims at once. A `serial` host has already sent some moves when a trim arrives: every piece of one
+//! carries the trims that were in force when it was sent (`carried`).
 
 use models::command::{MotionTrim, Trims};
 use models::motion::{Action, MoveKind, Segment, Step};
@@ -10,15 +10,18 @@ use models::units::Seconds;
 use std::collections::VecDeque;
 
 mod ahead;
+mod carried;
 mod state;
 mod types;
+
+use carried::Carried;
 
 pub use ahead::Ahead;
 pub use types::{Motion, Settings, Sliced, Surroundings};
 
 #[derive(Debug, Clone)]
 enum Queued {
-    Move(Coming, Option<Trims>),
+    Move(Coming),
     /// With its line of the file.
     Act(Action, u64),
 }
@@ -36,7 +39,7 @@ pub struct Coming {
 struct Active {
     sequence: u64,
     segment: Box<Segment>,
-    trims: Option<Trims>,
+    trims: Trims,
     elapsed_s: f64,
 }
 
@@ -54,6 +57,7 @@ pub struct Executor {
     steps: Box<dyn Iterator<Item = Step> + Send>,
     queue: VecDeque<Queued>,
     queued_s: f64,
+    carried: Carried,
     exhausted: bool,
     active: Option<Active>,
     wait: Wait,
@@ -87,6 +91,7 @@ impl Executor {
             steps,
             queue: VecDeque::new(),
             queued_s: 0.0,
+            carried: Carried::default(),
             exhausted: false,
             active: None,
             wait: Wait::None,
@@ -139,9 +144,12 @@ impl Executor {
         motion.velocity_m_s = motion.velocity_m_s.map(|way_m| way_m / dt.0);
         motion.homing = std::mem::take(&mut self.homing);
         // A native host carries nothing with a move: in a pause too it follows what is in force.
-        let serial = self.settings.host == HostProfile::Serial;
-        motion.trims = self.active.as_ref().and_then(|active| active.trims).filter(|_| serial);
+        motion.trims = self.active.as_ref().map(|active| active.trims).filter(|_| self.is_serial());
         motion
+    }
+
+    fn is_serial(&self) -> bool {
+        self.settings.host == HostProfile::Serial
     }
 
     fn set_pace(&mut self, dt: Seconds, around: &Surroundings) {
@@ -180,14 +188,13 @@ impl Executor {
                 self.act(action, line);
                 false
             }
-            Some(Queued::Move(Coming { sequence, segment }, trims)) => {
+            Some(Queued::Move(Coming { sequence, segment })) => {
                 self.queued_s = (self.queued_s - segment.profile.duration().0).max(0.0);
                 self.started = true;
                 self.line = segment.line;
                 self.layer = segment.layer;
                 begun(&segment);
-                let trims = Some(trims.unwrap_or(around.trims));
-                self.active = Some(Active { sequence, segment, trims, elapsed_s: 0.0 });
+                self.active = Some(Active { sequence, segment, trims: around.trims, elapsed_s: 0.0 });
                 while self.schedule.front().is_some_and(|(trim, _)| trim.sequence < sequence) {
                     self.schedule.pop_front();
                 }
@@ -229,12 +236,11 @@ impl Executor {
     /// Moves on for at most `left_s`; returns the time used.
     fn advance(&mut self, left_s: f64, around: &Surroundings, motion: &mut Motion) -> f64 {
         let planned = self.planned_pace();
+        let carried = self.carried.at(self.path_time_s).filter(|_| self.is_serial());
         let Some(active) = &mut self.active else { return left_s };
-        if self.settings.host != HostProfile::Serial {
-            active.trims = Some(around.trims);
-        }
+        active.trims = carried.unwrap_or(around.trims);
         let planned = planned * self.sliced.speed_factor;
-        let speed = active.trims.map_or(1.0, |trims| trims.speed) * self.pace * planned;
+        let speed = active.trims.speed * self.pace * planned;
         let duration_s = active.segment.profile.duration().0;
         let plan_left_s = duration_s - active.elapsed_s;
         let plan_used_s = (left_s * speed).min(plan_left_s);

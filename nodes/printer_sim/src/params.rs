@@ -104,6 +104,7 @@ pub struct RawSimulator {
     pub host: RawHost,
     pub serial_buffer_moves: usize,
     pub serial_buffer_s: f64,
+    pub serial_piece_s: f64,
     pub plan_moves: usize,
     pub moonraker: RawLink,
     pub octoprint: RawLink,

@@ -50,7 +50,8 @@ impl Controller {
         Some(match status.host {
             HostProfile::Native => estimate.slip.clamp(self.params.slip.low, self.params.slip.high),
             HostProfile::Serial | HostProfile::Moonraker | HostProfile::Octoprint => {
-                self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s, dt_s)
+                let times_s = (estimate.stamp.0, dt_s);
+                self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s, times_s)
             }
         })
     }

@@ -1,9 +1,8 @@
 //! Looking ahead: what moves are coming, and the filament that their roads will hold compressed.
 
-use super::{Coming, Executor, Queued, Surroundings, Wait};
+use super::{Active, Coming, Executor, Queued, Surroundings, Wait};
 use models::command::{AdvanceLaw, MotionTrim, Trims};
 use models::motion::{MoveKind, Segment, Step};
-use models::status::HostProfile;
 use models::units::Seconds;
 
 /// Trims of coming moves that are kept: a second of the shortest ones.
@@ -23,9 +22,10 @@ pub enum Ahead {
 impl Executor {
     /// Keeps the host's buffer filled: one move for a native host, a stretch of time for a serial one.
     pub(super) fn refill(&mut self, around: &Surroundings) {
-        let (moves, span_s) = match self.settings.host {
-            HostProfile::Serial => (self.settings.serial_buffer_moves, self.settings.serial_buffer_s),
-            _ => (self.settings.plan_moves, self.settings.plan_s),
+        let (moves, span_s) = if self.is_serial() {
+            (self.settings.serial_buffer_moves, self.settings.serial_buffer_s)
+        } else {
+            (self.settings.plan_moves, self.settings.plan_s)
         };
         // nothing is planned across a halt: what comes after it is not known before; nor while a temperature is waited for,
         // whose wait has left the queue, nor longer before the end of a dwell than ahead of any move: its trim would lapse
@@ -49,13 +49,18 @@ impl Executor {
                 }
                 Some(Step::Move(segment)) => {
                     self.queued_s += segment.profile.duration().0;
-                    let trims = (self.settings.host == HostProfile::Serial).then_some(around.trims);
                     let coming = Coming { sequence: self.entered, segment: Box::new(segment) };
                     self.entered += 1;
                     self.coming.push(coming.clone());
-                    self.queue.push_back(Queued::Move(coming, trims));
+                    self.queue.push_back(Queued::Move(coming));
                 }
             }
+        }
+        if self.is_serial() {
+            let left = |active: &Active| active.segment.profile.duration().0 - active.elapsed_s;
+            let known_s = self.active.as_ref().map_or(0.0, left) + self.queued_s;
+            let plan_s = (self.path_time_s, self.path_time_s + known_s);
+            self.carried.send(plan_s, (span_s, self.settings.serial_piece_s), &around.trims);
         }
     }
 
@@ -119,7 +124,7 @@ impl Executor {
         }
         for queued in &self.queue {
             match queued {
-                Queued::Move(Coming { sequence, segment }, _) => {
+                Queued::Move(Coming { sequence, segment }) => {
                     let duration_s = segment.profile.duration().0;
                     let own = self.own_pace(*sequence);
                     if own * left_s <= duration_s {

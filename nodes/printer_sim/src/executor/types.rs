@@ -14,6 +14,8 @@ pub struct Settings {
     pub serial_buffer_moves: usize,
     /// Time that a serial host keeps in the firmware's buffer `[s]`.
     pub serial_buffer_s: f64,
+    /// Longest piece that it cuts a move into `[s]`.
+    pub serial_piece_s: f64,
     /// Moves that a firmware which plans the file itself knows ahead, at most `[-]`.
     pub plan_moves: usize,
     /// Time that it knows ahead `[s]`.

@@ -59,6 +59,7 @@ pub(super) fn executor(raw: &RawSimulator) -> Result<Settings, ParamError> {
         },
         serial_buffer_moves: raw.serial_buffer_moves.max(1),
         serial_buffer_s: in_range("serial_buffer_s", raw.serial_buffer_s, "s", (0.0, 10.0))?,
+        serial_piece_s: in_range("serial_piece_s", raw.serial_piece_s, "s", (0.01, 10.0))?,
         plan_moves: raw.plan_moves.max(1),
         plan_s: in_range("plan_s", raw.plan_s, "s", (0.0, 10.0))?,
         schedule_advance_max_s: in_range(
