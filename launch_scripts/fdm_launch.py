@@ -128,10 +128,11 @@ def program(name, chosen):
     return path
 
 
-def node(name, chosen, material, values):
-    """A node as a process. A simulated printer that was started again would begin its file anew: it is not."""
+def node(name, chosen, material, values, over=()):
+    """A node as a process, with the parameter files `over` on top of its own. A simulated printer that was started again
+    would begin its file anew: it is not."""
     simulated = name == "printer_sim"
-    files = files_of(name, chosen["config"], material)
+    files = files_of(name, chosen["config"], material) + [os.path.join(chosen["config"], file) for file in over]
     values = {**models_of(name, chosen["config"], material), **values}
     return Node(
         executable=program(name, chosen),

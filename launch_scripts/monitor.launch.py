@@ -30,6 +30,9 @@ NODES = [
     "mpc_controller",
 ]
 
+# What differs behind the bridge's line.
+OVER = {"safety_supervisor": ["hosts/marlin.param.yaml"]}
+
 # Where a driver of the camera finds its frames.
 CAMERA_SOURCES = {"folder": "folder.path", "video": "video.source", "mjpeg": "mjpeg.url"}
 STATE = os.environ.get("XDG_STATE_HOME") or os.path.join(os.path.expanduser("~"), ".local", "state")
@@ -94,7 +97,10 @@ def nodes(context):
     except OSError as error:
         raise RuntimeError(f"latch_file:={latch_file(chosen)}: {error.strerror}: name a folder that is yours") from error
     wanted = [name for name in NODES if name != "advance_predictor" or chosen["advance"] == "predicted"]
-    started = [fdm_launch.node(name, chosen, chosen["material"], values_of(name, chosen, bag)) for name in wanted]
+    started = [
+        fdm_launch.node(name, chosen, chosen["material"], values_of(name, chosen, bag), OVER.get(name, []))
+        for name in wanted
+    ]
     return fdm_launch.beside(bag, started)
 
 

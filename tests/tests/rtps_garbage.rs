@@ -55,11 +55,12 @@ fn kinds() -> [Kind; 8] {
     let fakes = 2 * u32::try_from(storm::NODES.len()).unwrap() * (all / 20).min(2000);
     let (fragments, known) = (all / 100, all / 20);
     let rest = (all - fragments - 2 * known) / 4;
-    let kind = |name, count, targets| Kind { name, count, targets };
+    let mild = |name, count| Kind { name, count, targets: Targets::Everyone, deadly: false };
+    let kind = |name, count, targets| Kind { name, count, targets, deadly: true };
     [
-        kind("garbage", rest, Targets::Everyone),
-        kind("valid_header", rest, Targets::Everyone),
-        kind("heartbeats", rest, Targets::Everyone),
+        mild("garbage", rest),
+        mild("valid_header", rest),
+        mild("heartbeats", rest),
         // A quarter of these are participants that are believed in.
         kind("discovery", rest, Targets::Replaceable),
         kind("known_writer", known, Targets::Replaceable),

@@ -57,7 +57,7 @@ impl Envelope {
     pub fn on_command(&mut self, now: Seconds, command: Command) -> Verdict {
         let inside = self.limits.clamp(&command.trims);
         let trims = inside.map_or(command.trims, |clamped| clamped.trims);
-        let bound = self.gate.newest().map(|newest| newest.session);
+        let bound = self.bound();
         // The gate sees the broken trims too, and refuses them.
         if let Err(refusal) = self.gate.offer(now, Command { trims, ..command }) {
             if refusal == Refusal::OtherSession {
@@ -93,6 +93,12 @@ impl Envelope {
     #[must_use]
     pub fn wished(&self, now: Seconds) -> Option<Trims> {
         self.gate.in_force(now).map(|command| command.trims)
+    }
+
+    /// Session of the newest command that was taken, in force or not.
+    #[must_use]
+    pub fn bound(&self) -> Option<u64> {
+        self.gate.newest().map(|command| command.session)
     }
 
     /// Session of the command in force.

@@ -163,7 +163,8 @@ impl Supervisor {
     fn on_command(&mut self, now: Seconds, command: models::command::Command) -> bool {
         let before = self.modes.mode();
         let verdict = self.envelope.on_command(now, command);
-        self.stranger = matches!(verdict, Verdict::Refused(models::command::Refusal::OtherSession));
+        let bound = self.envelope.bound();
+        self.stranger = matches!(verdict, Verdict::Refused(_)) && bound != Some(command.session);
         // What is not carried out swings nothing.
         if before != Mode::Act || self.is_held(now) {
             self.checks.oscillation.rest();

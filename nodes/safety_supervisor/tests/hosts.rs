@@ -22,12 +22,35 @@ fn a_printer_that_is_slow_to_go_on_has_not_paused_by_itself() {
         assert_eq!(print.mode(), mode, "{stands_s} s");
         print.report.phase = JobPhase::Printing;
         print.run(3.0);
-        assert_eq!(print.mode(), mode, "{stands_s} s");
+        assert_eq!(print.mode(), Mode::Act, "{stands_s} s: taken for a pause of its own, it ends as one");
         // Once it has gone on, a pause is its own again.
         print.report.phase = JobPhase::Paused;
         print.run(1.5);
         assert_eq!(print.mode(), Mode::Paused, "{stands_s} s");
     }
+}
+
+/// M0, M600 or a hand at the display: the pause is the printer's, and ends where it began. One that was asked for here does not.
+#[test]
+fn a_pause_of_the_printer_ends_at_the_printer_and_one_of_ours_does_not() {
+    let mut print = Print::acting();
+    for _ in 0..2 {
+        print.report.phase = JobPhase::Paused;
+        print.run(90.0);
+        assert_eq!(print.mode(), Mode::Paused);
+        print.report.phase = JobPhase::Printing;
+        print.step();
+        let told = print.output.events.iter().any(|told| told.why == "resumed at the printer");
+        assert!(told && print.mode() == Mode::Act, "{:?}", print.output.events);
+        print.run(5.0);
+        assert_eq!(print.mode(), Mode::Act, "{:?}", print.output.state.cause);
+    }
+    print.ask(Operator::Pause);
+    print.report.phase = JobPhase::Paused;
+    print.run(3.0);
+    print.report.phase = JobPhase::Printing;
+    print.run(3.0);
+    assert_eq!(print.mode(), Mode::Paused, "who does not obey is none that was let go on");
 }
 
 /// A position that leaps is no filament that slips; one that slips is found after it all the same.

@@ -68,12 +68,13 @@ fn refusals_and_clamps_are_counted_one_by_one() {
     let command = Command { session: 4, sequence: 1, validity: Seconds(1.0), trims: Trims::NEUTRAL };
     print.event(Event::Command(command));
     print.event(Event::Command(Command { validity: Seconds(f64::NAN), ..command }));
+    print.event(Event::Command(Command { session: 3, validity: Seconds(f64::NAN), ..command }));
     print.event(Event::Refused { stream: Stream::Bed });
     print.event(Event::Bed { stamp: Seconds(0.0), temp: Celsius(f64::INFINITY) });
     print.step();
     let state = &print.output.state;
-    // A command that is not finite is a bad value as well.
-    assert_eq!((state.refused_commands, state.refused_values), (2, 3));
+    // A command that is not finite is a bad value as well, but for a stranger's: that is his.
+    assert_eq!((state.refused_commands, state.refused_values), (3, 3));
     print.wish.flow = 2.0;
     period(&mut print);
     assert_eq!(print.output.state.clamped_commands, 1);

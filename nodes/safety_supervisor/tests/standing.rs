@@ -47,7 +47,7 @@ fn the_stricter_of_start_and_record_holds() {
     let modes = [("observe", StartMode::Observe), ("advise", StartMode::Advise), ("act", StartMode::Act)];
     for (start, start_mode) in modes {
         for (_, mode) in modes {
-            let left = Standing { mode: Some(mode), paused: None };
+            let left = Standing { mode: Some(mode), paused: None, standby: false };
             let mut print = started(start, left);
             let wanted = Mode::from(start_mode).min(Mode::from(mode));
             assert_eq!(print.supervisor.standing(), Some(left), "a restart is nobody's order");
@@ -70,7 +70,10 @@ fn a_mode_is_kept_from_when_it_was_asked_for() {
         [(Mode::Observe, StartMode::Observe), (Mode::Advise, StartMode::Advise), (Mode::Act, StartMode::Act)]
     {
         print.ask(Operator::SetMode(mode));
-        assert_eq!(print.supervisor.standing(), Some(Standing { mode: Some(kept), paused: None }));
+        assert_eq!(
+            print.supervisor.standing(),
+            Some(Standing { mode: Some(kept), paused: None, standby: false })
+        );
         assert_eq!(killed(&print).output.state.set_mode, mode);
     }
     print.ask(Operator::SetMode(Mode::Estop));
@@ -97,6 +100,27 @@ fn a_pause_is_kept_with_its_cause() {
     assert_eq!((next.mode(), next.supervisor.standing()), (Mode::Act, None));
 }
 
+/// A nozzle that was let cool down while nobody was there is not heated because a supervisor was started again: not before
+/// its first tick either, nor by the run after that.
+#[test]
+fn a_pause_in_standby_stays_in_standby() {
+    let mut print = Print::acting();
+    print.ask(Operator::Pause);
+    print.report.phase = JobPhase::Paused;
+    print.run(59.0);
+    assert_eq!(print.supervisor.standing().map(|left| left.standby), Some(false));
+    print.run(2.0);
+    assert_eq!(print.supervisor.standing().map(|left| left.standby), Some(true));
+    let mut next = killed(&print);
+    assert_eq!(killed(&next).output.permit.request, Request::Standby, "killed at once");
+    for _ in 0..500 {
+        assert_eq!((next.mode(), next.output.permit.request), (Mode::Paused, Request::Standby));
+        next.step();
+    }
+    assert_eq!(next.ask(Operator::Resume), RESUMED);
+    assert_ne!(next.output.permit.request, Request::Standby, "a person lets it be heated");
+}
+
 /// The printer had not begun to pause when the supervisor was killed.
 #[test]
 fn a_printer_that_prints_on_is_paused_again() {
@@ -110,7 +134,7 @@ fn a_printer_that_prints_on_is_paused_again() {
 /// Its time begins with the first tick, not with the host's.
 #[test]
 fn a_pause_that_is_taken_over_is_not_old() {
-    let left = Standing { mode: None, paused: Some(Cause::FilamentSlip) };
+    let left = Standing { mode: None, paused: Some(Cause::FilamentSlip), standby: false };
     let mut supervisor = Supervisor::new(params(), 8, None).after(left);
     let mut request_at = |now_s: f64| {
         let now = Seconds(now_s);
@@ -131,12 +155,14 @@ fn a_pause_that_is_taken_over_is_not_old() {
 #[test]
 fn a_pause_ends_where_no_job_waits() {
     for phase in [JobPhase::Idle, JobPhase::Done, JobPhase::Failed] {
-        let mut print =
-            started("act", Standing { mode: Some(StartMode::Advise), paused: Some(Cause::OperatorPause) });
+        let mut print = started(
+            "act",
+            Standing { mode: Some(StartMode::Advise), paused: Some(Cause::OperatorPause), standby: false },
+        );
         print.report.phase = phase;
         assert_eq!(remembered(&mut print), Some((Mode::Act, Mode::Advise, None)), "{phase:?}");
         assert_eq!((print.mode(), print.output.permit.request), (Mode::Advise, Request::Run), "{phase:?}");
-        let kept = Standing { mode: Some(StartMode::Advise), paused: None };
+        let kept = Standing { mode: Some(StartMode::Advise), paused: None, standby: false };
         assert_eq!(print.supervisor.standing(), Some(kept));
         // A pause of this run is not of the former; a job that is over is not paused.
         let pauses = phase == JobPhase::Idle;
@@ -151,7 +177,8 @@ fn a_pause_ends_where_no_job_waits() {
 #[test]
 fn a_pause_lasts_wherever_a_job_waits() {
     for phase in [JobPhase::Preparing, JobPhase::Printing, JobPhase::Paused] {
-        let mut print = started("act", Standing { mode: None, paused: Some(Cause::OperatorPause) });
+        let mut print =
+            started("act", Standing { mode: None, paused: Some(Cause::OperatorPause), standby: false });
         print.report.phase = phase;
         print.run(3.0);
         assert_eq!((print.mode(), print.output.permit.request), (Mode::Paused, Request::Pause), "{phase:?}");
@@ -176,7 +203,7 @@ fn a_record_that_cannot_be_read_is_observe_and_paused() {
 #[test]
 fn a_latch_is_over_the_pause() {
     let latch = Some(Latch { estop: false, cause: Cause::OperatorStop });
-    let left = Standing { mode: None, paused: Some(Cause::OperatorPause) };
+    let left = Standing { mode: None, paused: Some(Cause::OperatorPause), standby: false };
     let mut print = Print::with(Supervisor::new(params(), 8, latch).after(left));
     print.run(1.0);
     assert_eq!((print.mode(), print.output.state.cause), (Mode::SafeOff, Some(Cause::OperatorStop)));

@@ -72,6 +72,13 @@ pub(crate) fn failures(storms: &[Storm]) -> Vec<String> {
         if storm.sent < u64::from(storm.kind.count) {
             fails(format!("{} of {} datagrams sent", storm.sent, storm.kind.count));
         }
+        if storm.ports < crate::storm::NODES.len() {
+            fails(format!("sent to {} ports alone", storm.ports));
+        }
+        let died = !storm.deaths.is_empty() || storm.tripped.is_some();
+        if died && !storm.kind.deadly {
+            fails(format!("ended {:?}, mode {:?}: this kind may do neither", storm.deaths, storm.tripped));
+        }
         for (node, kib) in storm.peaks.iter().filter(|(_, kib)| **kib > RESIDENT_KIB) {
             fails(format!("{node} took {} MiB", kib / 1024));
         }

@@ -49,6 +49,8 @@ pub(crate) struct Kind {
     pub(crate) name: &'static str,
     pub(crate) count: u32,
     pub(crate) targets: Targets,
+    /// It may end processes: memory is asked for, or the middleware's counters overflow.
+    pub(crate) deadly: bool,
 }
 
 /// What one kind did.
@@ -58,6 +60,8 @@ pub(crate) struct Storm {
     /// What the sender says of itself.
     pub(crate) sent: u64,
     pub(crate) took_s: f64,
+    /// Ports of processes that it was sent to.
+    pub(crate) ports: usize,
     /// Ends of processes by node.
     pub(crate) deaths: BTreeMap<String, u32>,
     /// Largest resident memory by node `[KiB]`.
@@ -95,6 +99,7 @@ impl Storm {
             kind,
             sent: 0,
             took_s: 0.0,
+            ports: 0,
             deaths: BTreeMap::new(),
             peaks: BTreeMap::new(),
             whole_s: None,
@@ -191,6 +196,7 @@ impl Storm {
         let words: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         self.sent = words["sent"].as_u64().unwrap();
         self.took_s = words["took_s"].as_f64().unwrap();
+        self.ports = words["ports"].as_array().unwrap().len();
         println!("  {words}");
     }
 }

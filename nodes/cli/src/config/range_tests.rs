@@ -32,8 +32,9 @@ fn starts(config: &ConfigDir) -> Vec<Start> {
         let files = vec![config.file(&format!("materials/{material}.yaml"))];
         all.push(Start { node: "material", wire: false, files });
     }
-    for host in ["moonraker", "octoprint"] {
-        for node in ["state_estimator", "mpc_controller", "safety_supervisor"] {
+    let looped: &[&str] = &["state_estimator", "mpc_controller", "safety_supervisor"];
+    for (host, nodes) in [("moonraker", looped), ("octoprint", looped), ("marlin", &["safety_supervisor"])] {
+        for &node in nodes {
             let mut files = config.files_of(node, "pla");
             files.push(config.file(&format!("hosts/{host}.param.yaml")));
             all.push(Start { node, wire: false, files });

@@ -4,7 +4,7 @@ use super::figures::Figures;
 use std::collections::BTreeSet;
 
 /// Name and meaning of each; the names of the catalogue's bounds among them.
-const MEANINGS: [(&str, &str); 25] = [
+const MEANINGS: [(&str, &str); 26] = [
     ("acknowledged_s", "until `fdm acknowledge` had ended the latched mode and permits came again"),
     ("acted_s", "from the fault until the supervisor left its mode, for degraded or worse"),
     ("answer", "time until a service call was answered"),
@@ -16,6 +16,7 @@ const MEANINGS: [(&str, &str); 25] = [
     ),
     ("beats_s", "from the fault until the first heartbeat of its next run, or of the one that goes on"),
     ("died", "1 where the process ended for lack of memory, 0 where it went on"),
+    ("ended", "processes that ended on the way until every node worked"),
     (
         "excused_runs",
         "runs that missed a bound and told so, on a machine that was busy elsewhere or wakes nobody in time",

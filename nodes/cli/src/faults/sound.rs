@@ -73,7 +73,7 @@ struct State {
 /// Prints until so many hours are simulated, one file and seed after the other from `first_seed` on, on all cores.
 ///
 /// # Errors
-/// A file, material or scenario that cannot be read.
+/// A file, material or scenario that cannot be read; a print that panicked.
 pub fn run(
     config: &ConfigDir,
     specs: &[SoundSpec],
@@ -88,8 +88,8 @@ pub fn run(
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let ended: Vec<anyhow::Result<()>> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..cores).map(|_| scope.spawn(|| queue.work(&progress))).collect();
-        let ended = workers.into_iter().filter_map(|worker| worker.join().ok());
-        ended.collect()
+        let ended = workers.into_iter().map(|worker| worker.join());
+        ended.map(|ended| ended.unwrap_or_else(|_| Err(anyhow::anyhow!("a sound print panicked")))).collect()
     });
     progress.finish_and_clear();
     ended.into_iter().collect::<anyhow::Result<()>>()?;

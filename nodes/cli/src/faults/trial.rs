@@ -232,6 +232,8 @@ impl Trial<'_> {
             run.outcome.reaction_s = Some(since_s);
             run.outcome.found_as = self.found(printing);
         }
+        let let_go = (self.spec.lasts && run.outcome.reaction_s.is_some() && !reached)
+            .then(|| format!("let go after {since_s:.2} s"));
         let most = self.spec.at_most.unwrap_or(self.reaction);
         let printer = simulator.in_force().mode == Mode::Degraded;
         let supervisor = printing.safety.is_some_and(|state| state.mode == Mode::Degraded);
@@ -245,7 +247,7 @@ impl Trial<'_> {
         let behind_s = run.outcome.reaction_s.map(|reaction_s| since_s - reaction_s);
         let heated = behind_s.and_then(|behind_s| run.off.look(self.reaction, behind_s, printing));
         if let Some(worse) =
-            worse.or_else(|| taken_from_a_rival(&self.spec.relay, printing)).or(kept).or(heated)
+            worse.or_else(|| taken_from_a_rival(&self.spec.relay, printing)).or(kept).or(heated).or(let_go)
         {
             run.outcome.too_much.get_or_insert(worse);
         }

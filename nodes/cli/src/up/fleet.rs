@@ -8,8 +8,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 
 mod happening;
+mod recipe;
 
 pub use happening::Happening;
+pub use recipe::Recipe;
 
 /// Delay before a process that has run for a minute is started again `[s]`: a thermistor has to be back 1.4 s after its
 /// end, before the supervisor pauses the print (S7).
@@ -30,28 +32,6 @@ const STAYED_S: f64 = 10.0;
 /// Delay before a process that the network has driven out again within that window is started again `[s]`: as often as
 /// it takes, for who stayed down would be missing when the network is sound again (X1: whole within 5 s).
 const DRIVEN_OUT_DELAY_S: f64 = 0.5;
-
-/// How a node is started.
-#[derive(Debug, Clone)]
-pub struct Recipe {
-    /// Name of node and executable.
-    pub name: &'static str,
-    /// The executable.
-    pub program: PathBuf,
-    /// Its arguments.
-    pub arguments: Vec<String>,
-    /// Whether it is started again after an end that nobody had asked for.
-    pub replaceable: bool,
-}
-
-impl Recipe {
-    /// The same for a node that waits to be configured and activated.
-    fn held(&self) -> Self {
-        let mut held = self.clone();
-        held.arguments.extend(["-p", "autostart:=false"].map(str::to_owned));
-        held
-    }
-}
 
 struct Member {
     recipe: Recipe,
@@ -137,6 +117,11 @@ impl Fleet {
         self.members.iter().any(|member| member.recipe.name == name && member.given_up)
     }
 
+    /// Every node, whether it runs or not.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.members.iter().map(|member| member.recipe.name)
+    }
+
     /// Process ids by node, of those that run.
     #[must_use]
     pub fn pids(&self) -> Vec<(&'static str, u32)> {
@@ -157,6 +142,15 @@ impl Fleet {
             .iter_mut()
             .filter(|member| Some(member.recipe.name) != except)
             .all(|member| member.child.as_mut().is_none_or(|child| !matches!(child.try_wait(), Ok(None))))
+    }
+
+    /// Which of those that have ended did so with an error or by a signal, and how.
+    pub fn ended_badly(&mut self) -> Vec<(&'static str, String)> {
+        let badly = |member: &mut Member| {
+            let status = member.child.as_mut()?.try_wait().ok().flatten()?;
+            (!status.success()).then(|| (member.recipe.name, status.to_string()))
+        };
+        self.members.iter_mut().filter_map(badly).collect()
     }
 
     /// Ends by force what still runs, but for `except`; returns the names.

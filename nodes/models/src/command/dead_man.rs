@@ -112,13 +112,17 @@ impl DeadMan {
     ///
     /// # Errors
     /// The [`Refusal`]. A demand to stop that comes with broken trims is refused with them; the silence that
-    /// follows ends at the slicer's values. One that comes from another session than that in force is counted as
-    /// refused, but held.
+    /// follows ends at the slicer's values. One that comes from another session than that in force, or asks to count for
+    /// longer than this printer lets permits count, is counted as refused, but held.
     pub fn on_permit(&mut self, now: Seconds, permit: Permit) -> Result<(), Refusal> {
         self.apply_policy(now);
-        let session = self.gate.newest().map(|newest| newest.session);
+        let newest = self.gate.newest().copied();
+        let session = newest.map(|newest| newest.session);
         if let Err(refusal) = self.gate.offer(now, permit) {
-            if refusal == Refusal::OtherSession && permit.request >= Request::HeatersOff {
+            let again =
+                newest.is_some_and(|last| last.session == permit.session && permit.sequence <= last.sequence);
+            let counts = refusal == Refusal::OtherSession || (refusal == Refusal::Validity && !again);
+            if counts && permit.request >= Request::HeatersOff {
                 self.held = self.held.max(permit.request);
             }
             return Err(refusal);

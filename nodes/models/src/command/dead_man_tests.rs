@@ -129,6 +129,29 @@ fn a_stop_counts_from_a_session_that_is_not_in_force() {
     assert_eq!(dead_man.in_force(Seconds(0.1)).request, Request::Run, "a pause waits for its turn");
 }
 
+/// A printer whose file takes shorter permits than its supervisor sends: no correction, but a stop all the same, also before
+/// the first permit; one that is late or twice is over.
+#[test]
+fn a_stop_counts_whatever_its_validity() {
+    let long = |sequence, request| Permit { validity: Seconds(60.0), ..permit(1, sequence, request) };
+    for request in [Request::HeatersOff, Request::EmergencyStop] {
+        let mut dead_man = dead_man(OnLoss::Baseline);
+        assert_eq!(dead_man.on_permit(Seconds(0.0), long(1, request)), Err(Refusal::Validity));
+        let InForce { request: held, lapsed, .. } = dead_man.in_force(Seconds(0.01));
+        assert_eq!((held, lapsed), (request, true));
+    }
+    let mut dead_man = dead_man(OnLoss::Baseline);
+    dead_man.on_permit(Seconds(0.0), permit(1, 7, Request::Run)).unwrap();
+    for (sequence, asked, held) in [
+        (7, Request::EmergencyStop, Request::Run),
+        (8, Request::Standby, Request::Run),
+        (8, Request::EmergencyStop, Request::EmergencyStop),
+    ] {
+        assert_eq!(dead_man.on_permit(Seconds(0.1), long(sequence, asked)), Err(Refusal::Validity));
+        assert_eq!(dead_man.in_force(Seconds(0.1)).request, held);
+    }
+}
+
 fn any_request() -> impl Strategy<Value = Request> {
     prop_oneof![
         5 => Just(Request::Run),

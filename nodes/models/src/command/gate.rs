@@ -177,6 +177,10 @@ impl<M: Dated> Gate<M> {
     }
 
     fn objection(&self, now: Seconds, message: &M) -> Option<Refusal> {
+        // Who it is comes first: what a second publisher sends wrongly makes it none less.
+        if self.in_force(now).is_some_and(|held| held.session() != message.session()) {
+            return Some(Refusal::OtherSession);
+        }
         let validity_s = message.validity().0;
         if !(now.0.is_finite() && validity_s.is_finite() && message.trims().is_finite()) {
             return Some(Refusal::NotFinite);
@@ -185,10 +189,8 @@ impl<M: Dated> Gate<M> {
             return Some(Refusal::Validity);
         }
         let newest = self.newest()?;
-        if newest.session() == message.session() {
-            return (message.sequence() <= newest.sequence()).then_some(Refusal::Sequence);
-        }
-        self.in_force(now).is_some().then_some(Refusal::OtherSession)
+        let late = newest.session() == message.session() && message.sequence() <= newest.sequence();
+        late.then_some(Refusal::Sequence)
     }
 }
 
@@ -225,6 +227,23 @@ mod tests {
         assert_eq!(gate.offer(Seconds(1.01), command(2, 2)), Ok(()));
         assert_eq!(gate.offer(Seconds(1.02), command(1, 101)), Err(Refusal::OtherSession));
         assert_eq!(gate.refusals(), Refusals { other_session: 2, ..Refusals::default() });
+    }
+
+    /// What a second publisher sends is its own, however it is wrong.
+    #[test]
+    fn a_second_publisher_is_known_by_its_session_whatever_else_is_wrong() {
+        let mut gate = gate();
+        gate.offer(Seconds(0.0), command(1, 100)).unwrap();
+        let nan = Trims { flow: f64::NAN, ..Trims::NEUTRAL };
+        for message in [
+            Command { validity: Seconds(60.0), ..command(2, 1) },
+            Command { validity: Seconds(f64::NAN), ..command(2, 1) },
+            Command { trims: nan, ..command(2, 1) },
+        ] {
+            assert_eq!(gate.offer(Seconds(0.5), message), Err(Refusal::OtherSession));
+        }
+        let late = Command { validity: Seconds(60.0), ..command(2, 1) };
+        assert_eq!(gate.offer(Seconds(1.1), late), Err(Refusal::Validity), "nobody is in force any more");
     }
 
     #[test]

@@ -120,7 +120,7 @@ fn take(before: &Modes, step: Step) -> After {
             true
         }
         Step::Restart { job_waits } => {
-            let left = modes.standing();
+            let left = modes.standing(Some(now));
             modes = Modes::new(params(), Mode::Act, modes.latch);
             left.into_iter().for_each(|left| modes.restore(left));
             modes.begin(now);

@@ -76,19 +76,21 @@ pub(super) fn path_of(parameters: &Parameters) -> Result<Option<PathBuf>, ParamF
 impl LatchFile {
     /// Reads what a former run left behind; without a path nothing is kept. What cannot be read tells of a latch all the
     /// same, and the reason is told: so does a record that was begun beside and came no further, on a full disk or with
-    /// the end of the process.
+    /// the end of the process. Of two records the stricter one counts.
     pub(super) fn open(path: Option<PathBuf>) -> (Self, Option<String>) {
         let places = path.iter().flat_map(|path| [path.clone(), record::beside(path)]);
-        let found = places.into_iter().find_map(|place| Some((record::read(&place, parse)?, place)));
-        let (stored, refused) = match found {
-            None => (None, None),
-            Some((Ok(latched), _)) => (Some(latched), None),
-            Some((Err(error), place)) => {
+        let (mut stored, mut refused) = (None::<Latched>, None);
+        for (found, place) in places.filter_map(|place| Some((record::read(&place, parse)?, place))) {
+            let latched = found.unwrap_or_else(|error| {
                 let told = format!("{}: {error}: taken for a latched SAFE_OFF", place.display());
                 tracing::error!("{told}");
-                (Some(Latched::new(Latch { estop: false, cause: Cause::LatchUnreadable }, None)), Some(told))
+                refused.get_or_insert(told);
+                Latched::new(Latch { estop: false, cause: Cause::LatchUnreadable }, None)
+            });
+            if stored.is_none_or(|before| latched.estop && !before.estop) {
+                stored = Some(latched);
             }
-        };
+        }
         (Self::new(path, stored), refused)
     }
 }

@@ -16,7 +16,7 @@ const VERSION: u64 = 1;
 /// Keeps mode and pause of the brain and those on disk the same.
 pub(super) type StandingFile = Record<Written>;
 
-/// The record as it is written, with what the pause rested on: no field but that may be missing.
+/// The record as it is written, with what the pause rested on: no field but that and a standby that is none may be missing.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Written {
@@ -25,6 +25,8 @@ pub(super) struct Written {
     mode: Option<StartMode>,
     #[serde(deserialize_with = "Option::deserialize")]
     paused: Option<Cause>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    standby: bool,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     value: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -32,9 +34,9 @@ pub(super) struct Written {
 }
 
 impl Written {
-    pub(super) fn new(Standing { mode, paused }: Standing, evidence: Option<Evidence>) -> Self {
+    pub(super) fn new(Standing { mode, paused, standby }: Standing, evidence: Option<Evidence>) -> Self {
         let (value, limit) = (evidence.map(|number| number.value), evidence.and_then(|number| number.limit));
-        Self { version: VERSION, mode, paused, value, limit }
+        Self { version: VERSION, mode, paused, standby, value, limit }
     }
 
     /// What the pause rested on; `None` where the record does not tell.
@@ -50,8 +52,8 @@ impl From<Standing> for Written {
 }
 
 impl From<Written> for Standing {
-    fn from(Written { mode, paused, .. }: Written) -> Self {
-        Self { mode, paused }
+    fn from(Written { mode, paused, standby, .. }: Written) -> Self {
+        Self { mode, paused, standby }
     }
 }
 

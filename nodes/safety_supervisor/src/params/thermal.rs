@@ -165,6 +165,9 @@ impl TryFrom<RawObserverParams> for ObserverParams {
 /// Largest share of the heater's power that heat without order may have to have `[-]`: the rest holds a block at its target.
 const STUCK_ON_SHARE: f64 = 0.6;
 
+/// Largest share that missing heat may have to have: a weak heater gives half of what is ordered `[-]`.
+const DEFICIT_SHARE: f64 = 0.5;
+
 /// P1, P2: constants of the energy balance: the supervisor's own, not the estimator's.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "RawHeaterParams")]
@@ -250,6 +253,15 @@ impl TryFrom<RawHeaterParams> for HeaterParams {
         let most_w = STUCK_ON_SHARE * power_w;
         for (name, observer) in [("fast.stuck_on_w", raw.fast), ("slow.stuck_on_w", raw.slow)] {
             in_range(name, observer.stuck_on_w, "W", (0.0, most_w))?;
+        }
+        let most_w = DEFICIT_SHARE * power_w;
+        for (name, deficit_w) in [
+            ("fast.deficit_w", raw.fast.deficit_w),
+            ("fast.deficit_min_w", raw.fast.deficit_min_w),
+            ("slow.deficit_w", raw.slow.deficit_w),
+            ("slow.deficit_min_w", raw.slow.deficit_min_w),
+        ] {
+            in_range(name, deficit_w, "W", (0.0, most_w))?;
         }
         Ok(Self {
             power_w,

@@ -7,8 +7,8 @@ use models::units::Seconds;
 use super::Supervisor;
 use crate::attention::Level;
 use crate::cause::{Cause, Reaction};
-use crate::event::{PrinterReport, VisionReport};
-use crate::modes::Raised;
+use crate::event::{Decision, PrinterReport, VisionReport, What};
+use crate::modes::{Raised, Readiness};
 
 /// Time in which a printer gives up the job that it is told to, a slow host's included `[s]`.
 const CARRIED_OUT_S: f64 = 5.0;
@@ -102,6 +102,9 @@ impl Supervisor {
             // Frames are judged while the job prints.
             self.ages.vision.restart(now);
         }
+        if printing && phase_before == Some(JobPhase::Paused) {
+            self.on_resumed_there(now);
+        }
         if report.phase == JobPhase::Failed && phase_before.is_some_and(|phase| phase != JobPhase::Failed) {
             // What it was told to give up it has not given up by itself, however soon that was acknowledged.
             let told = self.told_off.is_some_and(|told| (0.0..CARRIED_OUT_S).contains(&(now - told).0));
@@ -111,6 +114,19 @@ impl Supervisor {
         self.paused_alone_since = if alone { self.paused_alone_since.or(Some(now)) } else { None };
         self.takes_up &= report.phase == JobPhase::Paused;
         self.printer = Some(report);
+    }
+
+    /// A pause of the printer's own ends where it began: whoever stands there has let it go on.
+    fn on_resumed_there(&mut self, now: Seconds) {
+        let cause = Some(Cause::PrinterPaused);
+        let before = self.modes.mode();
+        let ready = Readiness { homed: true, filament: true, hot: true };
+        if self.modes.paused_for() != cause || self.modes.resume(now, ready).is_err() {
+            return;
+        }
+        self.resumed(now, cause);
+        let (what, after) = (What::ModeChanged, self.modes.mode());
+        self.decisions.push(Decision { what, why: "resumed at the printer", cause: None, before, after });
     }
 
     /// What calls for a reaction before the start is over: what is not heard yet may be late, what is heard counts.

@@ -38,7 +38,7 @@ impl Supervisor {
     /// The mode that was asked for and the pause in force, to be kept across restarts; `None` where there is neither.
     #[must_use]
     pub fn standing(&self) -> Option<Standing> {
-        self.modes.standing()
+        self.modes.standing(self.last_tick)
     }
 
     /// On the first tick there is a time.

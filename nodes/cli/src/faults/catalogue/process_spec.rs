@@ -200,6 +200,20 @@ impl Act {
 }
 
 impl ProcessSpec {
+    /// Whether the process of this node may end meanwhile: it is what is done, or follows from it.
+    #[must_use]
+    pub fn may_end(&self, node: &str) -> bool {
+        match &self.act {
+            Act::Kill(victim) | Act::Stop { node: victim, .. } | Act::Memory { node: victim, .. } => {
+                victim == node
+            }
+            Act::FullDisk { .. } => node == "bag_recorder",
+            // Where the clock falls back, every node ends at once and starts again.
+            Act::StepClock { .. } => self.reaction.is_some_and(|reaction| reaction != Reaction::None),
+            _ => false,
+        }
+    }
+
     /// Whether nothing can be tried on the same graph afterwards.
     #[must_use]
     pub fn ends_print(&self) -> bool {

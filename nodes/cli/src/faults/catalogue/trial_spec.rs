@@ -50,6 +50,9 @@ pub struct TrialSpec {
     /// How long it is watched after the reaction `[s]`: what follows late may be too much.
     #[serde(default = "watch")]
     pub watch_s: f64,
+    /// The reaction must last for as long as it is watched: what comes late must not end it.
+    #[serde(default)]
+    pub lasts: bool,
     /// Ends after this time `[s]`; for good where it is missing.
     #[serde(default)]
     pub duration_s: Option<f64>,

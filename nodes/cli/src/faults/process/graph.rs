@@ -101,6 +101,11 @@ impl Graph {
         self.hearing.beat(now, name, session)
     }
 
+    /// Every node that was started, whether it runs or not.
+    pub(super) fn started(&self) -> impl Iterator<Item = &'static str> {
+        self.fleets.iter().flat_map(Fleet::names)
+    }
+
     /// Processes by node.
     pub(super) fn pids(&self) -> BTreeMap<&'static str, Pid> {
         let pids = self.fleets.iter().flat_map(Fleet::pids);
@@ -157,6 +162,11 @@ impl Graph {
     /// Ends by force what still runs; its names.
     pub(super) fn kill_rest(&mut self) -> Vec<&'static str> {
         self.fleets.iter_mut().flat_map(|fleet| fleet.kill_rest(None)).collect()
+    }
+
+    /// How those ended that did not end well.
+    pub(super) fn ended_badly(&mut self) -> Vec<(&'static str, String)> {
+        self.fleets.iter_mut().flat_map(Fleet::ended_badly).collect()
     }
 
     /// Leaves nothing on the disk.

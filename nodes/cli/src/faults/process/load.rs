@@ -71,7 +71,12 @@ pub(super) async fn flood(
     }
     observed.figures.insert("growth_mib", grown);
     #[allow(clippy::cast_precision_loss, reason = "thousands")]
-    observed.figures.insert("sent_hz", sent as f64 / for_s);
+    let sent_hz = sent as f64 / for_s;
+    // Discovery takes its part of the time.
+    if sent_hz < 0.8 * rate_hz {
+        observed.wrong.push(format!("{sent_hz:.0} messages a second sent instead of {rate_hz}"));
+    }
+    observed.figures.insert("sent_hz", sent_hz);
     Ok(observed)
 }
 

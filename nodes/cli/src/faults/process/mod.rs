@@ -217,8 +217,10 @@ impl Running {
     async fn end(&mut self, keep: bool) -> anyhow::Result<Vec<String>> {
         let Some((session, _)) = &mut self.session else { return Ok(Vec::new()) };
         let mut complaints = session.end().await?;
-        if let Err(error) = storage::read_bag(session.graph.bag()) {
-            complaints.push(format!("the bag: {error:#}"));
+        match storage::read_bag(session.graph.bag()) {
+            Ok(0) => complaints.push("the bag holds nothing".to_owned()),
+            Ok(_) => {}
+            Err(error) => complaints.push(format!("the bag: {error:#}")),
         }
         self.drop_session(keep || !complaints.is_empty());
         Ok(complaints)
@@ -244,7 +246,10 @@ async fn one(setting: &Setting, bench: &mut Running, due: &Due<'_>, wish: &Wish)
     session.whole().await?;
     session.until(SPREAD_S * share_of(seed), |_, _| false).await?;
     let before = Machine::look(session);
+    session.take_ended();
     let mut observed = act(session, due, wish).await?;
+    let ended = session.take_ended().into_iter().filter(|node| !spec.may_end(node));
+    observed.wrong.extend(ended.map(|node| format!("{node} ended")));
     let foreign = Machine::look(session).foreign_since(&before);
     observed.figures.insert("foreign_cores", foreign);
     // A flood of our own wakes nobody in time either, and excuses nothing.

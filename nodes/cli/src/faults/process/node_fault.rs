@@ -118,7 +118,9 @@ impl Trial<'_> {
             Reaction::None => None,
             _ => watcher.acted,
         };
-        let recovered_s = times.whole.zip(times.back).map(|(whole, back)| whole - back);
+        // A process that was killed is one from its end on, one that was stopped until it goes on.
+        let over = if self.continued_s.is_some() { times.back } else { Some(0.0) };
+        let recovered_s = times.whole.zip(over).map(|(whole, over)| whole - over);
         // A process that is replaced before anybody had to miss it changes nothing.
         let missed = self.continued_s.is_some() || watcher.acted.is_some();
         let mut observed = Observed { told_s: times.told, reaction_s, recovered_s, ..Observed::of(watcher) };

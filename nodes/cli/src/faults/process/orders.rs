@@ -18,7 +18,7 @@ const PATIENCE_S: f64 = 12.0;
 pub(super) async fn run(setting: &Setting, seed: u64, count: u32, gap_s: f64) -> anyhow::Result<Observed> {
     let mut random = StdRng::seed_from_u64(seed);
     let mut observed = Observed { seed, ..Observed::default() };
-    let mut times = Vec::new();
+    let (mut times, mut ended) = (Vec::new(), 0.0);
     for _ in 0..count {
         let (mut graph, mut recipes) = Graph::prepare(setting, seed, Bench::Own)?;
         recipes.shuffle(&mut random);
@@ -35,11 +35,15 @@ pub(super) async fn run(setting: &Setting, seed: u64, count: u32, gap_s: f64) ->
             Some(took_s) => times.push(took_s),
             None => observed.wrong.push(format!("not whole in the order {}", order.join(" "))),
         }
+        #[allow(clippy::cast_precision_loss, reason = "a handful")]
+        let ended_here = session.take_ended().len() as f64;
+        ended += ended_here;
         observed.wrong.extend(session.end().await?);
         session.graph.remove();
     }
     observed.reaction_s = times.iter().copied().max_by(f64::total_cmp);
     observed.measures.insert("whole", times);
+    observed.figures.insert("ended", ended);
     Ok(observed)
 }
 

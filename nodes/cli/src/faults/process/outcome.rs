@@ -115,6 +115,9 @@ impl Observed {
             }
             _ => {}
         }
+        // What is excused is a late tick, not that there was none.
+        let none = |name: &&String| self.measures.get(name.as_str()).is_none_or(Vec::is_empty);
+        wrong.extend(spec.bounds.keys().filter(none).map(|name| format!("{name}: never measured")));
         let told = self.alarmed && (spec.or_alarm || self.excused);
         if !told {
             wrong.extend(self.unkept(spec));

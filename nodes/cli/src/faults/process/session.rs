@@ -4,6 +4,7 @@ use super::graph::{Graph, Setting};
 use super::observer::{Hand, Observer, Seen};
 use super::watcher::Watcher;
 use crate::faults::catalogue::Bench;
+use crate::up::fleet::Happening;
 use crate::up::recipes::NODES;
 use anyhow::{Context, bail};
 use fdm_loop_msgs::SafetyState;
@@ -36,6 +37,8 @@ pub(super) struct Session {
     hearts: BTreeMap<String, u64>,
     /// The graph's clock.
     stamp_s: f64,
+    /// Nodes whose process ended since it was asked for last.
+    ended: Vec<&'static str>,
 }
 
 impl Session {
@@ -43,8 +46,8 @@ impl Session {
     pub(super) fn around(graph: Graph) -> anyhow::Result<Self> {
         let mut observer = Observer::join()?;
         let (tended, hand) = (observer.now(), Rc::new(observer.hand()?));
-        let (pending, hearts) = (VecDeque::new(), BTreeMap::new());
-        Ok(Self { graph, observer, hand, pending, tended, hearts, stamp_s: 0.0 })
+        let (pending, hearts, ended) = (VecDeque::new(), BTreeMap::new(), Vec::new());
+        Ok(Self { graph, observer, hand, pending, tended, hearts, stamp_s: 0.0, ended })
     }
 
     /// Starts all nodes and waits for the closed loop.
@@ -73,8 +76,9 @@ impl Session {
         let now = self.observer.now();
         if (now - self.tended).0 >= TEND_S {
             self.tended = now;
-            let happenings = self.graph.tend(now).into_iter();
-            self.pending.extend(happenings.map(|happening| (now, Seen::Happened(happening))));
+            let happenings = self.graph.tend(now);
+            self.ended.extend(happenings.iter().filter_map(Happening::ended));
+            self.pending.extend(happenings.into_iter().map(|happening| (now, Seen::Happened(happening))));
         }
         match &seen {
             Seen::Heart(name, run) => {
@@ -142,11 +146,17 @@ impl Session {
         }
     }
 
-    /// Nodes that run and were never heard.
+    /// Nodes that were started and do not run, or were never heard.
     pub(super) fn unheard(&self) -> Vec<&'static str> {
         let pids = self.graph.pids();
-        let started = NODES.into_iter().filter(|name| pids.contains_key(name));
-        started.filter(|name| !self.hearts.contains_key(*name)).collect()
+        let beats = |name: &&str| pids.contains_key(name) && self.hearts.contains_key(*name);
+        let started = self.graph.started().filter(|name| NODES.contains(name));
+        started.filter(|name| !beats(name)).collect()
+    }
+
+    /// Nodes whose process has ended since the last call, one for each end.
+    pub(super) fn take_ended(&mut self) -> Vec<&'static str> {
+        std::mem::take(&mut self.ended)
     }
 
     /// Newest run of a node.
@@ -178,7 +188,9 @@ impl Session {
             }
         }
         let killed = self.graph.kill_rest();
-        Ok(killed.into_iter().map(|name| format!("{name} did not end in {END_S} s")).collect())
+        let late = killed.iter().map(|name| format!("{name} did not end in {END_S} s"));
+        let badly = self.graph.ended_badly().into_iter().filter(|(name, _)| !killed.contains(name));
+        Ok(late.chain(badly.map(|(name, how)| format!("{name} ended with {how}"))).collect())
     }
 }
 

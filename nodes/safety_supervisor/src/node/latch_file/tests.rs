@@ -60,6 +60,31 @@ fn what_cannot_be_read_is_a_latch() {
     }
 }
 
+/// An escalation that came no further than beside the record, on a full disk: the emergency stop counts, whichever is read
+/// first, and beside one that cannot be read, too. Acknowledged, both are gone.
+#[tokio::test]
+async fn of_two_records_the_stricter_one_counts() {
+    let path = path("two");
+    let [stop, estop] = [(false, Cause::HotendRange), (true, Cause::HeaterStuckOn)].map(|(estop, cause)| {
+        (serde_json::to_string(&latched(estop, cause)).unwrap(), latched(estop, cause))
+    });
+    let nonsense = ("nonsense".to_owned(), latched(false, Cause::LatchUnreadable));
+    for (first, second, counts) in [
+        (&stop, &estop, &estop),
+        (&estop, &stop, &estop),
+        (&nonsense, &estop, &estop),
+        (&nonsense, &stop, &nonsense),
+    ] {
+        fs::write(&path, &first.0).unwrap();
+        fs::write(record::beside(&path), &second.0).unwrap();
+        let mut file = opened(&path);
+        assert_eq!(file.stored(), counts.1, "{} and {}", first.0, second.0);
+        assert!(!file.keeps(None).await);
+        file.finish().await;
+        assert_eq!(opened(&path).stored(), None, "{} and {}", first.0, second.0);
+    }
+}
+
 /// With value and limit as they were when the cause was found; a record of a build that did not write them is as good.
 #[test]
 fn a_record_tells_what_the_latch_rested_on() {

@@ -20,7 +20,7 @@ async fn mode_and_pause_survive_a_restart_and_end_with_the_last_of_them() {
     let latch = latch("survives");
     assert_eq!(left_at(&latch), (None, None));
     let (mut file, _) = StandingFile::open(Some(&latch));
-    let set = Standing { mode: Some(StartMode::Observe), paused: None };
+    let set = Standing { mode: Some(StartMode::Observe), paused: None, standby: false };
     for standing in [set, Standing { paused: Some(Cause::OperatorPause), ..set }, set] {
         assert!(!file.keeps(Some(standing.into())).await, "not kept before it is on disk");
         file.finish().await;
@@ -50,7 +50,8 @@ fn no_name_is_the_latchs_own() {
 #[test]
 fn what_cannot_be_read_is_observe_and_paused() {
     let latch = latch("corrupt");
-    let standing = Standing { mode: Some(StartMode::Act), paused: Some(Cause::OperatorPause) };
+    let standing =
+        Standing { mode: Some(StartMode::Act), paused: Some(Cause::OperatorPause), standby: false };
     let full = serde_json::to_string(&Written::from(standing)).unwrap();
     assert_eq!(full, r#"{"version":1,"mode":"act","paused":"operator_pause"}"#);
     let record = path_of(&latch);
@@ -94,7 +95,7 @@ fn what_cannot_be_read_is_observe_and_paused() {
 #[tokio::test]
 async fn a_record_tells_what_the_pause_rested_on() {
     let latch = latch("rested");
-    let standing = Standing { mode: None, paused: Some(Cause::FilamentSlip) };
+    let standing = Standing { mode: None, paused: Some(Cause::FilamentSlip), standby: false };
     let written = Written::new(standing, Evidence::of(Cause::FilamentSlip, 87.5, Some(42.0)));
     let (mut file, _) = StandingFile::open(Some(&latch));
     file.end(Some(written)).await;
