@@ -207,7 +207,8 @@ impl ProcessSpec {
             Act::Kill(victim) | Act::Stop { node: victim, .. } | Act::Memory { node: victim, .. } => {
                 victim == node
             }
-            Act::FullDisk { .. } => node == "bag_recorder",
+            // Without a file there is no bag to be closed.
+            Act::FullDisk { .. } | Act::Files { .. } => node == "bag_recorder",
             // Where the clock falls back, every node ends at once and starts again.
             Act::StepClock { .. } => self.reaction.is_some_and(|reaction| reaction != Reaction::None),
             _ => false,

@@ -163,7 +163,10 @@ async fn one_seed(setting: &Setting, dues: &mut [Due<'_>], seed: u64, wish: &Wis
         due.runs.push(observed);
         newest = Some(index);
         if due.spec.ends_print() {
-            let complaints = bench.end(wish.keep).await?;
+            let complaints = match due.spec.act {
+                Act::Files { .. } => bench.end_without_bag(wish.keep).await?,
+                _ => bench.end(wish.keep).await?,
+            };
             blame(dues, newest, complaints);
         }
     }
@@ -224,6 +227,16 @@ impl Running {
         }
         self.drop_session(keep || !complaints.is_empty());
         Ok(complaints)
+    }
+
+    /// The same where no file can be opened any more: the recorder cannot close its bag, and says so.
+    async fn end_without_bag(&mut self, keep: bool) -> anyhow::Result<Vec<String>> {
+        let Some((session, _)) = &mut self.session else { return Ok(Vec::new()) };
+        let complaints = session.end().await?;
+        let others: Vec<String> =
+            complaints.into_iter().filter(|complaint| !complaint.starts_with(storage::RECORDER)).collect();
+        self.drop_session(keep || !others.is_empty());
+        Ok(others)
     }
 
     fn drop_session(&mut self, keep: bool) {

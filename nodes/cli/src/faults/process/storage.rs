@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The node whose disk it is.
-const RECORDER: &str = "bag_recorder";
+pub(super) const RECORDER: &str = "bag_recorder";
 /// Longest wait for a recorder that records again `[s]`.
 const PATIENCE_S: f64 = 15.0;
 /// The printer's states come at 50 Hz; a stall is a gap of so long `[s]`.
