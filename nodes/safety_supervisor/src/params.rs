@@ -1,5 +1,6 @@
 //! Every number of the supervisor, as in `config/safety_supervisor.param.yaml`, where ranges and sources stand too.
 
+mod heater;
 mod oscillation;
 mod readings;
 mod required;
@@ -12,6 +13,7 @@ use models::params::{ParamError, in_range};
 use models::units::Seconds;
 use serde::{Deserialize, Serialize};
 
+pub use heater::{HeaterParams, ObserverParams, RawHeaterParams, RawObserverParams};
 pub use oscillation::{OscillationParams, RawOscillationParams};
 pub use readings::{
     DetachedParams, DriftParams, JumpParams, NoiseParams, PartFanParams, RawDetachedParams, StopInputParams,
@@ -21,10 +23,7 @@ pub use rest::{
     AttentionParams, BurstParams, FilamentParams, ModeParams, RawAttentionParams, RawBurstParams,
     RawFilamentParams, RawModeParams, RawRunOutParams, RawStaleParams, RunOutParams, StaleParams,
 };
-pub use thermal::{
-    FrozenParams, HeaterParams, ObserverParams, RangeParams, RawFrozenParams, RawHeaterParams,
-    RawObserverParams, RawRangeParams,
-};
+pub use thermal::{FrozenParams, RangeParams, RawFrozenParams, RawRangeParams};
 pub use vision::{
     DefectParams, ImpulseParams, RawDefectParams, RawImpulseParams, RawShiftParams, ShiftParams,
 };
