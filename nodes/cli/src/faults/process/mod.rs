@@ -145,7 +145,7 @@ async fn one_seed(setting: &Setting, dues: &mut [Due<'_>], seed: u64, wish: &Wis
     for index in 0..dues.len() {
         let due = &mut dues[index];
         if bench.session.is_some() && !bench.serves(wish.bench(due.spec)) {
-            let complaints = bench.end(wish.keep).await?;
+            let complaints = bench.end(wish.keep, true).await?;
             blame(dues, newest, complaints);
         }
         let due = &mut dues[index];
@@ -163,14 +163,13 @@ async fn one_seed(setting: &Setting, dues: &mut [Due<'_>], seed: u64, wish: &Wis
         due.runs.push(observed);
         newest = Some(index);
         if due.spec.ends_print() {
-            let complaints = match due.spec.act {
-                Act::Files { .. } => bench.end_without_bag(wish.keep).await?,
-                _ => bench.end(wish.keep).await?,
-            };
+            // Where no file can be opened any more, the recorder cannot close its bag, and says so.
+            let closes_bag = !matches!(due.spec.act, Act::Files { .. });
+            let complaints = bench.end(wish.keep, closes_bag).await?;
             blame(dues, newest, complaints);
         }
     }
-    let complaints = bench.end(wish.keep).await?;
+    let complaints = bench.end(wish.keep, true).await?;
     blame(dues, newest, complaints);
     Ok(())
 }
@@ -216,27 +215,17 @@ impl Running {
         }
     }
 
-    /// Ends the graph in order and looks at its bag; what did not go well.
-    async fn end(&mut self, keep: bool) -> anyhow::Result<Vec<String>> {
+    /// Ends the graph in order and looks at its bag, where the recorder can close it; what did not go well.
+    async fn end(&mut self, keep: bool, closes_bag: bool) -> anyhow::Result<Vec<String>> {
         let Some((session, _)) = &mut self.session else { return Ok(Vec::new()) };
         let mut complaints = session.end().await?;
-        match storage::read_bag(session.graph.bag()) {
-            Ok(0) => complaints.push("the bag holds nothing".to_owned()),
-            Ok(_) => {}
-            Err(error) => complaints.push(format!("the bag: {error:#}")),
+        if closes_bag {
+            complaints.extend(storage::complaint_of(session.graph.bag()));
+        } else {
+            complaints.retain(|complaint| !complaint.starts_with(storage::RECORDER));
         }
         self.drop_session(keep || !complaints.is_empty());
         Ok(complaints)
-    }
-
-    /// The same where no file can be opened any more: the recorder cannot close its bag, and says so.
-    async fn end_without_bag(&mut self, keep: bool) -> anyhow::Result<Vec<String>> {
-        let Some((session, _)) = &mut self.session else { return Ok(Vec::new()) };
-        let complaints = session.end().await?;
-        let others: Vec<String> =
-            complaints.into_iter().filter(|complaint| !complaint.starts_with(storage::RECORDER)).collect();
-        self.drop_session(keep || !others.is_empty());
-        Ok(others)
     }
 
     fn drop_session(&mut self, keep: bool) {

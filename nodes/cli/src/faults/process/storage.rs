@@ -154,8 +154,17 @@ pub(super) async fn step_clock(
     Ok(observed)
 }
 
+/// What is wrong with a bag that is complete.
+pub(super) fn complaint_of(bag: &Path) -> Option<String> {
+    match read_bag(bag) {
+        Ok(0) => Some("the bag holds nothing".to_owned()),
+        Ok(_) => None,
+        Err(error) => Some(format!("the bag: {error:#}")),
+    }
+}
+
 /// Messages in the bag; its times never fall within a file.
-pub(super) fn read_bag(bag: &Path) -> anyhow::Result<u64> {
+fn read_bag(bag: &Path) -> anyhow::Result<u64> {
     let mut messages = 0;
     for entry in std::fs::read_dir(bag).with_context(|| bag.display().to_string())? {
         let path = entry?.path();
