@@ -34,17 +34,27 @@ fn a_controller_in_doubt_degrades_and_heals() {
 /// C8, X2: what a second controller says of its health is not the controller's, neither good nor bad.
 #[test]
 fn the_health_of_a_stranger_is_not_believed() {
-    let told = |print: &mut Print, session, health| {
-        let (sequence, validity) = (1_000_000, Seconds(0.2));
+    let told_for = |print: &mut Print, validity, session, health| {
+        let sequence = 1_000_000;
         print.event(Event::Command(Command { session, sequence, validity, trims: Trims::NEUTRAL }));
         print.event(Event::ControlHealth(health));
         print.run(0.1);
     };
+    let told = |print: &mut Print, session, health| told_for(print, Seconds(0.2), session, health);
     let mut print = Print::acting();
     // Before the first one speaks again, which makes the stranger a second publisher: a cause of its own.
     print.controller = false;
     told(&mut print, 66, ControlHealth::NotFinite);
     assert_eq!((print.mode(), print.output.state.cause), (Mode::Act, None));
+    // Nor is one that asks to count for too long, while the other is in force and after it.
+    for silent_s in [0.0, 2.0] {
+        let mut print = Print::acting();
+        print.controller = false;
+        print.run(silent_s);
+        let before = print.output.state.cause;
+        told_for(&mut print, Seconds(60.0), 66, ControlHealth::NotFinite);
+        assert_eq!(print.output.state.cause, before, "{silent_s} s");
+    }
     let mut print = Print::acting();
     print.event(Event::ControlHealth(ControlHealth::NotFinite));
     told(&mut print, 66, ControlHealth::Sound);

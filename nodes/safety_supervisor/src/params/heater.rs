@@ -183,7 +183,7 @@ impl TryFrom<RawHeaterParams> for HeaterParams {
 mod tests {
     use super::*;
 
-    /// Half of 40 W at a target: a limit of 25 W never finds the rest of them.
+    /// Of 40 W half are ordered at a target: an excess of 25 W is never there; a weak heater lacks no 21 W.
     #[test]
     fn a_limit_that_no_heater_exceeds_is_refused() {
         let text = include_str!("../../../../config/safety_supervisor.param.yaml");
@@ -197,6 +197,19 @@ mod tests {
         assert!(heater(24.0, 0.8).is_ok());
         let told = heater(25.0, 0.8).unwrap_err();
         assert!(told.contains("slow.stuck_on_w = 25 W: must be in [0, 24]"), "{told}");
+        for (observer, name) in ["fast", "slow"]
+            .into_iter()
+            .flat_map(|observer| ["deficit_w", "deficit_min_w"].map(|name| (observer, name)))
+        {
+            let with = |deficit_w: f64| {
+                let mut heater = file["/**"]["ros__parameters"]["heater"].clone();
+                heater[observer][name] = deficit_w.into();
+                serde_json::from_value::<HeaterParams>(heater).map_err(|error| error.to_string())
+            };
+            assert!(with(20.0).is_ok());
+            let told = with(21.0).unwrap_err();
+            assert!(told.contains(&format!("{observer}.{name} = 21 W: must be in [0, 20]")), "{told}");
+        }
         let told = heater(16.0, 0.1).unwrap_err();
         assert!(told.contains("spike_k = 0.1 K: must be in [0.3, 100]"), "{told}");
     }

@@ -264,3 +264,24 @@ impl Act {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    fn may_end(act: Value, reaction: &str, node: &str) -> bool {
+        let spec = json!({"name": "a", "do": act, "reaction": reaction});
+        serde_json::from_value::<ProcessSpec>(spec).unwrap().may_end(node)
+    }
+
+    /// Who ends beside the victim is a miss.
+    #[test]
+    fn the_victim_may_end_and_nobody_beside_it() {
+        let (kill, calls) = (json!({"kill": "imu"}), json!({"calls": {"rate_hz": 200, "for_s": 1.0}}));
+        assert!(may_end(kill.clone(), "told", "imu") && !may_end(kill, "told", "camera"));
+        assert!(!may_end(calls, "none", "imu"));
+        let step = json!({"step_clock": {"to_s": [0.0], "each_s": 2.0}});
+        assert!(may_end(step.clone(), "baseline", "imu") && !may_end(step, "none", "imu"));
+    }
+}

@@ -207,6 +207,24 @@ mod tests {
     use super::*;
     use serde_json::json;
 
+    /// L1: an alarm excuses a tick that is late, not one that was never counted.
+    #[test]
+    fn what_was_never_measured_is_a_miss_whatever_was_told() {
+        let spec = json!({"name": "a", "do": {"spin": {"processes": 4, "for_s": 1.0}}, "or_alarm": true,
+            "bounds": {"permit late": {"p999_s": 0.01}}});
+        let spec: ProcessSpec = serde_json::from_value(spec).unwrap();
+        let miss = |late: Option<Vec<f64>>, alarmed| {
+            let measures = late.map(|late| ("permit late", late)).into_iter().collect();
+            let run = Observed { seed: 3, alarmed, measures, ..Observed::default() };
+            run.miss(("L1", &spec), Reaction::None)
+        };
+        assert_eq!(miss(Some(vec![0.02; 10]), true), None, "late and told");
+        assert!(miss(Some(vec![0.02; 10]), false).is_some(), "late and not told");
+        for late in [None, Some(Vec::new())] {
+            assert_eq!(miss(late, true).as_deref(), Some("seed 3: permit late: never measured"));
+        }
+    }
+
     /// Another fault that happened to be found in time is none of this one.
     #[test]
     fn what_was_found_as_something_else_is_a_miss() {

@@ -16,11 +16,16 @@ fn waiting(relay: &Value) -> Outcome {
         "set": {"safety_supervisor": {"start_mode": "observe"}}, "at_most": "safe_off", "watch_s": 20.0, "relay": relay,
     }))
     .unwrap();
-    let file = Catalogue::read(&config.file("faults.yaml")).unwrap().jobs["hot"].load(&config).unwrap();
+    outcome(&config, &spec)
+}
+
+/// What a trial of the dead-man comes to.
+fn outcome(config: &ConfigDir, spec: &TrialSpec) -> Outcome {
+    let file = Catalogue::read(&config.file("faults.yaml")).unwrap().jobs["hot"].load(config).unwrap();
     let overrides = spec.overrides();
     let choice = Choice { overrides, ..Choice::of(file.material(), sim::level(&spec.control).unwrap()) };
     let setup = config.load(&choice).unwrap();
-    let trial = Trial { spec: &spec, reaction: Reaction::Baseline, setup: &setup, file: &file, warm: true };
+    let trial = Trial { spec, reaction: Reaction::Baseline, setup: &setup, file: &file, warm: true };
     trial.run(1).unwrap()
 }
 
@@ -30,6 +35,24 @@ fn the_slicers_values_count_where_the_dead_man_has_brought_them() {
     assert_eq!(waiting(&json!([])).reaction_s, None, "permits come, nothing lapses");
     let reaction_s = waiting(&json!([{"lanes": ["permit"], "how": "lose"}])).reaction_s.unwrap();
     assert!((0.1..=0.25).contains(&reaction_s), "{reaction_s}");
+}
+
+/// C4: what comes late may not end what it was to keep up: of a silence of a second, the permits after it do.
+#[test]
+fn a_reaction_that_has_to_last_and_ends_is_too_much() {
+    let config = ConfigDir::find(Some(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config"))).unwrap();
+    let too_much = |how: &Value, lasts: bool, duration_s: Option<f64>| {
+        let spec = json!({
+            "name": "permits", "job": "hot", "onset": {"after": "start", "time_s": 1.0}, "limit_s": 0.25,
+            "at_most": "degraded", "watch_s": 8.0, "lasts": lasts, "duration_s": duration_s,
+            "set": {"safety_supervisor": {"start_mode": "observe"}}, "relay": [{"lanes": ["permit"], "how": how}],
+        });
+        outcome(&config, &serde_json::from_value(spec).unwrap()).too_much
+    };
+    let lost = json!("lose");
+    assert!(too_much(&lost, true, Some(1.0)).is_some_and(|what| what.starts_with("let go after 1.")));
+    assert_eq!(too_much(&lost, false, Some(1.0)), None);
+    assert_eq!(too_much(&json!({"delay": [5.0, 5.0]}), true, None), None, "old permits are refused");
 }
 
 /// C8: beside the supervisor nobody is obeyed; where its permits stay away for longer than they hold, another one is, and

@@ -124,6 +124,25 @@ fn a_program_that_is_not_there_is_named() {
     assert!(error.to_string().starts_with("/nowhere/x:"), "{error}");
 }
 
+/// Who ends in order is none of them, nor who still runs.
+#[test]
+fn who_ended_badly_is_named_with_how() {
+    let logs = logs("badly");
+    let scripts = [("well", "exit 0"), ("badly", "exit 3"), ("killed", "kill -9 $$"), ("runs", "sleep 60")];
+    let recipes = scripts.map(|(name, script)| recipe(name, script)).into();
+    let mut fleet = Fleet::start(recipes, &logs).unwrap();
+    while !fleet.all_ended(Some("runs")) {
+        std::thread::yield_now();
+    }
+    let badly = fleet.ended_badly();
+    assert_eq!(badly.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["badly", "killed"]);
+    assert_eq!(badly[0].1, "exit status: 3");
+    assert!(badly[1].1.starts_with("signal: 9"), "{badly:?}");
+    assert_eq!(fleet.names().count(), 4);
+    drop(fleet);
+    std::fs::remove_dir_all(logs).unwrap();
+}
+
 #[test]
 fn all_end_when_asked() {
     let mut fleet =
