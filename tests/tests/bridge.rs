@@ -16,14 +16,30 @@ use std::time::Duration;
 /// Longest wait for anything: only ends a test that hangs.
 const PATIENCE: Duration = Duration::from_secs(20);
 
+/// A program of this build.
+fn program(name: &str) -> Command {
+    let deps = std::env::current_exe().unwrap();
+    let program = deps.parent().and_then(Path::parent).unwrap().join(name);
+    assert!(program.is_file(), "{} is missing: build it first", program.display());
+    let mut command = Command::new(program);
+    command.env_remove("RUST_LOG");
+    command
+}
+
+/// A node with files of parameters below `config`.
+fn node(name: &str, files: &[&str]) -> Command {
+    let mut command = program(name);
+    command.arg("--ros-args");
+    for file in files {
+        let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config");
+        command.arg("--params-file").arg(config.join(file));
+    }
+    command
+}
+
 /// The bridge on a serial line.
 fn bridge(line: &Path) -> Command {
-    let deps = std::env::current_exe().unwrap();
-    let program = deps.parent().and_then(Path::parent).unwrap().join("printer_bridge");
-    assert!(program.is_file(), "{} is missing: build it first", program.display());
-    let config = Path::new(env!("CARGO_MANIFEST_DIR")).join("../config/printer_bridge.param.yaml");
-    let mut command = Command::new(program);
-    command.arg("--ros-args").arg("--params-file").arg(config).env_remove("RUST_LOG");
+    let mut command = node("printer_bridge", &["printer_bridge.param.yaml"]);
     let wishes = [
         format!("serial.path:=\"{}\"", line.display()),
         "serial.retry_min_s:=0.05".into(),
@@ -90,6 +106,9 @@ async fn watch() {
     peer.until("a print", |seen| seen.state.as_ref().is_some_and(prints)).await;
     peer.until("diagnostics that are well", |seen| seen.level == Some(DiagnosticStatus::OK)).await;
 
+    not_stopped_is_told_as_such().await;
+    peer.until("a print that goes on", |seen| seen.state.as_ref().is_some_and(prints)).await;
+
     printer.say("Error:Thermal Runaway, system stopped! Heater_ID: 0");
     let failed = |state: &PrinterState| state.phase == PrinterState::PHASE_FAILED;
     peer.until("a failed job", |seen| seen.state.as_ref().is_some_and(failed)).await;
@@ -105,6 +124,26 @@ async fn watch() {
     .await;
     peer.until("error of a lost device", |seen| seen.level == Some(DiagnosticStatus::ERROR)).await;
     process.end();
+}
+
+/// The supervisor latches, and the bridge sends nothing: who pressed it has to know that the printer heats on.
+async fn not_stopped_is_told_as_such() {
+    let latch = std::env::temp_dir().join(format!("bridge_latch_{}.json", std::process::id()));
+    let mut supervisor =
+        node("safety_supervisor", &["safety_supervisor.param.yaml", "hosts/marlin.param.yaml"]);
+    supervisor.args(["-p", &format!("latch_file:=\"{}\"", latch.display())]);
+    let mut supervisor = Process(supervisor.stdout(Stdio::null()).spawn().unwrap(), latch);
+    let mut estop = program("fdm");
+    estop.arg("estop");
+    let pressed = tokio::process::Command::from(estop).output().await.unwrap();
+    let told = String::from_utf8_lossy(&pressed.stderr);
+    assert_eq!(pressed.status.code(), Some(2), "{told}");
+    assert!(
+        told.contains("the supervisor took it (mode estop") && told.contains("use the printer's own switch"),
+        "{told}"
+    );
+    assert!(told.contains("which says: printing, set to 200 and 60 degC, mains on"), "{told}");
+    supervisor.end();
 }
 
 fn same(value: f64, expected: f64) -> bool {
@@ -160,7 +199,7 @@ impl Peer {
     }
 }
 
-/// The running bridge and its device file; neither outlives the test.
+/// A running node and its file; neither outlives the test.
 struct Process(Child, PathBuf);
 
 impl Process {

@@ -151,6 +151,7 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     );
     let stopped = granted(&["stop"]);
     assert!(stopped.contains("safety/stop: mode safe_off"), "{stopped}");
+    assert!(stopped.contains("the printer confirms: heaters off, job given up"), "{stopped}");
     let told = graph.until("safe_off: P13");
     assert!(told.contains("start the next print") && !told.contains("fdm acknowledge"), "{told}");
     let (code, figures) = graph.end();

@@ -1,5 +1,5 @@
 //! A stop reaches the printer whether there is a supervisor or not: heaters off and an emergency stop are taken from every
-//! participant, and the printer's own state confirms them.
+//! participant. What counts is the printer's own state: a bridge that only watches hears the demand and sends nothing.
 
 use super::{Ask, absent, executor, in_namespace};
 use crate::{output, participant};
@@ -11,13 +11,14 @@ use models::units::Seconds;
 use runtime::{CallError, Clock, Node, Patience, Publisher, RuntimeError, Subscription, topics, wire};
 use std::pin::pin;
 use std::time::Duration;
-use tokio::time::{Instant, interval};
+use tokio::time::{Instant, interval, timeout_at};
 
 /// Until the printer is told as well: who is there has been discovered in 0.5 s and promises an answer within 250 ms.
 const AT_ONCE: Patience = Patience { found: Seconds(0.7), again: Seconds(0.3), answered: Seconds(1.0) };
 /// The supervisor is asked beside that: on a busy machine it takes longer to be found, and to answer.
 const BESIDE: Patience = Patience { found: Seconds(3.0), again: Seconds(0.3), answered: Seconds(5.0) };
-/// The printer is told until it confirms, at most so long: a permit that the network loses is followed by others.
+/// The printer is told until it confirms, or has so long to confirm what the supervisor tells it: a permit that the network
+/// loses is followed by others, and a printer on a serial line is heard once a second.
 const TELL: Duration = Duration::from_secs(3);
 /// Between two of them: the supervisor's own period.
 const EVERY: Duration = Duration::from_millis(20);
@@ -30,16 +31,18 @@ const WHAT: &str = "stopped_past_the_supervisor";
 
 /// What was confirmed, and by whom.
 enum Outcome {
-    Answered(TriggerResponse),
+    /// By the supervisor; and whether the printer did as well, else what it says.
+    Answered(TriggerResponse, Result<(), String>),
     Printer,
     /// By nobody: why the supervisor did not, and what the printer says.
     Nobody(CallError, String),
 }
 
-/// Asks the supervisor; where it does not answer at once, tells the printer itself.
+/// Asks the supervisor; where it does not answer at once, tells the printer itself. In either case the printer's state has
+/// to show it.
 ///
 /// # Errors
-/// A supervisor that refuses; nobody who confirms.
+/// A supervisor that refuses; a printer that does not confirm.
 pub(super) fn ask(what: Ask, request: Request, namespace: &str) -> anyhow::Result<()> {
     let name = what.service().name();
     let outcome = executor()?.block_on(async {
@@ -48,25 +51,44 @@ pub(super) fn ask(what: Ask, request: Request, namespace: &str) -> anyhow::Resul
         let mut printer = Printer::open(&mut node, request)?;
         let (answer, _) = supervisor.insist(TriggerRequest::default(), AT_ONCE).await;
         if let Ok(answer) = answer {
-            return anyhow::Ok(Outcome::Answered(answer));
+            return anyhow::Ok(printer.after(answer).await);
         }
         output::note("the supervisor does not answer: the printer is told itself");
-        let mut told = pin!(printer.tell());
-        let mut asked = pin!(supervisor.insist(TriggerRequest::default(), BESIDE));
-        Ok(tokio::select! {
-            told = &mut told => match told {
-                Ok(()) => Outcome::Printer,
-                Err(state) => asked.await.0.map_or_else(|error| Outcome::Nobody(error, state), Outcome::Answered),
-            },
-            (answer, _) = &mut asked => match answer {
-                Ok(answer) => Outcome::Answered(answer),
-                Err(error) => told.await.map_or_else(|state| Outcome::Nobody(error, state), |()| Outcome::Printer),
-            },
+        let answer = {
+            let mut told = pin!(printer.tell());
+            let mut asked = pin!(supervisor.insist(TriggerRequest::default(), BESIDE));
+            tokio::select! {
+                told = &mut told => match told {
+                    Ok(()) => return Ok(Outcome::Printer),
+                    Err(state) => asked.await.0.map_err(|error| (error, state)),
+                },
+                (answer, _) = &mut asked => match answer {
+                    Ok(answer) => Ok(answer),
+                    Err(error) => match told.await {
+                        Ok(()) => return Ok(Outcome::Printer),
+                        Err(state) => Err((error, state)),
+                    },
+                },
+            }
+        };
+        Ok(match answer {
+            Ok(answer) => printer.after(answer).await,
+            Err((error, state)) => Outcome::Nobody(error, state),
         })
     })?;
     match outcome {
-        Outcome::Answered(answer) if answer.success => output::line(&format!("{name}: {}", answer.message)),
-        Outcome::Answered(answer) => bail!("the supervisor refused {name}: {}", answer.message),
+        Outcome::Answered(answer, _) if !answer.success => {
+            bail!("the supervisor refused {name}: {}", answer.message)
+        }
+        Outcome::Answered(answer, Ok(())) => {
+            output::line(&format!("{name}: {}; the printer confirms: {}", answer.message, confirmed(request)))
+        }
+        Outcome::Answered(answer, Err(state)) => bail!(
+            "{name}: the supervisor took it ({}), but the printer does not confirm within {:.0} s: use the printer's own switch \
+             (the printer, {state})",
+            answer.message,
+            TELL.as_secs_f64()
+        ),
         Outcome::Printer => output::line(&format!(
             "{name}: the supervisor does not answer: told the printer itself, which confirms: {}",
             confirmed(request)
@@ -139,7 +161,27 @@ impl Printer {
             }
             self.permits.send(wire::permit_to_wire(now, &self.permit(sequence)));
         }
-        Err(newest.map_or_else(|| "of which nothing is heard".to_owned(), |state| says(&state.message)))
+        Err(heard(newest.as_ref().map(|state| &state.message)))
+    }
+
+    /// What the supervisor has answered, and whether the printer's state shows it, from now on.
+    async fn after(&mut self, answer: TriggerResponse) -> Outcome {
+        let shown = if answer.success { self.shows().await } else { Ok(()) };
+        Outcome::Answered(answer, shown)
+    }
+
+    /// Waits until the printer's state shows what somebody else demands; else what the printer says.
+    async fn shows(&mut self) -> Result<(), String> {
+        let end = Instant::now() + TELL;
+        let mut newest = None;
+        _ = self.states.drain_newest();
+        while let Ok(state) = timeout_at(end, self.states.recv()).await {
+            if is_safe(&state.message, self.request) {
+                return Ok(());
+            }
+            newest = Some(state.message);
+        }
+        Err(heard(newest.as_ref()))
     }
 
     fn permit(&self, sequence: u64) -> Permit {
@@ -175,6 +217,11 @@ fn is_safe(state: &PrinterState, request: Request) -> bool {
     let unpowered = !state.mains_on || (state.hotend_duty <= 0.0 && state.bed_duty <= 0.0);
     let relay = request != Request::EmergencyStop || !state.mains_on;
     !works.iter().any(|phase| *phase as u8 == state.phase) && cold && unpowered && relay
+}
+
+/// What the printer says last, for people.
+fn heard(newest: Option<&PrinterState>) -> String {
+    newest.map_or_else(|| "of which nothing is heard".to_owned(), says)
 }
 
 /// What speaks against it, for people.
