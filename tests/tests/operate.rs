@@ -134,6 +134,7 @@ fn a_person_is_heard_and_a_print_that_a_person_stops_has_not_failed() {
     status_where("observe again", |told| told["mode"] == "observe");
     let paused = granted(&["pause"]);
     assert!(paused.contains("mode paused"), "{paused}");
+    assert!(paused.contains("; the printer confirms: paused"), "{paused}");
     graph.until("supervisor at");
     let held = status_where("paused", |told| told["mode"] == "paused" && told["phase"] == "paused");
     assert!(held["cause"].as_str().unwrap().starts_with("P13") && held["latched"] == false, "{held}");

@@ -59,6 +59,7 @@ fn every_bad_message_is_refused_counted_and_shown() {
         drop(peer);
         permits::the_simulator_refuses_bad_permits().await;
         permits::the_simulator_believes_no_copied_session().await;
+        permits::the_supervisor_degrades_beside_another_one().await;
     });
 }
 
@@ -160,7 +161,8 @@ impl Peer {
         }
     }
 
-    /// C8, X2: the peer's permits among the supervisor's own.
+    /// C8, X2: the peer's permits among the supervisor's own are counted. (What it decides then is seen where nothing else is
+    /// wrong: `permits`.)
     async fn who_else_permits_is_told(&mut self) {
         let (node, topic) = ("safety_supervisor", topics::SAFETY_COMMAND.name());
         let told = |shown: &Shown| shown.refused(node, topic, Reason::Gate.name()) >= 3;

@@ -16,6 +16,8 @@ mod browser;
 mod ending;
 #[path = "report/found.rs"]
 mod found;
+#[path = "report/headline.rs"]
+mod headline;
 #[path = "report/hostile.rs"]
 mod hostile;
 #[path = "report/messages.rs"]

@@ -33,6 +33,8 @@ use storm::{Kind, Storm, Targets};
 
 /// Set in the process that observes, inside the namespace.
 const OBSERVER: &str = "FDM_RTPS_GARBAGE_OBSERVER";
+/// Leaves the other kinds out, to look at one.
+const ONLY: &str = "FDM_RTPS_KIND";
 const TEST: &str = "garbage_on_the_network_is_survived";
 /// Longest time from the start to a closed loop on a warm printer.
 const START: Seconds = Seconds(40.0);
@@ -108,9 +110,9 @@ fn garbage_on_the_network_is_survived() {
     });
 }
 
-/// `FDM_RTPS_KIND` leaves the others out, to look at one.
+/// Whether no other kind was asked for.
 fn chosen(kind: &Kind) -> bool {
-    std::env::var("FDM_RTPS_KIND").map_or(true, |only| only.split(',').any(|name| name == kind.name))
+    std::env::var(ONLY).map_or(true, |only| only.split(',').any(|name| name == kind.name))
 }
 
 /// This test again, where nobody else is on the network; in the network there is, where namespaces are not to be had.

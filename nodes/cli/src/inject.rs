@@ -8,15 +8,14 @@ use clap::Args;
 use fdm_loop_msgs::InjectFaultRequest;
 use models::units::Seconds;
 use printer_sim::faults::{Component, Kind};
-use printer_sim::scenario::{COMPONENTS, Course, Entry, FaultError, LONGEST_S, Size, allowed_kinds, size_of};
+use printer_sim::scenario::{
+    COMPONENTS, Course, Entry, FaultError, LONGEST_S, SHORTEST_S, Size, allowed_kinds, size_of,
+};
 use runtime::{CallError, topics};
 use std::fmt::Write;
 
 /// Longest wait for the simulated printer to be found and to answer `[s]`.
 const ANSWERED_S: f64 = 5.0;
-
-/// Shortest time for which a fault can be asked for `[s]`: a step of the simulation.
-const SHORTEST_S: f64 = 1e-3;
 
 /// A fault as in a scenario file, from now on. The graph was started with `fdm up --allow-fault-injection`.
 #[derive(Debug, Args)]
@@ -184,6 +183,10 @@ mod tests {
             ("part detached --size 0.5", "size = 0.5: detached has none"),
             ("extruder slip --size 2", "size = 2 (no unit): must be in [0, 0.95]"),
             ("extruder slip --size 0.1 --start-s -5", "start_s = -5 s: must be in [0, 604800]"),
+            (
+                "extruder slip --size 0.1 --duration-s 1e-9",
+                "duration_s = 0.000000001 s: must be in [0.001, 604800]",
+            ),
             (
                 "extruder slip --size 0.1 --seed 7",
                 "seed = 7: nothing of slip is random, leave it out (0); noise",

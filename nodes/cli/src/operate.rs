@@ -3,9 +3,10 @@
 
 use crate::output;
 use crate::participant;
+use crate::up::words::phase_name;
 use anyhow::{Context, bail};
 use clap::Args;
-use fdm_loop_msgs::{RosService, SetModeRequest, Trigger, TriggerRequest};
+use fdm_loop_msgs::{PrinterState, RosService, SetModeRequest, Trigger, TriggerRequest, TriggerResponse};
 use models::command::Request;
 use models::units::Seconds;
 use runtime::topics::{self, Service};
@@ -81,20 +82,55 @@ impl Ask {
 /// Asks the supervisor and waits for its answer; a stop goes to the printer itself where there is none.
 ///
 /// # Errors
-/// No supervisor, or one that refuses; a stop that nobody confirms; exit code 2.
+/// No supervisor, or one that refuses; a stop or a pause that the printer does not confirm; exit code 2.
 pub fn ask(what: Ask, args: &AskArgs) -> anyhow::Result<()> {
     if let Some(request) = what.of_everybody() {
         return stop::ask(what, request, &args.namespace);
     }
     let name = what.service().name();
-    let (answer, times) =
-        insist(what.service(), &TriggerRequest::default(), &args.namespace, what.again_s())?;
+    let (answer, times, shown) = executor()?.block_on(request(what, &args.namespace))?;
     let hint = absent(&answer, &args.namespace);
     let answer = answer.with_context(|| not_confirmed(name, &hint))?;
     if !answer.success {
         bail!("the supervisor refused {name}: {}{}", answer.message, doubt(times));
     }
-    output::line(&format!("{name}: {}", answer.message))
+    output::line(&format!("{name}: {}", granted(&answer.message, shown)?))
+}
+
+/// Asks the supervisor; of a pause that it grants, what the printer shows is awaited as well: one that hangs, or a bridge that
+/// only watches, prints on.
+async fn request(
+    what: Ask,
+    namespace: &str,
+) -> anyhow::Result<(Result<TriggerResponse, CallError>, usize, Option<Shown>)> {
+    let mut node = participant::join("fdm", in_namespace(namespace))?;
+    let mut states = node.subscribe(&topics::PRINTER_STATE)?;
+    let client = node.client(what.service())?;
+    let (answer, times) = client.insist(TriggerRequest::default(), patience(what.again_s())).await;
+    let shown = match &answer {
+        Ok(answer) if answer.success && what == Ask::Pause => {
+            Some(stop::shows(&mut states, |state| !stop::moves(state)).await)
+        }
+        _ => None,
+    };
+    Ok((answer, times, shown))
+}
+
+/// What the printer shows of it; else what it says.
+type Shown = Result<PrinterState, String>;
+
+/// What is told of a request that the supervisor has granted.
+///
+/// # Errors
+/// A printer that does not show it.
+fn granted(answer: &str, shown: Option<Shown>) -> anyhow::Result<String> {
+    // Beside a simulation at a tenth of real time it may be 7 s until a host that reports seldom shows it.
+    const INSTEAD: &str = "where `fdm status` does not show it paused by now, pause it at the printer";
+    match shown {
+        None => Ok(answer.to_owned()),
+        Some(Ok(state)) => Ok(format!("{answer}; the printer confirms: {}", phase_name(state.phase))),
+        Some(Err(state)) => bail!("{}", stop::unconfirmed(answer, INSTEAD, &state)),
+    }
 }
 
 /// Which mode, of which printer.
@@ -186,12 +222,14 @@ fn insist<S: RosService<Request: Clone>>(
     namespace: &str,
     again_s: f64,
 ) -> anyhow::Result<(Result<S::Response, CallError>, usize)> {
-    let patience =
-        Patience { found: Seconds(FOUND_S), again: Seconds(again_s), answered: Seconds(ANSWERED_S) };
     executor()?.block_on(async {
         let mut node = participant::join("fdm", in_namespace(namespace))?;
-        anyhow::Ok(node.client(service)?.insist(request.clone(), patience).await)
+        anyhow::Ok(node.client(service)?.insist(request.clone(), patience(again_s)).await)
     })
+}
+
+fn patience(again_s: f64) -> Patience {
+    Patience { found: Seconds(FOUND_S), again: Seconds(again_s), answered: Seconds(ANSWERED_S) }
 }
 
 pub(crate) fn executor() -> anyhow::Result<tokio::runtime::Runtime> {
@@ -231,6 +269,23 @@ mod tests {
             );
         }
         assert_eq!(absent(&Ok(()), "/left"), "");
+    }
+
+    /// A pause is none before the printer shows it.
+    #[test]
+    fn a_pause_is_done_where_the_printer_shows_it() {
+        let state = |phase| PrinterState { phase, ..PrinterState::default() };
+        let phases = [0, 1, 2, 3, 4, 5].map(|phase| stop::moves(&state(phase)));
+        assert_eq!(phases, [false, true, true, false, false, false], "idle to failed");
+        let paused = granted("mode paused", Some(Ok(state(PrinterState::PHASE_PAUSED)))).unwrap();
+        assert_eq!(paused, "mode paused; the printer confirms: paused");
+        let says = "which says: printing, set to 215 and 60 degC, mains on".to_owned();
+        let told = granted("mode paused", Some(Err(says))).unwrap_err().to_string();
+        assert!(told.starts_with(
+            "the supervisor took it (mode paused), but the printer does not confirm within 3 s"
+        ));
+        assert!(told.contains("pause it at the printer (the printer, which says: printing"), "{told}");
+        assert_eq!(granted("mode act", None).unwrap(), "mode act");
     }
 
     /// A request that is refused the second time is not sent twice because the disk took its time.

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 mod check;
 mod told;
 
-pub use check::{COMPONENTS, FaultError, LONGEST_S, Size, allowed_kinds, size_of};
+pub use check::{COMPONENTS, FaultError, LONGEST_S, SHORTEST_S, Size, allowed_kinds, size_of};
 
 /// Faults of one run.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
@@ -122,7 +122,8 @@ impl TryFrom<RawEntry> for Entry {
             }
             Onset::TimeS(time_s) => Onset::TimeS(bounded("time_s", time_s, ("s", 0.0, LONGEST_S))?),
         };
-        let duration = raw.duration_s.map(|s| bounded("duration_s", s, ("s", 0.0, LONGEST_S))).transpose()?;
+        let duration =
+            raw.duration_s.map(|s| bounded("duration_s", s, ("s", SHORTEST_S, LONGEST_S))).transpose()?;
         let size = raw.size_within(range(raw.component, raw.kind)?)?;
         raw.check_course()?;
         Ok(Self {

@@ -32,6 +32,7 @@ mod camera;
 mod elapsed;
 mod faults;
 mod link;
+mod obey;
 mod schedule;
 mod sense;
 mod status;
@@ -195,7 +196,7 @@ impl Simulator {
         if let Some(link) = &mut self.link {
             self.in_force.trims = link.step(self.now, self.in_force.trims);
         }
-        self.obey();
+        self.obey(before.request);
         self.set_in_faults();
 
         let around = Surroundings {
@@ -231,20 +232,6 @@ impl Simulator {
         self.note_truth(road);
         self.photograph(road, outlet_before_m);
         self.sense(road);
-    }
-
-    /// What a demand of the supervisor does to mains, heaters and job.
-    fn obey(&mut self) {
-        if self.executor.stopped() && !std::mem::replace(&mut self.given_up, true) {
-            self.note("heaters off and job given up, as the file demands (M112)");
-        }
-        if self.in_force.request >= Request::HeatersOff && !std::mem::replace(&mut self.given_up, true) {
-            self.note("heaters off and job given up, as the supervisor or a person past it demands");
-        }
-        if self.in_force.request == Request::EmergencyStop && self.mains_on {
-            self.mains_on = false;
-            self.note("mains relay opened");
-        }
     }
 
     /// The road that the file wants under the nozzle, if one.

@@ -222,6 +222,8 @@ impl TryFrom<RawParams> for Params {
         in_range("stale.hotend_unjudged_s", raw.stale.hotend_unjudged_s, "s", (1.0, 600.0))?;
         in_range("stale.bed_unjudged_s", raw.stale.bed_unjudged_s, "s", (1.0, 600.0))?;
         in_range("stale.unseen_s", raw.stale.unseen_s, "s", (1.0, 600.0))?;
+        // The range of hot ends takes a bed's limit in kelvin, too.
+        in_range("bed_range.max_c", raw.bed_range.max_c, "degC", (50.0, 300.0))?;
         raw.hotend_step.check()?;
         raw.noise.check()?;
         raw.drift.check()?;

@@ -8,6 +8,9 @@ use std::time::Duration;
 /// Longest wait for the supervisor's first words and for the printer to obey them: both are debug binaries that find each
 /// other first.
 const PATIENCE: Duration = Duration::from_secs(30);
+/// Longest time from the first permit that was heard, which demands the stop, until the printer has obeyed, on the graph's
+/// clock `[s]`: it may hear the supervisor a little later than the witness does, and heats until then.
+const OBEYED_S: f64 = 1.0;
 /// How long it has to stay off then: a supervisor that had forgotten would act, and the printer heat, within a second.
 const WATCHED: Duration = Duration::from_secs(5);
 
@@ -26,8 +29,12 @@ impl Drop for Process {
 struct Seen {
     permits: u32,
     told: Option<SafetyState>,
+    /// Stamp of the first permit `[s]`.
+    demanded_s: Option<f64>,
     /// The printer obeys: its mains relay is open.
     off: bool,
+    /// First state that shows it, behind the first permit `[s]`.
+    obeyed_s: Option<f64>,
     states_off: u32,
 }
 
@@ -38,6 +45,7 @@ impl Seen {
         let stop = (ControlCommand::MODE_ESTOP, ControlCommand::REQUEST_EMERGENCY_STOP);
         assert_eq!(asked, stop, "permit {} after the boot", self.permits);
         self.permits += 1;
+        self.demanded_s = self.demanded_s.or(permit.header.stamp.seconds());
     }
 
     fn state(&mut self, state: &SafetyState) {
@@ -47,10 +55,14 @@ impl Seen {
         self.told = Some(state.clone());
     }
 
-    /// Once it is off, it stays off: no heater is ordered, nothing is printed.
+    /// It is off soon, and stays off: no heater is ordered, nothing is printed.
     fn printer(&mut self, state: &PrinterState) {
         self.off |= !state.mains_on;
+        let waited_s = self.demanded_s.zip(state.header.stamp.seconds()).map(|(from_s, to_s)| to_s - from_s);
         if self.off {
+            self.obeyed_s = self.obeyed_s.or(waited_s);
+        }
+        if self.off || waited_s.is_some_and(|waited_s| waited_s > OBEYED_S) {
             let heat = (state.mains_on, state.hotend_duty, state.bed_duty);
             assert_eq!(heat, (false, 0.0, 0.0), "{state:?}");
             assert_eq!(state.phase, PrinterState::PHASE_FAILED, "{state:?}");
@@ -80,7 +92,8 @@ pub(crate) async fn stays_off(commands: [Command; 3]) {
             end = tokio::time::Instant::now() + WATCHED;
         }
     }
-    println!("{} permits, {} states of a printer that is off", seen.permits, seen.states_off);
+    let (permits, states) = (seen.permits, seen.states_off);
+    println!("{permits} permits, {states} states of a printer that is off after {:?} s", seen.obeyed_s);
     assert!(seen.off, "the printer is never switched off: {seen:?}");
     assert!(seen.told.is_some(), "the supervisor tells no state");
     // 50 Hz each, of which a busy machine may keep back half.

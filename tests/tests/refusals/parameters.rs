@@ -43,7 +43,7 @@ pub(crate) async fn are_told_and_refused(node: &mut Node) {
     assert_eq!((range.from_value, range.to_value), (0.05, 2.0));
     assert!(described[0].read_only);
 
-    let parameters = vec![double("modes.ramp_s", 7.0), double("modes.ramp_s", 1.0), double("no.such", 1.0)];
+    let parameters = vec![double("modes.ramp_s", 7.0), double("modes.ramp_s", 0.9), double("no.such", 1.0)];
     let results = set.call(SetParametersRequest { parameters }, PATIENCE).await.unwrap().results;
     assert!(results.iter().all(|result| !result.successful));
     assert!(results[0].reason.contains("modes.ramp_s = 7 s: must be in [0.05, 2]"), "{results:?}");

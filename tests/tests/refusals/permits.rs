@@ -3,7 +3,7 @@
 use crate::fleet;
 use crate::shown::Shown;
 use crate::table::Kind;
-use fdm_loop_msgs::{ControlCommand, Header, PrinterState};
+use fdm_loop_msgs::{ControlCommand, Header, PrinterState, SafetyState};
 use models::units::Seconds;
 use runtime::{Args, Node, Reason, topics};
 use std::time::Duration;
@@ -109,4 +109,41 @@ pub(crate) async fn the_simulator_believes_no_copied_session() {
             () = &mut limit => panic!("taken: {taken}; {:?}", shown.nodes()),
         }
     }
+}
+
+/// C8: permits that somebody else sends take the corrections back, of a supervisor for which all else is well; and they come
+/// back once nobody sends any more.
+pub(crate) async fn the_supervisor_degrades_beside_another_one() {
+    let simulated = ["-p", "use_sim_time:=true"];
+    let started = ["thermistor", "safety_supervisor"].map(|node| (node, fleet::start_with(node, &simulated)));
+    let _nodes =
+        fleet::Fleet::of([("printer_sim", fleet::start_printer())].into_iter().chain(started).collect());
+    let mut node = Node::start_with("rival", Args::default()).unwrap();
+    let mut clock = node.subscribe(&topics::CLOCK).unwrap();
+    let mut safety = node.subscribe(&topics::SAFETY_STATE).unwrap();
+    let permits = node.publish_on(&topics::SAFETY_COMMAND).unwrap();
+    let mut ticks = node.timer(Seconds(0.02));
+    let (mut now_s, mut sequence, mut said) = (None, 1_u64, Vec::new());
+    let limit = tokio::time::sleep(PATIENCE);
+    tokio::pin!(limit);
+    // Well, beside the other one, well again.
+    while said.len() < 3 {
+        tokio::select! {
+            reading = clock.recv() => now_s = reading.message.clock.seconds(),
+            state = safety.recv() => said.extend(step_of(&state.message, said.len())),
+            _ = ticks.next() => if let Some(now_s) = now_s.filter(|_| said.len() == 1) {
+                permits.send(permit(Kind::Sound, now_s, sequence));
+                sequence += 1;
+            },
+            () = &mut limit => panic!("after {sequence} permits of another one: {said:?}"),
+        }
+    }
+}
+
+/// The mode and its cause, where they are those that are waited for.
+fn step_of(state: &SafetyState, step: usize) -> Option<(u8, String)> {
+    let rival =
+        state.mode == SafetyState::MODE_DEGRADED && state.cause == "C8: a second publisher of permits";
+    let well = state.mode == SafetyState::MODE_OBSERVE && state.cause.is_empty();
+    (if step == 1 { rival } else { well }).then(|| (state.mode, state.cause.clone()))
 }

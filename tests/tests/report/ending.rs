@@ -74,7 +74,9 @@ fn a_stop_by_a_person_does_not_hide_why_the_print_was_held_up() {
     stopped(&mut file);
     file.finish();
     let page = page(&folder, None).unwrap();
-    let head = format!("at 53 %. P8: {SHIFT} (paused at 10.0 s), then P13: stopped by a person");
+    let head = format!(
+        "<b>Stopped by a person</b> at 53 %. P8: {SHIFT} (paused at 10.0 s), then P13: stopped by a person"
+    );
     assert!(page.contains(&head), "{}", section(&page, "summary"));
     assert!(page.contains("P8: stop and print anew (`fdm stop`); then acknowledge (`fdm acknowledge`)"));
     let events = section(&page, "events");
@@ -96,20 +98,22 @@ fn the_worst_cause_of_a_failed_print_stands_at_the_top() {
     let mut file = BagFile::create(&folder.join("worst_0.mcap"), true);
     let state = |phase, at| PrinterState { header: Header::at(at), phase, ..Default::default() };
     file.put(&topics::PRINTER_STATE, 0.0, &state(PrinterState::PHASE_PRINTING, 0.0));
-    for (at, mode, cause) in [
-        (5.0, SafetyState::MODE_PAUSED, "P6: the filament does not follow"),
-        (9.0, SafetyState::MODE_SAFE_OFF, "S1: out of range"),
-        (20.0, SafetyState::MODE_ACT, ""),
+    let (paused, failed) = (PrinterState::PHASE_PAUSED, PrinterState::PHASE_FAILED);
+    for (at, mode, cause, phase) in [
+        (5.0, SafetyState::MODE_PAUSED, "P6: the filament does not follow", paused),
+        (9.0, SafetyState::MODE_SAFE_OFF, "S1: out of range", failed),
+        (20.0, SafetyState::MODE_ACT, "", failed),
     ] {
         let safety =
             SafetyState { header: Header::at(at), mode, cause: cause.to_owned(), ..Default::default() };
         file.put(&topics::SAFETY_STATE, at, &safety);
-        file.put(&topics::PRINTER_STATE, at + 0.5, &state(PrinterState::PHASE_FAILED, at + 0.5));
+        file.put(&topics::PRINTER_STATE, at + 0.5, &state(phase, at + 0.5));
     }
     file.finish();
     let page = page(&folder, None).unwrap();
     let (head, _) = page.split_once("<h2 ").unwrap();
-    assert!(head.contains("S1: out of range (") && !head.contains("P6:"), "{head}");
+    assert!(head.contains("Stopped by the supervisor") && head.contains("S1: out of range ("), "{head}");
+    assert!(!head.contains("P6:"), "{head}");
 }
 
 /// One reading of 12 degC more, the checksum as it was: the page says that the data were changed.

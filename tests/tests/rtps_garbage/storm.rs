@@ -70,8 +70,8 @@ pub(crate) struct Storm {
     pub(crate) whole_s: Option<f64>,
     /// What was not as it should be when it was looked at last.
     pub(crate) lacking: String,
-    /// Paused or switched off: S7, where a stream was away for too long.
-    pub(crate) tripped: Option<u8>,
+    /// Paused or switched off, and why: S7, where a stream was away for too long.
+    pub(crate) tripped: Option<(u8, String)>,
     /// First and last state of the storm and what followed it, on the graph's clock.
     pub(crate) span_s: (f64, f64),
     pub(crate) judged: Judged,
@@ -165,7 +165,10 @@ impl Storm {
             Seen::Safety(state) => {
                 look.mode = state.mode;
                 if state.mode >= SafetyState::MODE_PAUSED {
-                    self.tripped = self.tripped.max(Some(state.mode));
+                    let worst = self.tripped.as_ref().map_or(0, |(mode, _)| *mode);
+                    if state.mode > worst {
+                        self.tripped = Some((state.mode, state.cause.clone()));
+                    }
                 }
             }
             Seen::Heart(name) => _ = look.hearts.insert(name.clone(), now),

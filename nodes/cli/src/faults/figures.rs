@@ -88,13 +88,13 @@ pub struct FaultFigures {
     pub action: &'static str,
     /// Runs of all trials.
     pub runs: usize,
-    /// Runs in which the reaction followed.
+    /// Runs in which the reaction followed; after what is no fault (action `none`) nothing does.
     pub detected: usize,
-    /// Median reaction of the slowest trial `[s]`.
+    /// Median reaction of the trial that comes nearest to its own limit `[s]`.
     pub reaction_p50_s: Option<f64>,
-    /// Longest reaction `[s]`.
+    /// Its longest reaction `[s]`.
     pub reaction_max_s: Option<f64>,
-    /// Limit of the trial that comes nearest to its own `[s]`.
+    /// Its limit `[s]`.
     pub limit_s: Option<f64>,
     /// What the motor may push before that time begins `[mm]`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -199,21 +199,34 @@ impl TrialFigures {
         }
     }
 
-    /// Share of its limit that the slowest run took; without a reaction, more than any.
+    /// Share of its limit that the worst run took, of filament where that is limited, of layers and seconds where the later
+    /// one counts; more than any without the reaction, none where nothing may follow.
     fn strain(&self) -> f64 {
-        match (self.reaction_max_s, self.limit_s) {
-            (Some(most_s), Some(limit_s)) if self.limit_mm.is_none() => most_s / limit_s,
-            (None, Some(_)) => f64::INFINITY,
-            _ => 0.0,
+        let time = share(self.reaction_max_s, self.limit_s);
+        let way = share(self.pushed_max_mm, self.limit_mm);
+        let layers = share(self.layers_max.map(f64::from), self.limit_layers.map(f64::from));
+        if self.action == Reaction::None.name() {
+            return 0.0;
+        } else if self.detected < self.runs {
+            return f64::INFINITY;
         }
+        way.or_else(|| time.zip(layers).map(|(time, layers)| time.min(layers)))
+            .or(time)
+            .or(layers)
+            .unwrap_or(0.0)
     }
+}
+
+/// A figure as a share of its limit.
+fn share(most: Option<f64>, limit: Option<f64>) -> Option<f64> {
+    most.zip(limit).map(|(most, limit)| most / limit)
 }
 
 impl FaultFigures {
     /// Sums up the trials of an ID; with none, what is said of it.
     #[must_use]
     pub fn of(spec: &FaultSpec, level: &'static str, trials: Vec<TrialFigures>) -> Self {
-        let slowest = trials.iter().max_by(|a, b| a.strain().total_cmp(&b.strain()));
+        let nearest = trials.iter().max_by(|a, b| a.strain().total_cmp(&b.strain()));
         Self {
             id: spec.id.clone(),
             fault: spec.fault.clone(),
@@ -221,12 +234,12 @@ impl FaultFigures {
             action: spec.reaction.name(),
             runs: trials.iter().map(|trial| trial.runs).sum(),
             detected: trials.iter().map(|trial| trial.detected).sum(),
-            reaction_p50_s: slowest.and_then(|trial| trial.reaction_p50_s),
-            reaction_max_s: slowest.and_then(|trial| trial.reaction_max_s),
-            limit_s: slowest.and_then(|trial| trial.limit_s),
-            limit_mm: slowest.and_then(|trial| trial.limit_mm),
-            limit_layers: slowest.and_then(|trial| trial.limit_layers),
-            limit_source: slowest.and_then(|trial| trial.limit_source).or(spec.source),
+            reaction_p50_s: nearest.and_then(|trial| trial.reaction_p50_s),
+            reaction_max_s: nearest.and_then(|trial| trial.reaction_max_s),
+            limit_s: nearest.and_then(|trial| trial.limit_s),
+            limit_mm: nearest.and_then(|trial| trial.limit_mm),
+            limit_layers: nearest.and_then(|trial| trial.limit_layers),
+            limit_source: nearest.and_then(|trial| trial.limit_source).or(spec.source),
             limit: spec.limit.clone(),
             within_limit: (!trials.is_empty()).then(|| trials.iter().all(|trial| trial.within_limit)),
             test: spec.test.clone(),

@@ -50,7 +50,7 @@ pub struct FaultsArgs {
     /// Simulated hours of sound prints with nuisances, in which nothing may trip; a hundredth of them with the camera.
     #[arg(long, default_value_t = 0.0)]
     hours: f64,
-    /// Folder with the parameter files.
+    /// Folder with the parameter files; the catalogue's prints are found from there, in ../tests/data as in a clone.
     #[arg(long)]
     config: Option<PathBuf>,
     /// Write a page with the figure.

@@ -21,6 +21,8 @@ const CAMERA_SHARE: f64 = 0.01;
 const CHANGED_S: (f64, f64) = (15.0, 90.0);
 /// How long the printer may need to go on after that: it heats up again `[s]`.
 const GOES_ON_S: f64 = 180.0;
+/// Where a file of the catalogue is looked for.
+const OF_THE_CLONE: &str = "a print of the catalogue: its file lies beside the folder of the parameters, in ../tests/data as in a clone";
 /// Seconds of an hour.
 const HOUR_S: f64 = 3600.0;
 
@@ -47,7 +49,9 @@ impl JobSpec {
     pub fn load(&self, config: &ConfigDir) -> anyhow::Result<GcodeFile> {
         let motion = config.motion()?;
         match (&self.file, &self.text) {
-            (Some(file), None) => GcodeFile::read(&config.file(file), &motion, self.layers),
+            (Some(file), None) => {
+                GcodeFile::read(&config.file(file), &motion, self.layers).context(OF_THE_CLONE)
+            }
             (None, Some(text)) => GcodeFile::of_text(text, &motion, self.layers),
             _ => anyhow::bail!("a job has either a file or a text"),
         }
@@ -141,7 +145,7 @@ impl Queue<'_> {
 fn one(queue: &Queue<'_>, spec: &SoundSpec, seed: u64) -> anyhow::Result<Sound> {
     let config = queue.config;
     let motion = config.motion()?;
-    let file = GcodeFile::read(&config.file(&spec.file), &motion, spec.layers).context("a sound print")?;
+    let file = GcodeFile::read(&config.file(&spec.file), &motion, spec.layers).context(OF_THE_CLONE)?;
     let material = spec.material.clone().unwrap_or_else(|| file.material());
     let choice = Choice { camera: spec.camera, ..Choice::of(material, sim::level(&spec.control)?) };
     let setup = config.load(&choice)?;
@@ -166,6 +170,10 @@ fn one(queue: &Queue<'_>, spec: &SoundSpec, seed: u64) -> anyhow::Result<Sound> 
         .collect();
     if somebody.waits_in_vain {
         trips.push(named(format!("stands at {:.1} s and does not go on", printing.simulator().now().0)));
+    }
+    // The last step ends the run, before the supervisor could say why.
+    if printing.simulator().phase() == JobPhase::Failed && trips.is_empty() {
+        trips.push(named(format!("given up at {:.1} s", printing.simulator().now().0)));
     }
     Ok(Sound {
         hours,
@@ -207,5 +215,33 @@ impl Somebody {
         }
         self.waits_in_vain = waited_s > self.comes_after_s + GOES_ON_S;
         !self.waits_in_vain
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A printer that gives its job up by itself has tripped, whoever noticed.
+    #[test]
+    fn a_sound_print_that_fails_has_tripped() {
+        let config = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+        let config = ConfigDir::find(Some(&config)).unwrap();
+        let file = std::env::temp_dir().join(format!("sound_{}.gcode", std::process::id()));
+        for (last, trips) in [("G4 S1", 0), ("M112", 1)] {
+            std::fs::write(&file, format!("G28\nG1 X10 Y10 F3000\n{last}\nG1 X20\n")).unwrap();
+            let spec = serde_json::json!({"file": file, "material": "PLA"});
+            let spec: SoundSpec = serde_json::from_value(spec).unwrap();
+            let queue = Queue {
+                config: &config,
+                specs: std::slice::from_ref(&spec),
+                wanted_s: HOUR_S,
+                first_seed: 1,
+                state: Mutex::default(),
+            };
+            let sound = one(&queue, &spec, 1).unwrap();
+            assert_eq!(sound.trips.len(), trips, "{last}: {:?}", sound.trips);
+        }
+        std::fs::remove_file(file).unwrap();
     }
 }

@@ -2,6 +2,7 @@
 
 mod degraded;
 mod off;
+mod spans;
 mod worse;
 
 use super::catalogue::{Mark, Reaction, TrialSpec};
@@ -10,7 +11,7 @@ use crate::job::GcodeFile;
 use crate::sim::message::Lane;
 use crate::sim::printing::Printing;
 use crate::sim::relay::Relay;
-use degraded::{RAMP_S, TakenBack, kept_too_long};
+use degraded::{TakenBack, kept_too_long};
 use models::command::{Mode, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Kelvin};
@@ -19,12 +20,6 @@ use printer_sim::Scenario;
 use serde::Serialize;
 use worse::{taken_from_a_rival, worse_than};
 
-/// Time after a reaction in which the block may go on rising `[s]`.
-const OVERSHOOT_S: f64 = 20.0;
-/// How long a run waits for a reaction that has no limit in seconds `[s]`.
-const PATIENCE_S: f64 = 20.0;
-/// How long a run waits for a reaction whose limit is one of filament or layers `[s]`.
-const WORDS_S: f64 = 300.0;
 /// What is said of something that is told and not acted upon.
 const FLAGGED: &str = "flagged";
 /// Part of a run after the limit in which a late reaction is still measured `[s]`.
@@ -150,30 +145,8 @@ impl Trial<'_> {
             run.outcome.recovered_s.is_none()
                 && since_s < self.spec.duration_s.unwrap_or(0.0) + recover_s + LATE_S
         });
-        let watched_s = self.watched_s().max(self.ramp_s()).max(self.off_s());
+        let watched_s = self.watched_s().max(self.off_s());
         Ok(!recovering && since_s >= reaction_s + watched_s)
-    }
-
-    /// How long after the reaction nothing worse may follow `[s]`.
-    fn watched_s(&self) -> f64 {
-        if self.spec.overshoot_max_k.is_some() { OVERSHOOT_S } else { self.spec.watch_s }
-    }
-
-    /// How long after the reaction it is seen whether corrections are taken back `[s]`.
-    fn ramp_s(&self) -> f64 {
-        if self.reaction == Reaction::Degraded { RAMP_S + 0.1 } else { 0.0 }
-    }
-
-    /// How long after the reaction it is seen whether anything is heated all the same `[s]`.
-    fn off_s(&self) -> f64 {
-        if self.reaction >= Reaction::SafeOff { off::WATCHED_S } else { 0.0 }
-    }
-
-    /// How long a reaction is waited for `[s]`.
-    fn patience_s(&self) -> f64 {
-        let limit_s = self.spec.limit_s.map_or(PATIENCE_S, |limit_s| limit_s + LATE_S);
-        let in_words = self.spec.limit_mm.is_some() || self.spec.limit_layers.is_some();
-        if in_words { limit_s.max(WORDS_S) } else { limit_s }
     }
 
     fn await_onset(&self, run: &mut Run, now_s: f64) -> anyhow::Result<()> {
@@ -251,7 +224,9 @@ impl Trial<'_> {
         {
             run.outcome.too_much.get_or_insert(worse);
         }
-        let acting = simulator.in_force().mode == Mode::Act && !simulator.in_force().lapsed;
+        let in_force = simulator.in_force();
+        let corrects = self.spec.control != "mpc" || in_force.trims != Trims::NEUTRAL;
+        let acting = in_force.mode == Mode::Act && !in_force.lapsed && corrects;
         if run.ended && acting {
             run.outcome.recovered_s.get_or_insert(since_s - self.spec.duration_s.unwrap_or(0.0));
         }

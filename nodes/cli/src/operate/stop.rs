@@ -83,12 +83,9 @@ pub(super) fn ask(what: Ask, request: Request, namespace: &str) -> anyhow::Resul
         Outcome::Answered(answer, Ok(())) => {
             output::line(&format!("{name}: {}; the printer confirms: {}", answer.message, confirmed(request)))
         }
-        Outcome::Answered(answer, Err(state)) => bail!(
-            "{name}: the supervisor took it ({}), but the printer does not confirm within {:.0} s: use the printer's own switch \
-             (the printer, {state})",
-            answer.message,
-            TELL.as_secs_f64()
-        ),
+        Outcome::Answered(answer, Err(state)) => {
+            bail!("{name}: {}", unconfirmed(&answer.message, "use the printer's own switch", &state))
+        }
         Outcome::Printer => output::line(&format!(
             "{name}: the supervisor does not answer: told the printer itself, which confirms: {}",
             confirmed(request)
@@ -166,22 +163,11 @@ impl Printer {
 
     /// What the supervisor has answered, and whether the printer's state shows it, from now on.
     async fn after(&mut self, answer: TriggerResponse) -> Outcome {
-        let shown = if answer.success { self.shows().await } else { Ok(()) };
-        Outcome::Answered(answer, shown)
-    }
-
-    /// Waits until the printer's state shows what somebody else demands; else what the printer says.
-    async fn shows(&mut self) -> Result<(), String> {
-        let end = Instant::now() + TELL;
-        let mut newest = None;
-        _ = self.states.drain_newest();
-        while let Ok(state) = timeout_at(end, self.states.recv()).await {
-            if is_safe(&state.message, self.request) {
-                return Ok(());
-            }
-            newest = Some(state.message);
+        if !answer.success {
+            return Outcome::Answered(answer, Ok(()));
         }
-        Err(heard(newest.as_ref()))
+        let shown = shows(&mut self.states, |state| is_safe(state, self.request)).await;
+        Outcome::Answered(answer, shown.map(|_| ()))
     }
 
     fn permit(&self, sequence: u64) -> Permit {
@@ -191,20 +177,59 @@ impl Printer {
     }
 }
 
+/// Waits until the printer's state shows what the supervisor demands of it; else what the printer says.
+pub(super) async fn shows(
+    states: &mut Subscription<PrinterState>,
+    holds: impl Fn(&PrinterState) -> bool,
+) -> Result<PrinterState, String> {
+    let end = Instant::now() + TELL;
+    let mut newest = None;
+    _ = states.drain_newest();
+    while let Ok(state) = timeout_at(end, states.recv()).await {
+        if holds(&state.message) {
+            return Ok(state.message);
+        }
+        newest = Some(state.message);
+    }
+    Err(heard(newest.as_ref()))
+}
+
+/// What is said where the supervisor took it, and the printer shows nothing of it.
+pub(super) fn unconfirmed(taken: &str, instead: &str, state: &str) -> String {
+    let limit_s = TELL.as_secs_f64();
+    format!(
+        "the supervisor took it ({taken}), but the printer does not confirm within {limit_s:.0} s: {instead} (the printer, {state})"
+    )
+}
+
+/// Whether the printer works at a job or is about to.
+pub(super) fn moves(state: &PrinterState) -> bool {
+    [JobPhase::Preparing, JobPhase::Printing].iter().any(|phase| *phase as u8 == state.phase)
+}
+
 /// Whether an event says that a person has stopped the print past a supervisor that does not answer.
 pub(crate) fn is_past_the_supervisor(event: &PrintEvent) -> bool {
     event.who == WHO && event.what == WHAT
 }
 
+/// Whether that was an emergency stop.
+pub(crate) fn is_emergency(event: &PrintEvent) -> bool {
+    event.after == confirmed(Request::EmergencyStop)
+}
+
 /// What the record keeps of it: no supervisor is there to say why the print ended.
 pub(crate) fn told(now: Seconds, request: Request) -> PrintEvent {
+    let stop = if request == Request::EmergencyStop {
+        "emergency stop by a person"
+    } else {
+        "a person stops the print"
+    };
     PrintEvent {
         header: Header::at(now.0),
         severity: PrintEvent::SEVERITY_ERROR,
         who: WHO.to_owned(),
         what: WHAT.to_owned(),
-        why: "P13: a person stops the print; the supervisor does not answer, the printer is told itself"
-            .to_owned(),
+        why: format!("P13: {stop}; the supervisor does not answer, the printer is told itself"),
         before: String::new(),
         after: confirmed(request).to_owned(),
     }
@@ -212,11 +237,11 @@ pub(crate) fn told(now: Seconds, request: Request) -> PrintEvent {
 
 /// Whether the printer's state confirms what was demanded.
 fn is_safe(state: &PrinterState, request: Request) -> bool {
-    let works = [JobPhase::Preparing, JobPhase::Printing, JobPhase::Paused];
+    let works = moves(state) || state.phase == JobPhase::Paused as u8;
     let cold = state.hotend_target_degc <= 0.0 && state.bed_target_degc <= 0.0;
     let unpowered = !state.mains_on || (state.hotend_duty <= 0.0 && state.bed_duty <= 0.0);
     let relay = request != Request::EmergencyStop || !state.mains_on;
-    !works.iter().any(|phase| *phase as u8 == state.phase) && cold && unpowered && relay
+    !works && cold && unpowered && relay
 }
 
 /// What the printer says last, for people.

@@ -94,6 +94,9 @@ pub const COMPONENTS: [Component; 14] = [
     Component::Part,
 ];
 
+/// Shortest time for which a fault may be there `[s]`: a step of the simulation.
+pub const SHORTEST_S: f64 = 1e-3;
+
 /// Longest time that a fault's fields may name `[s]`: a week.
 pub const LONGEST_S: f64 = 604_800.0;
 

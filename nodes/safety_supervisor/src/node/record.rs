@@ -1,7 +1,8 @@
 //! A record on disk that outlives the process.
 //!
-//! Written beside, synced, renamed, its folder synced; removed and its folder synced when there is nothing to keep. The
-//! work is done on a thread of its own, since a disk may take seconds and a permit is due every 20 ms.
+//! Written beside, synced, renamed, its folder synced; removed and its folder synced when there is nothing to keep. Once a
+//! second it is looked at, and written again where somebody has taken it away. The work is done on a thread of its own,
+//! since a disk may take seconds and a permit is due every 20 ms.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write};
@@ -26,12 +27,20 @@ pub(super) struct Record<T> {
     stray: bool,
     /// Calls until a disk that refused is asked again.
     rest: u32,
+    /// Calls since the record was looked at.
+    unseen: u32,
 }
 
 impl<T: Copy + PartialEq + Serialize + Send + 'static> Record<T> {
-    /// A record that holds `stored`; without a path nothing is kept.
+    /// A record that holds `stored`; without a path nothing is kept. A place where nothing can be written is told at once, not
+    /// with the first stop, and asked again: who guards without a record is better than nobody.
     pub(super) fn new(path: Option<PathBuf>, stored: Option<T>) -> Self {
-        Self { path, stored, job: None, failed: None, stray: false, rest: 0 }
+        let failed = path.as_deref().and_then(|path| probe(path).err().map(|error| told(path, &error)));
+        if let Some(failed) = &failed {
+            tracing::error!("{failed}: a stop would be forgotten with the end of this process");
+        }
+        let stray = failed.is_some();
+        Self { path, stored, job: None, failed, stray, rest: 0, unseen: 0 }
     }
 
     /// The value on disk.
@@ -50,8 +59,20 @@ impl<T: Copy + PartialEq + Serialize + Send + 'static> Record<T> {
             let path = path.clone();
             let handle = tokio::task::spawn_blocking(move || write(&path, value));
             self.job = Some((value, handle));
+        } else if self.job.is_none() && self.stored.is_some() {
+            self.look(path.clone());
         }
         self.stored == value && !self.stray
+    }
+
+    /// Has the record looked at, and written where it is not as it was kept.
+    fn look(&mut self, path: PathBuf) {
+        self.unseen += 1;
+        if self.unseen >= REST {
+            let value = self.stored;
+            self.unseen = 0;
+            self.job = Some((value, tokio::task::spawn_blocking(move || restore(&path, value))));
+        }
     }
 
     /// Waits for what is being written, and writes `value` where that was another one: the last word of this run.
@@ -72,8 +93,7 @@ impl<T: Copy + PartialEq + Serialize + Send + 'static> Record<T> {
                 (self.failed, self.stray) = (None, false);
             }
             Err(error) => {
-                let path = self.path.as_deref().unwrap_or(Path::new(""));
-                self.failed = Some(format!("{}: {error}", path.display()));
+                self.failed = Some(told(self.path.as_deref().unwrap_or(Path::new("")), &error));
                 (self.rest, self.stray) = (REST, true);
             }
         }
@@ -100,6 +120,27 @@ pub(super) fn beside(path: &Path) -> PathBuf {
     path.with_extension("new")
 }
 
+fn told(path: &Path, error: &io::Error) -> String {
+    format!("{}: {error}", path.display())
+}
+
+/// Whether a file can be made beside the record: not where a record is looked for, which an empty one would be.
+fn probe(path: &Path) -> io::Result<()> {
+    let probe = path.with_extension("probe");
+    File::create(&probe)?;
+    fs::remove_file(probe)
+}
+
+/// Writes a record that is not on disk as it was kept.
+fn restore<T: Serialize>(path: &Path, value: Option<T>) -> io::Result<()> {
+    let kept = value.as_ref().map(serde_json::to_vec).transpose()?;
+    if fs::read(path).ok() == kept {
+        return Ok(());
+    }
+    tracing::warn!("{} is not as it was written: it is written again", path.display());
+    write(path, value)
+}
+
 fn write<T: Serialize>(path: &Path, value: Option<T>) -> io::Result<()> {
     match value {
         Some(value) => {
@@ -109,10 +150,13 @@ fn write<T: Serialize>(path: &Path, value: Option<T>) -> io::Result<()> {
             file.sync_all()?;
             fs::rename(beside, path)?;
         }
-        None => [path, &beside(path)].into_iter().try_for_each(|place| match fs::remove_file(place) {
-            Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
-            Ok(()) | Err(_) => Ok(()),
-        })?,
+        None => {
+            probe(path)?;
+            [path, &beside(path)].into_iter().try_for_each(|place| match fs::remove_file(place) {
+                Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+                Ok(()) | Err(_) => Ok(()),
+            })?;
+        }
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     File::open(folder.unwrap_or(Path::new(".")))?.sync_all()

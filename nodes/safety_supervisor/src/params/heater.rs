@@ -156,7 +156,7 @@ impl TryFrom<RawHeaterParams> for HeaterParams {
             ("slow.deficit_min_w", raw.slow.deficit_min_w),
         ] {
             // A weak heater lacks half of what is ordered: a limit of more than that finds none.
-            in_range(name, deficit_w, "W", (0.0, most_w))?;
+            in_range(name, deficit_w, "W", (1.0, most_w))?;
         }
         Ok(Self {
             power_w,
@@ -208,7 +208,7 @@ mod tests {
             };
             assert!(with(20.0).is_ok());
             let told = with(21.0).unwrap_err();
-            assert!(told.contains(&format!("{observer}.{name} = 21 W: must be in [0, 20]")), "{told}");
+            assert!(told.contains(&format!("{observer}.{name} = 21 W: must be in [1, 20]")), "{told}");
         }
         let told = heater(16.0, 0.1).unwrap_err();
         assert!(told.contains("spike_k = 0.1 K: must be in [0.3, 100]"), "{told}");

@@ -146,7 +146,7 @@ impl PartFanParams {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StopInputParams {
-    /// Reports in a row that must say open `[-]`.
+    /// Reports that must say open, with no rest of closed ones between `[-]`.
     pub reports: u32,
 }
 

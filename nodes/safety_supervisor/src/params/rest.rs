@@ -274,6 +274,8 @@ impl TryFrom<RawModeParams> for ModeParams {
     type Error = ParamError;
 
     fn try_from(raw: RawModeParams) -> Result<Self, ParamError> {
+        // Corrections that come back meet the slicer's values, not the way to them.
+        ordered(("ramp_s", raw.ramp_s), ("hold_s", raw.hold_s))?;
         Ok(Self {
             ramp_s: in_range("ramp_s", raw.ramp_s, "s", (0.05, 2.0))?,
             hold_s: in_range("hold_s", raw.hold_s, "s", (0.0, 60.0))?,

@@ -112,7 +112,8 @@ impl Supervisor {
             )
         } else if !self.has_moved() {
             Some(
-                "the reading has stood still since: check the thermistor, and warm it with a hand so that it moves",
+                "the reading has stood still since, and what it measures may be hot: check the thermistor; a good one that \
+                 rests moves when it is warmed by hand, after a long time without power",
             )
         } else if !self.is_judged() {
             Some("the balance of the heater has just begun and shows no fault yet: ask again in some seconds")
@@ -143,7 +144,12 @@ impl Supervisor {
 
     fn approve(&mut self, now: Seconds) -> Result<(), Refused> {
         if self.modes.mode() != Mode::Advise {
-            return Err("not in advise: `fdm mode advise` first".into());
+            let why = if self.modes.set_mode() == Mode::Advise {
+                "advise is set, and not in force: what is in force has to be over first"
+            } else {
+                "not in advise: `fdm mode advise` first"
+            };
+            return Err(Refused { why, cause: self.modes.cause() });
         }
         self.approved = self.envelope.session(now).zip(self.envelope.wished(now));
         self.approved.map(|_| ()).ok_or("no correction waits: the controller wishes none".into())

@@ -1,143 +1,23 @@
-//! Services: what a person asks for (P13), and a flood of calls (C11).
+//! C11: a flood of calls of services.
 
 use super::aside::Aside;
-use super::graph::Spinners;
 use super::machine::{BARE, bare_timer};
-use super::observer::Seen;
 use super::outcome::Observed;
 use super::session::Session;
 use crate::participant;
 use fdm_loop_msgs::{
-    ControlCommand, DescribeParametersRequest, GetParametersRequest, ListParametersRequest, Parameter,
-    PrinterState, RosService, SetModeRequest, SetParametersRequest, TriggerRequest,
+    DescribeParametersRequest, GetParametersRequest, ListParametersRequest, Parameter, RosService,
+    SetModeRequest, SetParametersRequest, TriggerRequest,
 };
 use models::units::Seconds;
 use runtime::{Args, Client, topics};
-use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// Longest wait for an answer `[s]`.
 const ANSWER_S: f64 = 2.0;
-/// Longest wait for an acknowledgement that is granted, and for the permits that follow `[s]`.
-const GRANTED_S: f64 = 5.0;
 /// Callers of the flood.
 const CALLERS: f64 = 8.0;
-/// Spinning processes have the machine for so long before anything is measured `[s]`.
-const WARM_S: f64 = 1.0;
-
-/// Asks once for `safety/acknowledge`; whether it was granted.
-pub(super) async fn acknowledge(session: &mut Session) -> anyhow::Result<bool> {
-    let hand = Rc::clone(&session.hand);
-    let call = hand.acknowledge.call(TriggerRequest::default(), Seconds(ANSWER_S));
-    tokio::pin!(call);
-    loop {
-        tokio::select! {
-            answer = &mut call => return Ok(answer.is_ok_and(|answer| answer.success)),
-            seen = session.next() => { seen?; }
-        }
-    }
-}
-
-/// Whether, before so long, the job is given up and the heaters are off.
-pub(super) async fn heaters_off(session: &mut Session, limit_s: f64) -> anyhow::Result<bool> {
-    let off = |state: &PrinterState| {
-        let heat = [state.hotend_target_degc, state.bed_target_degc, state.hotend_duty, state.bed_duty];
-        state.phase == PrinterState::PHASE_FAILED && heat.iter().all(|heat| *heat <= 0.0)
-    };
-    session.until(limit_s, |_, seen| matches!(seen, Seen::Printer(state) if off(state))).await
-}
-
-/// P13: calls the emergency stop and acknowledges it by turns. The printer's relay opens with the first; of all the time
-/// until the answer and until the permit that demands it is measured.
-pub(super) async fn estops(session: &mut Session, calls: u32, spinning: u32) -> anyhow::Result<Observed> {
-    let _spinners = Spinners::start(spinning)?;
-    session.until(if spinning > 0 { WARM_S } else { 0.0 }, |_, _| false).await?;
-    let (mut answers, mut permits) = (Vec::new(), Vec::new());
-    let mut observed = Observed::default();
-    let mut watcher = session.watcher();
-    for number in 0..calls {
-        let begin = session.observer.now();
-        let hand = Rc::clone(&session.hand);
-        let call = hand.estop.call(TriggerRequest::default(), Seconds(ANSWER_S));
-        tokio::pin!(call);
-        let (mut answered, mut permitted) = (None, None);
-        while answered.is_none() || permitted.is_none() || watcher.mains_open.is_none() {
-            tokio::select! {
-                answer = &mut call, if answered.is_none() => {
-                    answered = Some((session.observer.now() - begin).0);
-                    if !answer.is_ok_and(|answer| answer.success) {
-                        observed.wrong.push(format!("call {number} was not granted"));
-                    }
-                }
-                seen = session.next() => {
-                    let (at, seen) = seen?;
-                    watcher.take(at, &seen);
-                    if at > begin && is_permit(&seen, true) {
-                        permitted.get_or_insert((at - begin).0);
-                    }
-                }
-            }
-            if (session.observer.now() - begin).0 > ANSWER_S {
-                observed.wrong.push(format!("call {number}: answered {answered:?}, permit {permitted:?}"));
-                break;
-            }
-        }
-        answers.extend(answered);
-        permits.extend(permitted);
-        let granted = until_acknowledged(session).await?;
-        if !granted {
-            observed.wrong.push(format!("call {number}: not acknowledged within {GRANTED_S} s"));
-            break;
-        }
-    }
-    observed.reaction_s = watcher.mains_open;
-    observed.measures.insert("answer", answers);
-    observed.measures.insert("permit that stops", permits);
-    Ok(observed)
-}
-
-/// One emergency stop; the reaction is the printer's open relay.
-pub(super) async fn stop_once(session: &mut Session) -> anyhow::Result<Observed> {
-    let mut watcher = session.watcher();
-    let hand = Rc::clone(&session.hand);
-    let call = hand.estop.call(TriggerRequest::default(), Seconds(ANSWER_S));
-    tokio::pin!(call);
-    let mut granted = None;
-    while granted.is_none() || watcher.mains_open.is_none() {
-        tokio::select! {
-            answer = &mut call, if granted.is_none() => granted = Some(answer.is_ok_and(|answer| answer.success)),
-            seen = session.next() => {
-                let (at, seen) = seen?;
-                watcher.take(at, &seen);
-            }
-        }
-        if watcher.since(session.observer.now()) > ANSWER_S {
-            break;
-        }
-    }
-    let mut observed = Observed { reaction_s: watcher.mains_open, ..Observed::of(&watcher) };
-    if granted != Some(true) {
-        observed.wrong.push("the emergency stop was not granted".to_owned());
-    }
-    Ok(observed)
-}
-
-/// Acknowledges until it is granted and permits demand no stop any more.
-async fn until_acknowledged(session: &mut Session) -> anyhow::Result<bool> {
-    let end = session.observer.now() + Seconds(GRANTED_S);
-    while !acknowledge(session).await? {
-        if session.observer.now() > end {
-            return Ok(false);
-        }
-    }
-    session.until(GRANTED_S, |_, seen| is_permit(seen, false)).await
-}
-
-/// Whether this is a permit that demands an emergency stop, or one that does not.
-fn is_permit(seen: &Seen, stops: bool) -> bool {
-    matches!(seen, Seen::Permit(permit) if (permit.request == ControlCommand::REQUEST_EMERGENCY_STOP) == stops)
-}
 
 /// Calls of one caller.
 #[derive(Debug, Default)]

@@ -1,9 +1,9 @@
 //! L3, L4: a process gets no more memory, no more files.
 
-use super::calls;
 use super::observer::Seen;
 use super::outcome::Observed;
 use super::session::Session;
+use super::stops;
 use crate::up::fleet::Happening;
 use rustix::process::{Resource, Signal};
 
@@ -92,7 +92,7 @@ pub(super) async fn files(session: &mut Session, for_s: f64) -> anyhow::Result<O
     let mut watcher = session.watcher();
     session.watch(&mut watcher, for_s).await?;
     let before = watcher.affected();
-    let mut observed = calls::stop_once(session).await?;
+    let mut observed = stops::stop_once(session).await?;
     if let Some(what) = before {
         observed.wrong.push(format!("control was affected before the stop: {what}"));
     }

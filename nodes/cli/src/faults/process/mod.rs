@@ -13,10 +13,12 @@ mod load;
 mod machine;
 mod node_fault;
 mod observer;
+mod off;
 mod orders;
 mod outcome;
 mod session;
 mod shim;
+mod stops;
 mod storage;
 mod watcher;
 
@@ -254,9 +256,10 @@ async fn one(setting: &Setting, bench: &mut Running, due: &Due<'_>, wish: &Wish)
     observed.wrong.extend(ended.map(|node| format!("{node} ended")));
     let foreign = Machine::look(session).foreign_since(&before);
     observed.figures.insert("foreign_cores", foreign);
-    // A flood of our own wakes nobody in time either, and excuses nothing.
+    // A flood of our own wakes nobody in time either, and excuses nothing; nor do processes that spin for us.
     let bare = observed.measures.get(BARE).filter(|_| matches!(spec.act, Act::Spin { .. }));
-    observed.excused = foreign > FOREIGN_CORES || bare.is_some_and(|late| is_uneven(late));
+    let by_us = matches!(spec.act, Act::Estop { spinning, .. } if spinning > 0);
+    observed.excused = foreign > FOREIGN_CORES && !by_us || bare.is_some_and(|late| is_uneven(late));
     Ok(observed)
 }
 
@@ -273,7 +276,7 @@ async fn act(session: &mut Session, due: &Due<'_>, wish: &Wish) -> anyhow::Resul
     match &due.spec.act {
         Act::Kill(_) | Act::Stop { .. } => node_fault::run(session, due.spec, reaction(due)).await,
         Act::Calls { rate_hz, for_s } => calls::flood(session, *rate_hz, *for_s).await,
-        Act::Estop { calls, spinning } => calls::estops(session, *calls, *spinning).await,
+        Act::Estop { calls, spinning } => stops::estops(session, *calls, *spinning).await,
         Act::Spin { processes, for_s } => load::spin(session, *processes, *for_s).await,
         Act::Flood { rate_hz, for_s, growth_mib } => {
             load::flood(session, (*rate_hz, *for_s), *growth_mib).await

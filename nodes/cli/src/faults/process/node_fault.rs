@@ -14,6 +14,8 @@ use rustix::process::Signal;
 const PATIENCE_S: f64 = 12.0;
 /// Longest wait for an acknowledgement that is granted `[s]`: the first temperature may not be there yet.
 const ACKNOWLEDGE_S: f64 = 5.0;
+/// What was acknowledged stays off: looked at for ten turns of the heaters' loop `[s]`.
+const AFTER_S: f64 = 1.0;
 
 /// What becomes of one node, in seconds from the fault.
 #[derive(Debug, Default)]
@@ -61,8 +63,9 @@ pub(super) async fn run(
     trial.look_on(session).await?;
     let mut observed = trial.observed(spec, reaction);
     if reaction == Reaction::SafeOff && trial.watcher.safe_off.is_some() {
-        acknowledge(session, &mut observed).await?;
+        acknowledge(session, &mut trial.watcher, &mut observed).await?;
     }
+    observed.wrong.extend(trial.watcher.off.miss());
     Ok(observed)
 }
 
@@ -76,7 +79,7 @@ impl Trial<'_> {
                 session.graph.signal(self.node, Signal::CONT)?;
                 self.times.back = Some(now_s);
             }
-            let over = self.watcher.safe_off.is_some() && self.times.beats.is_some();
+            let over = self.watcher.off.is_over() && self.times.beats.is_some();
             if over || self.times.whole.is_some() || now_s > self.times.back.unwrap_or(0.0) + PATIENCE_S {
                 return Ok(());
             }
@@ -143,24 +146,22 @@ impl Trial<'_> {
     }
 }
 
-/// The job was given up and the heaters are off. A person acknowledges: the mode returns, heat and job do not.
-async fn acknowledge(session: &mut Session, observed: &mut Observed) -> anyhow::Result<()> {
-    if !super::calls::heaters_off(session, 2.0).await? {
-        observed.wrong.push("the heaters are not off, or the job goes on".to_owned());
-    }
+/// A person acknowledges what was switched off: the mode returns, heat and job do not.
+async fn acknowledge(
+    session: &mut Session,
+    watcher: &mut Watcher,
+    observed: &mut Observed,
+) -> anyhow::Result<()> {
     let begin = session.observer.now();
-    while !super::calls::acknowledge(session).await? {
+    while !super::stops::acknowledge(session, watcher).await? {
         if (session.observer.now() - begin).0 > ACKNOWLEDGE_S {
             observed.wrong.push(format!("not acknowledged within {ACKNOWLEDGE_S} s"));
             return Ok(());
         }
     }
-    if !session.acts(ACKNOWLEDGE_S).await? {
+    if !session.acts(watcher, ACKNOWLEDGE_S).await? {
         observed.wrong.push("the mode does not return".to_owned());
     }
     observed.figures.insert("acknowledged_s", (session.observer.now() - begin).0);
-    if !super::calls::heaters_off(session, 0.5).await? {
-        observed.wrong.push("the heaters were energised again".to_owned());
-    }
-    Ok(())
+    session.watch(watcher, AFTER_S).await
 }

@@ -2,7 +2,8 @@
 
 use crate::up::fleet::Happening;
 use fdm_loop_msgs::{
-    Clock as ClockMessage, ControlCommand, DiagnosticArray, Heartbeat, PrinterState, SafetyState, Trigger,
+    Clock as ClockMessage, ControlCommand, DiagnosticArray, Heartbeat, PrinterState, SafetyState, SimTruth,
+    Trigger,
 };
 use models::units::Seconds;
 use runtime::{Args, Client, Node, Shutdown, Subscription, Timer, topics};
@@ -16,6 +17,8 @@ const LOOK_S: f64 = 0.01;
 #[derive(Debug)]
 pub(super) enum Seen {
     Printer(Box<PrinterState>),
+    /// What the simulated printer really does.
+    Truth(Box<SimTruth>),
     Safety(SafetyState),
     /// Node and session.
     Heart(String, u64),
@@ -37,6 +40,7 @@ pub(super) struct Hand {
 /// The observer.
 pub(super) struct Observer {
     printer: Subscription<PrinterState>,
+    truth: Subscription<SimTruth>,
     safety: Subscription<SafetyState>,
     hearts: Subscription<Heartbeat>,
     reports: Subscription<DiagnosticArray>,
@@ -59,6 +63,7 @@ impl Observer {
         Ok(Self {
             deaf,
             printer: node.subscribe(&topics::PRINTER_STATE)?,
+            truth: node.subscribe(&topics::SIM_TRUTH)?,
             safety: node.subscribe(&topics::SAFETY_STATE)?,
             hearts: node.subscribe(&topics::HEARTBEAT)?,
             reports: node.subscribe(&topics::DIAGNOSTICS)?,
@@ -95,6 +100,7 @@ impl Observer {
     pub(super) async fn next(&mut self) -> anyhow::Result<(Seconds, Seen)> {
         Ok(tokio::select! {
             message = self.printer.recv() => (message.received, Seen::Printer(Box::new(message.message))),
+            message = self.truth.recv() => (message.received, Seen::Truth(Box::new(message.message))),
             message = self.safety.recv() => (message.received, Seen::Safety(message.message)),
             message = self.reports.recv() => (message.received, Seen::Report(message.message)),
             message = self.clock.recv() => {

@@ -170,11 +170,13 @@ impl Session {
         Watcher::new(now, if self.graph.on_host_clock() { now.0 } else { self.stamp_s })
     }
 
-    /// Waits for the mode `act`: after an acknowledgement nothing is printed any more.
-    pub(super) async fn acts(&mut self, limit_s: f64) -> anyhow::Result<bool> {
-        let acts =
-            |_, seen: &Seen| matches!(seen, Seen::Safety(state) if state.mode == SafetyState::MODE_ACT);
-        self.until(limit_s, acts).await
+    /// Looks on until the mode `act`: after an acknowledgement nothing is printed any more.
+    pub(super) async fn acts(&mut self, watcher: &mut Watcher, limit_s: f64) -> anyhow::Result<bool> {
+        self.until(limit_s, |at, seen| {
+            watcher.take(at, seen);
+            matches!(seen, Seen::Safety(state) if state.mode == SafetyState::MODE_ACT)
+        })
+        .await
     }
 
     /// Ends all nodes in order, the recorder last; what did not go well.

@@ -2,9 +2,10 @@
 
 use super::jitter::Jitter;
 use super::observer::{Seen, is_neutral};
+use super::off::Off;
 use crate::up::fleet::Happening;
 use crate::up::words::mode_name;
-use fdm_loop_msgs::{DiagnosticArray, DiagnosticStatus, Header, PrinterState, SafetyState};
+use fdm_loop_msgs::{DiagnosticArray, DiagnosticStatus, Header, PrinterState, SafetyState, SimTruth};
 use models::units::Seconds;
 
 /// So long a graph stays whole to be called whole `[s]`: longer than the supervisor's patience with any stream.
@@ -33,6 +34,8 @@ pub(super) struct Watcher {
     pub(super) safe_off: Option<f64>,
     /// The mains relay was open.
     pub(super) mains_open: Option<f64>,
+    /// What was seen behind SAFE_OFF and ESTOP.
+    pub(super) off: Off,
     /// Newest state of the printer.
     pub(super) printer: Option<Box<PrinterState>>,
     /// The supervisor told that its permits come irregularly.
@@ -63,6 +66,7 @@ impl Watcher {
             paused: None,
             safe_off: None,
             mains_open: None,
+            off: Off::default(),
             printer: None,
             alarmed: false,
             fallen: Vec::new(),
@@ -87,6 +91,7 @@ impl Watcher {
         }
         match seen {
             Seen::Printer(state) => self.on_printer(at, state),
+            Seen::Truth(truth) => self.on_truth(truth),
             Seen::Safety(state) => self.on_safety(state),
             Seen::Report(report) => self.on_report(report),
             Seen::Happened(Happening::Silent { name }) => self.fallen.push(name),
@@ -125,8 +130,16 @@ impl Watcher {
         }
         if !state.mains_on {
             self.mains_open.get_or_insert(at_s);
+            self.off.react(at_s);
         }
+        self.off.on_printer(at_s, state);
         self.printer = Some(Box::new(state.clone()));
+    }
+
+    fn on_truth(&mut self, truth: &SimTruth) {
+        if let Some(at_s) = self.on_graph(&truth.header) {
+            self.off.on_truth(at_s, truth);
+        }
     }
 
     fn on_report(&mut self, report: &DiagnosticArray) {
@@ -150,6 +163,9 @@ impl Watcher {
         }
         if state.mode == SafetyState::MODE_PAUSED {
             self.paused.get_or_insert(at_s);
+        }
+        if state.mode >= SafetyState::MODE_SAFE_OFF {
+            self.off.react(at_s);
         }
         if state.mode == SafetyState::MODE_SAFE_OFF {
             self.safe_off.get_or_insert(at_s);

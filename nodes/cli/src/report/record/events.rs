@@ -71,6 +71,8 @@ pub(crate) struct Events {
     index: BTreeMap<Text, usize>,
     /// Events by severity: info, warning, error.
     pub(crate) counts: [u64; 3],
+    /// The same without those behind the end of the file.
+    pub(crate) before_the_end: [u64; 3],
     /// Events for which there was no line left.
     pub(crate) beyond: u64,
 }

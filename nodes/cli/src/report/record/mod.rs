@@ -1,6 +1,7 @@
 //! What a bag says, gathered in one pass and in bounded memory.
 
 pub(crate) mod diagnostics;
+pub(crate) mod ending;
 pub(crate) mod events;
 pub(crate) mod layers;
 pub(crate) mod pictures;
@@ -217,6 +218,9 @@ impl Record {
         }
         self.print.event(at, &message);
         self.events.take(at, &message);
+        if self.print.ending.done().is_none_or(|done_s| at <= done_s) {
+            self.events.before_the_end = self.events.counts;
+        }
     }
 
     fn defects(&mut self, at: f64, message: fdm_loop_msgs::DefectReport) {

@@ -1,6 +1,7 @@
 //! What was printed, how far it came, and under which mode of the supervisor.
 
 use super::super::decode::short;
+use super::ending::Ending;
 use crate::operate::stop;
 use crate::up::words::mode_name;
 use fdm_loop_msgs::{PrintEvent, PrintInfo, PrinterState, SafetyState};
@@ -22,16 +23,6 @@ const NO_SUPERVISOR: &str = "no supervisor";
 /// Filament where the configuration does not say `[m]`.
 const FILAMENT_DIAMETER_M: f64 = 1.75e-3;
 
-/// What held a print up.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct HeldUp {
-    pub(crate) at: f64,
-    pub(crate) mode: u8,
-    /// Code and words.
-    pub(crate) cause: String,
-    pub(crate) what_to_do: String,
-}
-
 /// The print as a whole.
 #[derive(Debug, Default)]
 pub(crate) struct Print {
@@ -52,8 +43,8 @@ pub(crate) struct Print {
     modes: Vec<(f64, Option<u8>)>,
     safety_s: f64,
     pub(crate) safety: Option<SafetyState>,
-    /// What held the print up first and was not resumed from.
-    pub(crate) held_up: Option<HeldUp>,
+    /// What held the print up and ended it.
+    pub(crate) ending: Ending,
     /// Prints by their names.
     pub(crate) prints: BTreeSet<String>,
 }
@@ -136,6 +127,7 @@ impl Print {
         if at >= self.last_s {
             self.last_s = at;
             self.last = Some(state.clone());
+            self.ending.phase(at, state.phase);
         }
         if state.depositing {
             self.first_road_s.get_or_insert(at);
@@ -151,23 +143,14 @@ impl Print {
         self.enter(at, Some(state.mode));
         self.safety_s = self.safety_s.max(at);
         let goes_on = self.last.as_ref().is_some_and(|last| last.phase == PrinterState::PHASE_PRINTING);
-        // What a person does about it afterwards is not why it was held up.
-        let by_person = state.cause.starts_with("P13");
-        let worse = |held_up: &HeldUp| state.mode > held_up.mode && !by_person;
-        if state.mode < SafetyState::MODE_PAUSED {
-            self.held_up.take_if(|_| goes_on);
-        } else if self.held_up.as_ref().is_none_or(worse) && !state.cause.is_empty() {
-            let (cause, what_to_do) = (short(&state.cause, TEXT_MAX), short(&state.what_to_do, TEXT_MAX));
-            self.held_up = Some(HeldUp { at, mode: state.mode, cause, what_to_do });
-        }
+        self.ending.safety(at, state, goes_on);
         self.safety = Some(state.clone());
     }
 
     /// Takes an event in: who stops a print past a supervisor that does not answer leaves its cause there alone.
     pub(crate) fn event(&mut self, at: f64, event: &PrintEvent) {
-        if stop::is_past_the_supervisor(event) && self.held_up.is_none() {
-            let (cause, what_to_do) = (short(&event.why, TEXT_MAX), String::new());
-            self.held_up = Some(HeldUp { at, mode: SafetyState::MODE_SAFE_OFF, cause, what_to_do });
+        if stop::is_past_the_supervisor(event) {
+            self.ending.past_the_supervisor(at, event);
         }
     }
 
@@ -220,13 +203,14 @@ mod tests {
         );
     }
 
+    /// Whoever else says so.
     #[test]
-    fn a_stop_past_the_supervisor_is_why_the_print_ended() {
+    fn a_stop_past_the_supervisor_is_told_by_the_command_alone() {
         let mut print = Print::default();
         let event = stop::told(Seconds(12.0), Request::HeatersOff);
         print.event(11.0, &PrintEvent { who: "somebody".to_owned(), ..event.clone() });
-        assert_eq!(print.held_up, None);
+        assert_eq!(print.ending.stop(), None);
         print.event(12.0, &event);
-        assert!(print.held_up.is_some_and(|held_up| held_up.cause.starts_with("P13: a person stops")));
+        assert!(print.ending.stop().is_some());
     }
 }

@@ -3,6 +3,7 @@
 use super::View;
 use super::words::{breakable, bytes, clock, counted, date, percent};
 use crate::report::decode::short;
+use crate::report::record::ending::{HeldUp, works};
 use crate::report::record::events::Severity;
 use crate::up::words::{self, mode_name};
 use fdm_loop_msgs::{PrinterState, SafetyState};
@@ -79,52 +80,79 @@ fn verdict(view: &View) -> (&'static str, &'static str, String) {
             None => ("warn", "Unknown.", "The bag does not say what the printer did.".to_owned()),
         };
     };
+    if let Some(done_s) = print.ending.done() {
+        return printed(view, done_s);
+    }
     let because = because(view);
-    let stopped = print.safety.as_ref().is_some_and(|safety| safety.mode >= SafetyState::MODE_SAFE_OFF);
-    let [_, warnings, errors] = view.record.events.counts;
     let far = percent(state.progress, 0);
-    match state.phase {
-        _ if stopped => ("error", "Stopped by the supervisor", format!("at {far}.{because}")),
-        PrinterState::PHASE_FAILED => ("error", "Failed", format!("at {far}.{because}")),
-        PrinterState::PHASE_PAUSED => ("error", "Paused", format!("at {far}, and not gone on.{because}")),
-        PrinterState::PHASE_DONE if errors > 0 => {
-            ("error", "Printed to its end", format!("with {}: see the events.", counted(errors, "error")))
+    // What a printer does not heed has stopped nothing; a supervisor at its stop tells of it in any case.
+    let latched = print.safety.as_ref().is_some_and(|safety| safety.mode >= SafetyState::MODE_SAFE_OFF);
+    match (state.phase, print.ending.stop().filter(|_| latched || !works(state.phase))) {
+        (_, Some(stop)) => ("error", stop.headline(), format!("at {far}.{because}")),
+        (PrinterState::PHASE_FAILED, _) => ("error", "Failed", format!("at {far}.{because}")),
+        (PrinterState::PHASE_PAUSED, _) => {
+            ("error", "Paused", format!("at {far}, and not gone on.{because}"))
         }
-        PrinterState::PHASE_DONE if warnings > 0 => {
-            ("warn", "Printed to its end", format!("with {}: see the events.", counted(warnings, "warning")))
-        }
-        PrinterState::PHASE_DONE => ("ok", "Printed to its end", "without a warning.".to_owned()),
         _ => ("info", "Not ended", format!("where the bag ends: {far} of the filament.{because}")),
     }
 }
 
-/// Why the print does not go on: what held it up, and what ended it where that is something else.
+/// Verdict of a print whose file has come to its end; what was stopped behind that is told last.
+fn printed(view: &View, done_s: f64) -> (&'static str, &'static str, String) {
+    const PRINTED: &str = "Printed to its end";
+    let (events, told) = (&view.record.events, view.record.print.ending.told());
+    let (counts, behind, wished) = match told.first() {
+        None => (events.counts, String::new(), true),
+        Some(first) => {
+            let how = if first.at < done_s { "It went on past" } else { "Afterwards" };
+            let wished = told.iter().all(|held_up| held_up.is_wished() && held_up.at >= done_s);
+            (events.before_the_end, format!(" {how} {}.", listed(&told)), wished)
+        }
+    };
+    let [_, warnings, errors] = counts;
+    let seen = |count| format!("with {count}: see the events.{behind}");
+    match (warnings, errors) {
+        (_, 1..) => ("error", PRINTED, seen(counted(errors, "error"))),
+        _ if !wished => ("error", PRINTED, format!("without an error.{behind}")),
+        (1.., _) => ("warn", PRINTED, seen(counted(warnings, "warning"))),
+        _ => ("ok", PRINTED, format!("without a warning.{behind}")),
+    }
+}
+
+/// Why the print does not go on: what held it up, what ended it, and what came behind that.
 fn because(view: &View) -> String {
     let print = &view.record.print;
+    let told = print.ending.told();
     let last = print.safety.as_ref().map(|safety| short(&safety.cause, 200)).unwrap_or_default();
-    match &print.held_up {
-        Some(first) if first.cause != last => {
-            let then = if last.is_empty() { String::new() } else { format!(", then {last}") };
-            format!(" {} ({} at {}){then}", first.cause, mode_name(first.mode), clock(first.at))
-        }
-        _ if last.is_empty() => String::new(),
-        _ => format!(" {last}"),
+    match told.first() {
+        Some(_) => format!(" {}", listed(&told)),
+        None if last.is_empty() => String::new(),
+        None => format!(" {last}"),
     }
+}
+
+/// Pauses and stops in words.
+fn listed(told: &[&HeldUp]) -> String {
+    let word = |held_up: &&HeldUp| {
+        format!("{} ({} at {})", held_up.cause, mode_name(held_up.mode), clock(held_up.at))
+    };
+    told.iter().map(word).collect::<Vec<_>>().join(", then ")
 }
 
 /// The next steps for a person: those of what held the print up first.
 fn todo(view: &View) -> String {
     let print = &view.record.print;
-    let last = print.safety.as_ref();
-    let now = last.map(|safety| words::todo(&short(&safety.what_to_do, 300))).unwrap_or_default();
-    let cause = last.map_or("", |safety| safety.cause.as_str());
-    match &print.held_up {
-        Some(first) if first.cause != cause && !first.what_to_do.is_empty() => {
-            let code = first.cause.split(':').next().unwrap_or_default();
-            let then = if now.is_empty() { String::new() } else { format!("; then {now}") };
-            format!("{code}: {}{then}", words::todo(&first.what_to_do))
-        }
-        _ => now,
+    let mut told = print.ending.told();
+    told.retain(|held_up| !held_up.what_to_do.is_empty());
+    let steps: Vec<String> = told.iter().map(|held_up| words::todo(&held_up.what_to_do)).collect();
+    match told.first() {
+        None => print
+            .safety
+            .as_ref()
+            .map(|safety| words::todo(&short(&safety.what_to_do, 300)))
+            .unwrap_or_default(),
+        Some(_) if steps.len() == 1 => steps.concat(),
+        Some(first) => format!("{}: {}", first.code(), steps.join("; then ")),
     }
 }
 

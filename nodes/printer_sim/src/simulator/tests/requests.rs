@@ -1,6 +1,7 @@
 //! What file, supervisor and people demand of the printer.
 
 use super::*;
+use models::command::{OnLoss, RawDeadManParams};
 
 /// `M600`: the printer waits until the supervisor, which took the pause over, is told to resume.
 #[test]
@@ -53,6 +54,32 @@ fn a_demand_to_switch_off_gives_the_job_up_for_good() {
     assert_eq!(simulator.phase(), JobPhase::Failed);
     assert_eq!(simulator.status().hotend_target, Celsius(0.0));
     assert!(simulator.status().hotend_duty <= 0.0);
+}
+
+/// What the printer does by itself is not laid at the supervisor's door.
+#[test]
+fn a_policy_of_the_printer_says_that_nobody_demanded_it() {
+    for (policy, told) in
+        [(OnLoss::Pause, "dead_man.pause_delay_s"), (OnLoss::HeatersOff, "dead_man.heaters_off_delay_s")]
+    {
+        let raw =
+            RawDeadManParams { on_supervisor_loss: policy, pause_delay_s: 0.5, heaters_off_delay_s: 0.5 };
+        let mut params = params();
+        params.dead_man = raw.try_into().unwrap();
+        let mut simulator = Simulator::new(params, straight_job(30), &Scenario::default(), 1).unwrap();
+        let (validity, trims) = (Seconds(0.25), Trims::NEUTRAL);
+        let permit =
+            Permit { session: 1, sequence: 1, validity, mode: Mode::Act, request: Request::Run, trims };
+        simulator.on_permit(permit).unwrap();
+        run_for(&mut simulator, 2.0);
+        let mut notes = Vec::new();
+        while let Some(output) = simulator.poll() {
+            if let Output::Note { text, .. } = output {
+                notes.push(text);
+            }
+        }
+        assert_eq!(notes.iter().filter(|note| note.contains(told)).count(), 1, "{notes:?}");
+    }
 }
 
 /// Whatever is switched off after its end: a job that is done stays done.

@@ -167,6 +167,44 @@ async fn a_disk_that_refuses_is_told_and_asked_again() {
     fs::remove_dir_all(&folder).unwrap();
 }
 
+/// Told from the start, not with the first stop: where nothing can be written a restart knows of no latch.
+#[tokio::test]
+async fn a_place_that_takes_nothing_is_told_before_the_first_stop() {
+    let mut file = opened(Path::new("/proc/self/latch.json"));
+    let failed = file.failed.clone().unwrap();
+    assert!(failed.starts_with("/proc/self/latch.json: "), "{failed}");
+    for _ in 0..=REST {
+        assert!(!file.keeps(None).await);
+        file.finish().await;
+    }
+    assert_eq!(file.failed, Some(failed), "nothing to keep is no proof that it could be kept");
+    let path = path("takes");
+    assert!(opened(&path).failed.is_none());
+    assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 0, "nothing is left of the try");
+}
+
+/// Who takes the record away, or writes another one, ends no latch: within a second it is there again.
+#[tokio::test]
+async fn a_record_that_is_taken_away_is_written_again() {
+    let path = path("taken");
+    let latch = latched(true, Cause::OperatorEstop);
+    let mut file = opened(&path);
+    assert!(!file.keeps(latch).await);
+    file.finish().await;
+    for taken in [None, Some("{}")] {
+        match taken {
+            None => fs::remove_file(&path).unwrap(),
+            Some(text) => fs::write(&path, text).unwrap(),
+        }
+        for _ in 0..REST {
+            assert!(file.keeps(latch).await);
+        }
+        file.finish().await;
+        assert_eq!((opened(&path).stored(), file.failed.as_deref()), (latch, None));
+    }
+    fs::remove_dir_all(path.parent().unwrap()).unwrap();
+}
+
 /// Heaters off is on its way to the disk while the emergency stop comes, and then the end of the process.
 #[tokio::test]
 async fn the_last_latch_of_a_run_is_kept_whatever_was_being_written() {
