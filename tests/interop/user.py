@@ -156,7 +156,7 @@ def parameters(domain: int) -> str:
     set_one = service("set_parameters", "SetParameters")
     refused = set_one(parameters=[double("modes.ramp_s", 7.0)]).results[0]
     check("modes.ramp_s = 7 s: must be in [0.05, 2]" in refused.reason, refused.reason)
-    refused = set_one(parameters=[double("modes.ramp_s", 1.0)]).results[0]
+    refused = set_one(parameters=[double("modes.ramp_s", 0.9)]).results[0]
     check("read-only while the node is active" in refused.reason, refused.reason)
     life = Life(peer, node)
     check(life.to(4), "deactivate")
