@@ -1,7 +1,7 @@
 //! One trial: a job on the simulated printer, a fault, and what followed.
 
 mod degraded;
-mod off;
+pub(in crate::faults) mod off;
 mod spans;
 mod worse;
 
@@ -11,7 +11,7 @@ use crate::job::GcodeFile;
 use crate::sim::message::Lane;
 use crate::sim::printing::Printing;
 use crate::sim::relay::Relay;
-use degraded::{TakenBack, kept_too_long};
+use degraded::{TakenBack, is_back, kept_too_long};
 use models::command::{Mode, Trims};
 use models::status::JobPhase;
 use models::units::{Celsius, Kelvin};
@@ -225,9 +225,7 @@ impl Trial<'_> {
             run.outcome.too_much.get_or_insert(worse);
         }
         let in_force = simulator.in_force();
-        let corrects = self.spec.control != "mpc" || in_force.trims != Trims::NEUTRAL;
-        let acting = in_force.mode == Mode::Act && !in_force.lapsed && corrects;
-        if run.ended && acting {
+        if run.ended && is_back(&self.spec.control, in_force) {
             run.outcome.recovered_s.get_or_insert(since_s - self.spec.duration_s.unwrap_or(0.0));
         }
     }

@@ -1,21 +1,16 @@
 //! Behind SAFE_OFF and ESTOP nothing is heated and nothing goes on: by every state of the printer, and by block and bed as
-//! the simulator tells them. Trials in virtual time are held to the same (`trial/off.rs`).
+//! the simulator tells them. Trials in virtual time are held to the same limits.
 
 use super::session::Session;
 use super::watcher::Watcher;
+use crate::faults::trial::off::{BED_RISE_MAX_K, BLOCK_RISE_MAX_K, WATCHED_S};
 use fdm_loop_msgs::{PrinterState, SimTruth};
 
-/// How long it is looked at behind the reaction, on the graph's clock `[s]`.
-const WATCHED_S: f64 = 10.0;
 /// Longest wait for that on a machine whose simulator lags behind the host `[s]`.
 const PATIENCE_S: f64 = 20.0;
 /// Time in which an order reaches the printer through DDS and is carried out `[s]`: 0.02 to 0.06 s were measured beside 1.8
 /// other busy cores of two; debug programs of the gate may take as long as the reaction itself may there.
 const CARRIED_OUT_S: f64 = 1.0;
-/// How far the block may rise all the same: the heat of a cartridge on its way `[K]`.
-const BLOCK_RISE_MAX_K: f64 = 3.0;
-/// How far the bed may `[K]`.
-const BED_RISE_MAX_K: f64 = 1.0;
 /// States and truths come at 50 Hz each; a busy machine may keep back half.
 const HEARD_MIN: u32 = 250;
 

@@ -1,6 +1,6 @@
-//! DEGRADED takes corrections back: since when, and which of them outlive their time.
+//! DEGRADED takes corrections back: since when, which of them outlive their time, and when they are there again.
 
-use models::command::Trims;
+use models::command::{InForce, Mode, Trims};
 
 /// Longest time in which DEGRADED takes corrections back, and a look of the printer `[s]`.
 pub(super) const RAMP_S: f64 = 2.02;
@@ -37,9 +37,27 @@ pub(super) fn kept_too_long(degraded_s: Option<f64>, in_force: &Trims) -> Option
     (late && *in_force != Trims::NEUTRAL).then(|| format!("corrections in force {RAMP_S} s after DEGRADED"))
 }
 
+/// Whether corrections are there again: felt by the printer where a controller has any, else allowed.
+pub(super) fn is_back(control: &str, in_force: &InForce) -> bool {
+    let felt = control != "mpc" || in_force.trims != Trims::NEUTRAL;
+    in_force.mode == Mode::Act && !in_force.lapsed && felt
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use models::command::Request;
+
+    #[test]
+    fn corrections_are_back_where_the_printer_feels_them() {
+        let felt = Trims { flow: 1.001, ..Trims::NEUTRAL };
+        let in_force = |mode, lapsed, trims| InForce { trims, request: Request::Run, mode, lapsed };
+        assert!(is_back("mpc", &in_force(Mode::Act, false, felt)));
+        assert!(!is_back("mpc", &in_force(Mode::Act, false, Trims::NEUTRAL)), "neutral for ever");
+        assert!(is_back("off", &in_force(Mode::Act, false, Trims::NEUTRAL)), "nothing is corrected");
+        assert!(!is_back("mpc", &in_force(Mode::Degraded, false, felt)));
+        assert!(!is_back("mpc", &in_force(Mode::Act, true, felt)));
+    }
 
     /// DEGRADED takes corrections back within 2 s: what is in force later is too much, what is on its way is not.
     #[test]

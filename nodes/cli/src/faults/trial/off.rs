@@ -5,13 +5,13 @@ use crate::sim::printing::Printing;
 use models::units::{Celsius, Kelvin};
 
 /// How long it is looked at behind the reaction `[s]`.
-pub(super) const WATCHED_S: f64 = 10.0;
+pub(in crate::faults) const WATCHED_S: f64 = 10.0;
 /// Time in which the printer carries the order out `[s]`: its heaters' loop runs ten times a second.
 const CARRIED_OUT_S: f64 = 0.3;
 /// How far the block may rise all the same: the heat of a cartridge on its way `[K]`.
-const BLOCK_RISE_MAX_K: f64 = 3.0;
+pub(in crate::faults) const BLOCK_RISE_MAX_K: f64 = 3.0;
 /// How far the bed may: one whose heater sticks gains 2.7 K while it is looked at `[K]`.
-const BED_RISE_MAX_K: f64 = 1.0;
+pub(in crate::faults) const BED_RISE_MAX_K: f64 = 1.0;
 
 /// What is hot at a moment.
 #[derive(Debug, Clone, Copy)]
