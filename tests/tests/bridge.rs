@@ -133,16 +133,21 @@ async fn not_stopped_is_told_as_such() {
         node("safety_supervisor", &["safety_supervisor.param.yaml", "hosts/marlin.param.yaml"]);
     supervisor.args(["-p", &format!("latch_file:=\"{}\"", latch.display())]);
     let mut supervisor = Process(supervisor.stdout(Stdio::null()).spawn().unwrap(), latch);
-    let mut estop = program("fdm");
-    estop.arg("estop");
-    let pressed = tokio::process::Command::from(estop).output().await.unwrap();
-    let told = String::from_utf8_lossy(&pressed.stderr);
-    assert_eq!(pressed.status.code(), Some(2), "{told}");
-    assert!(
-        told.contains("the supervisor took it (mode estop") && told.contains("use the printer's own switch"),
-        "{told}"
-    );
-    assert!(told.contains("which says: printing, set to 200 and 60 degC, mains on"), "{told}");
+    for (request, mode, instead) in [
+        ("pause", "mode paused", "pause it at the printer"),
+        ("estop", "mode estop", "use the printer's own switch"),
+    ] {
+        let mut pressed = program("fdm");
+        pressed.arg(request);
+        let pressed = tokio::process::Command::from(pressed).output().await.unwrap();
+        let told = String::from_utf8_lossy(&pressed.stderr);
+        assert_eq!(pressed.status.code(), Some(2), "{told}");
+        assert!(
+            told.contains(&format!("the supervisor took it ({mode}")) && told.contains(instead),
+            "{told}"
+        );
+        assert!(told.contains("which says: printing, set to 200 and 60 degC, mains on"), "{told}");
+    }
     supervisor.end();
 }
 

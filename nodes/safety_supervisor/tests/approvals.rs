@@ -6,7 +6,7 @@ mod common;
 use common::params_with;
 use common::print::Print;
 use models::command::{Mode, Trims};
-use safety_supervisor::{Operator, Supervisor, What};
+use safety_supervisor::{Cause, Operator, Supervisor, What};
 
 #[test]
 fn advise_waits_for_approval_and_an_approval_ends_with_the_controller() {
@@ -24,6 +24,19 @@ fn advise_waits_for_approval_and_an_approval_ends_with_the_controller() {
     print.controller = true;
     print.run(3.0);
     assert_eq!(print.output.permit.trims, Trims::NEUTRAL);
+}
+
+/// Whoever has set advise is not told to set it.
+#[test]
+fn what_is_in_force_instead_of_advise_is_told() {
+    let advising = params_with("start_mode: observe", "start_mode: advise");
+    let mut print = Print::with(Supervisor::new(advising, 7, None));
+    print.run(3.0);
+    print.ask(Operator::Pause);
+    assert_eq!(print.ask(Operator::Approve), What::Denied(Operator::Approve));
+    let refused = print.output.events.last().unwrap();
+    assert_eq!(refused.why, "advise is set, and not in force: what is in force has to be over first");
+    assert_eq!(refused.cause.map(|(cause, _)| cause), Some(Cause::OperatorPause));
 }
 
 #[test]

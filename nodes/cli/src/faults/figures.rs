@@ -283,3 +283,6 @@ impl Figures {
         self.false_trips == 0 && self.faults.iter().all(|fault| fault.within_limit != Some(false))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -16,16 +16,16 @@ fn waiting(relay: &Value) -> Outcome {
         "set": {"safety_supervisor": {"start_mode": "observe"}}, "at_most": "safe_off", "watch_s": 20.0, "relay": relay,
     }))
     .unwrap();
-    outcome(&config, &spec)
+    outcome(&config, &spec, Reaction::Baseline)
 }
 
-/// What a trial of the dead-man comes to.
-fn outcome(config: &ConfigDir, spec: &TrialSpec) -> Outcome {
+/// What a trial comes to.
+fn outcome(config: &ConfigDir, spec: &TrialSpec, reaction: Reaction) -> Outcome {
     let file = Catalogue::read(&config.file("faults.yaml")).unwrap().jobs["hot"].load(config).unwrap();
     let overrides = spec.overrides();
     let choice = Choice { overrides, ..Choice::of(file.material(), sim::level(&spec.control).unwrap()) };
     let setup = config.load(&choice).unwrap();
-    let trial = Trial { spec, reaction: Reaction::Baseline, setup: &setup, file: &file, warm: true };
+    let trial = Trial { spec, reaction, setup: &setup, file: &file, warm: true };
     trial.run(1).unwrap()
 }
 
@@ -47,12 +47,27 @@ fn a_reaction_that_has_to_last_and_ends_is_too_much() {
             "at_most": "degraded", "watch_s": 8.0, "lasts": lasts, "duration_s": duration_s,
             "set": {"safety_supervisor": {"start_mode": "observe"}}, "relay": [{"lanes": ["permit"], "how": how}],
         });
-        outcome(&config, &serde_json::from_value(spec).unwrap()).too_much
+        outcome(&config, &serde_json::from_value(spec).unwrap(), Reaction::Baseline).too_much
     };
     let lost = json!("lose");
     assert!(too_much(&lost, true, Some(1.0)).is_some_and(|what| what.starts_with("let go after 1.")));
     assert_eq!(too_much(&lost, false, Some(1.0)), None);
     assert_eq!(too_much(&json!({"delay": [5.0, 5.0]}), true, None), None, "old permits are refused");
+}
+
+/// S7: a stream that only degrades, and after some seconds switches the heaters off.
+#[test]
+fn what_is_worse_seconds_after_degraded_is_too_much() {
+    let config = ConfigDir::find(Some(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config"))).unwrap();
+    for (set, worse) in [(json!({}), false), (json!({"stale.encoder.safe_off_s": "6.0"}), true)] {
+        let spec = json!({
+            "name": "encoder", "job": "hot", "onset": {"after": "start", "time_s": 3.0}, "limit_s": 1.0,
+            "set": {"safety_supervisor": set}, "relay": [{"lanes": ["encoder"], "how": "lose"}],
+        });
+        let found = outcome(&config, &serde_json::from_value(spec).unwrap(), Reaction::Degraded);
+        assert!(found.reaction_s.is_some(), "{found:?}");
+        assert_eq!(found.too_much.is_some(), worse, "{found:?}");
+    }
 }
 
 /// C8: beside the supervisor nobody is obeyed; where its permits stay away for longer than they hold, another one is, and
