@@ -113,3 +113,37 @@ fn only_a_host_that_executes_schedules_is_slowed() {
         assert_eq!(sent[0].speed < 0.995, is_slowed, "{host:?}: {sent:?}");
     }
 }
+
+/// A frame takes 0.4 s to arrive: by then a corner has come, and a wider road. It is of the road that it shows.
+#[test]
+fn a_frame_is_judged_by_the_road_of_its_exposure() {
+    let moved = |later: Option<PrinterStatus>| {
+        let mut controller = steady();
+        later.into_iter().for_each(|status| {
+            controller.on_event(Event::Printer(status));
+        });
+        see(&mut controller, 2.9);
+        controller.held
+    };
+    let alone = moved(None);
+    assert!(alone[FEED] < -1e-4, "{alone:?}");
+    let next = status(2.96, 0.0, Trims::NEUTRAL);
+    let corner = PrinterStatus { planned_speed_m_s: 0.2 * next.planned_speed_m_s, ..next };
+    let wider = PrinterStatus { target_width_m: Some(6.0e-4), ..next };
+    for later in [corner, wider, PrinterStatus { depositing: false, target_width_m: None, ..next }] {
+        assert_eq!(moved(Some(later)), alone, "{later:?}");
+    }
+}
+
+/// A corner just before the exposure: its widths are of the change of speed.
+#[test]
+fn a_frame_just_after_a_corner_is_left_out() {
+    let mut rig = Rig::new(Level::Mpc);
+    rig.run(58, |estimate| estimate);
+    let now = status(2.92, 0.0, Trims::NEUTRAL);
+    let corner = PrinterStatus { planned_speed_m_s: 0.2 * now.planned_speed_m_s, ..now };
+    rig.controller.on_event(Event::Printer(corner));
+    let before = rig.controller.held;
+    see(&mut rig.controller, 2.95);
+    assert_eq!(rig.controller.held, before);
+}
