@@ -6,7 +6,7 @@
 //! | part | what |
 //! |---|---|
 //! | [`Limits`] | range, slew and validity of trims, the ramp back to the slicer's values |
-//! | [`Gate`] | one publisher at a time, rising sequence, validity from the time of receipt |
+//! | [`Gate`] | one publisher at a time, rising sequence, validity from the time of receipt; a permit's from its stamp |
 //! | [`DeadMan`] | what a printer does with permits, and without them |
 //! | [`MotionTrim`] [`Scheduled`] | trims attached to a coming move, and as they are sent |
 //! | [`ScheduleGate`] | whose scheduled trims count |
@@ -124,7 +124,7 @@ pub struct Permit {
     pub session: u64,
     /// Counts up within a session.
     pub sequence: u64,
-    /// How long the permit counts after receipt.
+    /// How long the permit counts: from its stamp, and never longer than that after receipt ([`Permit::arrived`]).
     pub validity: Seconds,
     /// Mode of the supervisor.
     pub mode: Mode,
@@ -132,4 +132,18 @@ pub struct Permit {
     pub request: Request,
     /// The allowed corrections.
     pub trims: Trims,
+}
+
+impl Permit {
+    /// The permit with what is left of its validity, `age` after its stamp; `None` where nothing is left. A correction
+    /// outlives its stamp by no more than its validity, however long the permit was on its way. A demand counts whatever its
+    /// age, and a validity that is no time is the [`Gate`]'s to refuse.
+    #[must_use]
+    pub fn arrived(self, age: Seconds) -> Option<Self> {
+        if self.request != Request::Run || !(self.validity.0 > 0.0) {
+            return Some(self);
+        }
+        let left = Seconds(self.validity.0 - age.0.max(0.0));
+        (left.0 > 0.0).then_some(Self { validity: left, ..self })
+    }
 }

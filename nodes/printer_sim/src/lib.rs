@@ -42,7 +42,7 @@ pub mod structure;
 pub mod toolhead;
 pub mod wire;
 
-/// A permit with an older stamp, or one as far ahead, is refused: four times its validity.
+/// A demand, or a trim of a coming move, with an older stamp, or one as far ahead, is refused: four times a permit's validity.
 pub const PERMIT_STAMP_LIMIT: models::units::Seconds = models::units::Seconds(1.0);
 
 pub use output::{Output, Truth};

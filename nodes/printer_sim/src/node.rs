@@ -124,12 +124,14 @@ async fn extrude(mut node: Node) -> Result<(), LoadError> {
     }
 }
 
-/// A permit whose stamp is of now. A supervisor is who sends its permits, not who knows its session.
+/// A permit whose stamp is of now, with what is left of its validity. A supervisor is who sends its permits, not who knows
+/// its session.
 fn permit(now: Seconds, received: &Received<ControlCommand>, sessions: &Sessions) -> Result<Permit, Reason> {
     let message = &received.message;
     let permit = wire::permit_from_wire(message).map_err(|error| Reason::from(&error))?;
     let session = sessions.of(received.publisher, permit.session);
-    of_now(now, &message.header).map(|()| Permit { session, ..permit })
+    let age = of_now(now, &message.header)?;
+    Permit { session, ..permit }.arrived(age).ok_or(Reason::Stale)
 }
 
 /// A trim of a coming move whose stamp is of now.
@@ -141,19 +143,14 @@ fn scheduled(
     let message = &received.message;
     let scheduled = wire::schedule_from_wire(message).map_err(|error| Reason::from(&error))?;
     let session = sessions.of(received.publisher, scheduled.session);
-    of_now(now, &message.header).map(|()| Scheduled { session, ..scheduled })
+    of_now(now, &message.header).map(|_| Scheduled { session, ..scheduled })
 }
 
-fn of_now(now: Seconds, header: &Header) -> Result<(), Reason> {
+/// Age of a stamp that is of now.
+fn of_now(now: Seconds, header: &Header) -> Result<Seconds, Reason> {
     let stamp = wire::stamp_from_wire(header).map_err(|error| Reason::from(&error))?;
-    let age_s = (now - stamp).0;
-    if age_s > crate::PERMIT_STAMP_LIMIT.0 {
-        return Err(Reason::Stale);
-    }
-    if age_s < -crate::PERMIT_STAMP_LIMIT.0 {
-        return Err(Reason::OutOfRange);
-    }
-    Ok(())
+    let age = now - stamp;
+    runtime::check_age(age.0, crate::PERMIT_STAMP_LIMIT).map(|()| age)
 }
 
 async fn next_fault(faults: &mut Option<Server<InjectFault>>) -> Asked<InjectFault> {

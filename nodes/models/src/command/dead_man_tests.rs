@@ -195,3 +195,35 @@ proptest! {
         }
     }
 }
+
+/// A middleware that drowns delivers late: a correction ends when its stamp's validity does, and not that long after receipt.
+#[test]
+fn a_permit_counts_from_its_stamp() {
+    let sent = permit(1, 1, Request::Run);
+    assert_eq!(sent.arrived(Seconds(0.0)), Some(sent));
+    assert_eq!(sent.arrived(Seconds(-0.02)), Some(sent), "a clock that was read before");
+    assert_eq!(sent.arrived(Seconds(VALIDITY_S)), None, "nothing is left of it");
+    let mut dead_man = dead_man(OnLoss::Baseline);
+    let way_s = 0.6 * VALIDITY_S;
+    dead_man.on_permit(Seconds(way_s), sent.arrived(Seconds(way_s)).unwrap()).unwrap();
+    assert!(!dead_man.in_force(Seconds(0.99 * VALIDITY_S)).lapsed);
+    let after = dead_man.in_force(Seconds(1.01 * VALIDITY_S));
+    assert!(after.lapsed && after.trims == Trims::NEUTRAL, "{after:?}");
+}
+
+/// Who wants the printer stopped is heard however long it took, and a validity that is no time is the gate's to refuse.
+#[test]
+fn a_demand_counts_however_late_it_comes() {
+    for request in [Request::Pause, Request::Standby, Request::HeatersOff, Request::EmergencyStop] {
+        let sent = permit(1, 1, request);
+        assert_eq!(sent.arrived(Seconds(10.0 * VALIDITY_S)), Some(sent));
+    }
+    let mut dead_man = dead_man(OnLoss::Baseline);
+    for validity_s in [f64::NAN, 0.0, -1.0, 60.0] {
+        let wrong = Permit { validity: Seconds(validity_s), ..permit(1, 1, Request::Run) };
+        assert!(
+            dead_man.on_permit(Seconds(0.1), wrong.arrived(Seconds(0.1)).unwrap()).is_err(),
+            "{validity_s}"
+        );
+    }
+}

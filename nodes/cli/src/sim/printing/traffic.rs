@@ -158,7 +158,8 @@ impl Printing {
             // A refused permit is counted by the dead-man itself.
             Content::Permit(permit) => {
                 let young = runtime::check_age((now - stamp).0, printer_sim::PERMIT_STAMP_LIMIT).is_ok();
-                if young && self.simulator.on_permit(permit).is_ok() {
+                let arrived = permit.arrived(now - stamp).filter(|_| young);
+                if arrived.is_some_and(|permit| self.simulator.on_permit(permit).is_ok()) {
                     self.obeyed = Some(permit.session);
                 }
             }
