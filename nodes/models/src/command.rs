@@ -140,7 +140,8 @@ impl Permit {
     /// age, and a validity that is no time is the [`Gate`]'s to refuse.
     #[must_use]
     pub fn arrived(self, age: Seconds) -> Option<Self> {
-        if self.request != Request::Run || !(self.validity.0 > 0.0) {
+        let timed = self.validity.0.is_finite() && self.validity.0 > 0.0;
+        if self.request != Request::Run || !timed {
             return Some(self);
         }
         let left = Seconds(self.validity.0 - age.0.max(0.0));
