@@ -131,7 +131,8 @@ fn a_frame_is_judged_by_the_road_of_its_exposure() {
     let corner = PrinterStatus { planned_speed_m_s: 0.2 * next.planned_speed_m_s, ..next };
     let wider = PrinterStatus { target_width_m: Some(6.0e-4), ..next };
     for later in [corner, wider, PrinterStatus { depositing: false, target_width_m: None, ..next }] {
-        assert_eq!(moved(Some(later)), alone, "{later:?}");
+        let held = moved(Some(later));
+        assert!(same(held, alone), "{held:?} after {later:?}");
     }
 }
 
@@ -145,5 +146,9 @@ fn a_frame_just_after_a_corner_is_left_out() {
     rig.controller.on_event(Event::Printer(corner));
     let before = rig.controller.held;
     see(&mut rig.controller, 2.95);
-    assert_eq!(rig.controller.held, before);
+    assert!(same(rig.controller.held, before), "{:?}", rig.controller.held);
+}
+
+fn same(one: crate::qp::Move, other: crate::qp::Move) -> bool {
+    one.iter().zip(&other).all(|(one, other)| one.total_cmp(other).is_eq())
 }
