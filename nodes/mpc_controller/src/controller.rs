@@ -9,7 +9,6 @@ use crate::input::{Estimate, Event, is_valid};
 use crate::nominal::Nominal;
 use crate::params::{Level, Params};
 use crate::qp::{BuildError, Move, Qp, input};
-use crate::roads::Roads;
 use crate::saturation::Saturation;
 use crate::slowing::Slowing;
 use models::command::{Command, ControlHealth};
@@ -56,7 +55,8 @@ pub struct Controller {
     held: Move,
     /// Exposure of the newest width `[s]`.
     width_s: Option<f64>,
-    roads: Roads,
+    /// Since when path, width and deposition are steady `[s]`.
+    steady_since_s: f64,
     /// Since when the trims in force differ from the held ones `[s]`.
     differ_since_s: Option<f64>,
     report: Report,
@@ -99,7 +99,7 @@ impl Controller {
             estimate: None,
             held: [0.0; input::COUNT],
             width_s: None,
-            roads: Roads::new(),
+            steady_since_s: f64::NEG_INFINITY,
             differ_since_s: None,
             report: Report::default(),
         })
@@ -181,7 +181,9 @@ impl Controller {
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
         status.trims.slip.into_iter().for_each(|slip| self.catch_up.on_in_force(status.stamp.0, slip));
         self.advance.on_status(status, law.map(|law| law.advance()));
-        self.roads.on_status(status, self.params.trims.speed_spread);
+        if self.status.is_none_or(|before| self.unsteady(&before, status)) {
+            self.steady_since_s = status.stamp.0;
+        }
         if matches!(status.phase, JobPhase::Idle | JobPhase::Done | JobPhase::Failed) {
             self.rest();
         }
@@ -209,6 +211,16 @@ impl Controller {
         } else {
             self.advance.on_prediction(prediction);
         }
+    }
+
+    fn unsteady(&self, before: &PrinterStatus, now: &PrinterStatus) -> bool {
+        let spread = self.params.trims.speed_spread;
+        let changed = |old: f64, new: f64| (new - old).abs() > spread * old.abs().max(new.abs());
+        let width = match (before.target_width_m, now.target_width_m) {
+            (Some(old), Some(new)) => changed(old, new),
+            _ => true,
+        };
+        !now.depositing || width || changed(before.planned_speed_m_s, now.planned_speed_m_s)
     }
 
     /// Nothing is printed: forget every correction.

@@ -32,7 +32,6 @@ pub mod params;
 mod pending;
 pub mod qp;
 pub mod reference;
-mod roads;
 mod saturation;
 mod slowing;
 pub mod trims;

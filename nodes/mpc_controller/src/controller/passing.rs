@@ -3,9 +3,8 @@
 use super::Controller;
 use crate::input::Estimate;
 use crate::params::Level;
-use crate::roads::Road;
 use models::bead::ROUND_SIDES;
-use models::status::HostProfile;
+use models::status::PrinterStatus;
 use models::units::Seconds;
 
 impl Controller {
@@ -18,11 +17,16 @@ impl Controller {
     }
 
     /// A width error while a dip passes. Where corners are not planned their widths are off by as much.
-    pub(super) fn see_dip(&mut self, host: HostProfile, exposed: Seconds, (road, error): (&Road, f64)) {
-        if !host.executes_schedules() {
+    pub(super) fn see_dip(
+        &mut self,
+        status: &PrinterStatus,
+        exposed: Seconds,
+        (target_m, error): (f64, f64),
+    ) {
+        if !status.host.executes_schedules() {
             return;
         }
-        let section = road.height_m.map_or(1.0, |height_m| 1.0 - height_m * ROUND_SIDES / road.target_m);
+        let section = status.layer_height_m.map_or(1.0, |height_m| 1.0 - height_m * ROUND_SIDES / target_m);
         let (least, band) = (self.params.trims.transient_slowed, &self.params.deadband);
         self.slowing.on_section(exposed.0, section.max(0.0) * error, least, band);
     }

@@ -26,12 +26,13 @@ impl Controller {
         let before_s = self.width_s.replace(exposed.0);
         self.advance.on_width(exposed, width_m);
         let Some(status) = self.status else { return };
-        let road = self.roads.at(exposed.0).filter(|road| road.steady_s >= self.params.trims.steady_s);
-        let (Some(road), Level::Mpc) = (road, self.params.control) else { return };
-        let error = width_m / road.target_m - 1.0;
+        let target_m = status.target_width_m.filter(|_| status.depositing);
+        let steady = exposed.0 >= self.steady_since_s + self.params.trims.steady_s;
+        let (Some(target_m), true, Level::Mpc) = (target_m, steady, self.params.control) else { return };
+        let error = width_m / target_m - 1.0;
         let vouched = self.estimate.is_some_and(|estimate| estimate.encoder_alive);
         if vouched && self.is_transient(exposed.0, error) {
-            self.see_dip(status.host, exposed, (&road, error));
+            self.see_dip(&status, exposed, (target_m, error));
             return;
         }
         let error = self.params.deadband.relative(error);
