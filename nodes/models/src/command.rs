@@ -136,8 +136,8 @@ pub struct Permit {
 
 impl Permit {
     /// The permit with what is left of its validity, `age` after its stamp; `None` where nothing is left. A correction
-    /// outlives its stamp by no more than its validity, however long the permit was on its way. A demand counts whatever its
-    /// age, and a validity that is no time is the [`Gate`]'s to refuse.
+    /// outlives its stamp by no more than its validity, however long the permit was on its way. A demand keeps its own
+    /// whatever its age, and a validity that is no time is the [`Gate`]'s to refuse.
     #[must_use]
     pub fn arrived(self, age: Seconds) -> Option<Self> {
         let timed = self.validity.0.is_finite() && self.validity.0 > 0.0;

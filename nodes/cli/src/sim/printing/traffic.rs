@@ -157,11 +157,10 @@ impl Printing {
             }
             // A refused permit is counted by the dead-man itself.
             Content::Permit(permit) => {
-                let young = runtime::check_age((now - stamp).0, printer_sim::PERMIT_STAMP_LIMIT).is_ok();
-                let arrived = permit.arrived(now - stamp).filter(|_| young);
-                if arrived.is_some_and(|permit| self.simulator.on_permit(permit).is_ok()) {
-                    self.obeyed = Some(permit.session);
-                }
+                let young = runtime::check_age((now - stamp).0, printer_sim::PERMIT_STAMP_LIMIT);
+                let arrived = young.ok().and_then(|()| permit.arrived(now - stamp));
+                let taken = arrived.filter(|permit| self.simulator.on_permit(*permit).is_ok());
+                self.obeyed = taken.map(|permit| permit.session).or(self.obeyed);
             }
         }
     }
