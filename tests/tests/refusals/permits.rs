@@ -32,7 +32,8 @@ fn permit(kind: Kind, now_s: f64, sequence: u64) -> ControlCommand {
         Kind::Sound | Kind::Malformed => sound,
         Kind::NotFinite => ControlCommand { speed_factor: f64::NAN, ..bad },
         Kind::OutOfRange => ControlCommand { speed_factor: 11.0, ..bad },
-        Kind::Stale => ControlCommand { header: Header::at(now_s - 30.0), ..bad },
+        // Twice its validity.
+        Kind::Stale => ControlCommand { header: Header::at(now_s - 0.5), ..bad },
     }
 }
 

@@ -52,7 +52,10 @@ fn a_reaction_that_has_to_last_and_ends_is_too_much() {
     let lost = json!("lose");
     assert!(too_much(&lost, true, Some(1.0)).is_some_and(|what| what.starts_with("let go after 1.")));
     assert_eq!(too_much(&lost, false, Some(1.0)), None);
-    assert_eq!(too_much(&json!({"delay": [5.0, 5.0]}), true, None), None, "old permits are refused");
+    for late_s in [0.4, 5.0] {
+        let how = json!({"delay": [late_s, late_s]});
+        assert_eq!(too_much(&how, true, None), None, "permits {late_s} s old are refused");
+    }
 }
 
 /// S7: a stream that only degrades, and after some seconds switches the heaters off.
