@@ -62,6 +62,18 @@ fn the_health_of_a_stranger_is_not_believed() {
     assert_eq!(print.output.state.cause, Some(Cause::PlanNotFinite), "a stranger does not heal it");
 }
 
+/// C6: a command of its own that comes twice is refused, and makes no stranger of the controller.
+#[test]
+fn the_health_of_a_controller_whose_command_was_refused_is_believed() {
+    let mut print = Print::acting();
+    let command = print.command();
+    print.event(command.clone());
+    print.event(command);
+    print.event(Event::ControlHealth(ControlHealth::NotFinite));
+    assert!(print.until(Mode::Degraded) <= 0.021);
+    assert_eq!(print.output.state.cause, Some(Cause::PlanNotFinite));
+}
+
 /// C8, X2: a permit of somebody else takes the corrections back, whoever the printer believes, until nobody writes any.
 #[test]
 fn a_second_publisher_of_permits_degrades_and_heals() {

@@ -105,6 +105,33 @@ fn a_fall_is_known_before_it_trips() {
     assert_eq!(falling(9, 207.0), (false, false));
 }
 
+/// A reading of 10 Hz that sinks at 4 K/s for 8 s and then falls at 20 K/s: first half of 5 K/s is the limit, which no heater
+/// keeps up for seconds, and with the fifth fast span 5 K/s itself.
+#[test]
+fn a_fall_is_told_beside_the_limit_that_it_went_beyond() {
+    let mut check = DetachedCheck::new(DetachedParams { fall_k_s: 5.0, span_max_s: 1.2, samples: 5 });
+    let (mut temp_c, mut fast) = (210.0, 0);
+    for number in 0..200_u32 {
+        let rate_k_s = match number {
+            0..100 => 0.0,
+            100..180 => 4.0,
+            _ => 20.0,
+        };
+        temp_c -= 0.1 * rate_k_s;
+        check.on_sample(Seconds(0.1 * f64::from(number)), Celsius(temp_c));
+        fast = if check.is_falling() { fast + 1 } else { 0 };
+        let (fall_k_s, most_k_s) = check.fall_k_s();
+        let (falls_k_s, limit_k_s) = match (fast >= 5, check.tripped()) {
+            (true, _) => (6.0..20.1, 5.0),
+            (false, true) => (2.5..5.1, 2.5),
+            (false, false) => (-0.1..5.0, 5.0),
+        };
+        assert!(falls_k_s.contains(&fall_k_s), "{number}: {fall_k_s} of {most_k_s}");
+        assert!((most_k_s - limit_k_s).abs() < 1e-9, "{number}: {fall_k_s} of {most_k_s}");
+    }
+    assert_eq!(fast, 20, "from the first fast reading on");
+}
+
 /// A fifth of 5 K/s is at rest, either way.
 #[test]
 fn a_reading_that_has_all_but_stopped_is_at_rest() {

@@ -10,7 +10,7 @@ use common::print::Print;
 use common::{Heater, Random, params};
 use models::command::Mode;
 use models::units::{Celsius, Seconds};
-use safety_supervisor::{Cause, Event, PrinterReport, Supervisor};
+use safety_supervisor::{Cause, Event, Evidence, PrinterReport, Supervisor};
 
 const SEEDS: u64 = 20;
 /// Period of the stand-in heater `[s]`.
@@ -70,13 +70,14 @@ struct Rig {
     noise_k: f64,
     mode: Mode,
     cause: Option<Cause>,
+    evidence: Option<Evidence>,
 }
 
 impl Rig {
     fn new(heater: Heater, bed: Bed) -> Self {
         let supervisor = Supervisor::new(params(), 1, None);
-        let (mode, cause) = (Mode::Init, None);
-        Self { heater, bed, supervisor, bias_k: 0.0, drift_k_s: 0.0, noise_k: 0.0, mode, cause }
+        let (mode, cause, evidence) = (Mode::Init, None, None);
+        Self { heater, bed, supervisor, bias_k: 0.0, drift_k_s: 0.0, noise_k: 0.0, mode, cause, evidence }
     }
 
     fn printing(seed: u64) -> Self {
@@ -103,8 +104,21 @@ impl Rig {
             };
             if let Some(output) = self.supervisor.on_event(now, event) {
                 (self.mode, self.cause) = (output.permit.mode, output.state.cause);
+                self.evidence = output.state.evidence;
             }
         }
+    }
+
+    /// A cause that was found beside the bed's balance or slope is told with it: too much heat, too little, or a fall.
+    fn evidence_is_of_its_cause(&self) {
+        let (sign, unit) = match self.cause {
+            Some(Cause::BedStuckOn) => (1.0, "W"),
+            Some(Cause::BedDeficit) => (-1.0, "W"),
+            Some(Cause::BedThermistorDetached) => (-1.0, "K/s"),
+            _ => return,
+        };
+        let is_its = |told: Evidence| told.unit == unit && sign * told.value > 0.0;
+        assert!(self.evidence.is_some_and(is_its), "{:?}: {:?}", self.cause, self.evidence);
     }
 
     /// Runs for a while or until the mode is reached; the time that took.
@@ -134,6 +148,7 @@ fn worst(
             assert_eq!(before, None, "{name}, seed {seed}: before: {:?}", rig.cause);
             fault(&mut rig);
             let time_s = rig.until(mode, 150.0).unwrap_or(f64::INFINITY);
+            rig.evidence_is_of_its_cause();
             assert!(rig.cause.is_none_or(|cause| causes.contains(&cause)), "{name}, {seed}: {:?}", rig.cause);
             time_s
         })

@@ -172,6 +172,16 @@ mod tests {
         assert!(!after(&readings_c).tripped());
     }
 
+    /// What a block can have done meanwhile counts: 12 K, and 4 K/s over the 2.5 s since the last reading.
+    #[test]
+    fn a_gap_is_allowed_what_a_heater_does_in_it() {
+        for (step_k, apart) in [(21.5, false), (22.5, true), (-21.5, false), (-22.5, true)] {
+            let mut check = after(&[210.0; 9]);
+            check.on_sample(Seconds(0.8 + 2.5), Celsius(210.0 + step_k));
+            assert_eq!(check.is_apart(), apart, "{step_k} K");
+        }
+    }
+
     /// Readings of 1 Hz: three that agree, 2 s after the step; two that look alike are spikes.
     #[test]
     fn slow_readings_agree_for_as_long() {

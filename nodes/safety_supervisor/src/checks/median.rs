@@ -45,3 +45,24 @@ impl Median {
         readings_c.get(readings_c.len() / 2).copied()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 2 Hz: three readings a median.
+    #[test]
+    fn what_waits_is_dated_by_its_first_reading() {
+        let mut median = Median::new();
+        assert_eq!(median.since(), None);
+        for (stamp_s, temp_c, waits_since_s, told_c) in [
+            (5.0, 30.0, Some(5.0), None),
+            (5.5, 10.0, Some(5.0), None),
+            (6.0, 20.0, None, Some(20.0)),
+            (6.5, 40.0, Some(6.5), None),
+        ] {
+            assert_eq!(median.on_sample(Seconds(stamp_s), Celsius(temp_c)), told_c, "{stamp_s}");
+            assert_eq!(median.since(), waits_since_s.map(Seconds), "{stamp_s}");
+        }
+    }
+}

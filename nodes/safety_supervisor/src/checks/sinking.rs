@@ -106,7 +106,9 @@ mod tests {
     #[test]
     fn what_cools_what_is_rough_and_what_passes_is_no_fall() {
         assert_eq!(sunk_s(|time_s, _| -1.7 * time_s), None);
-        assert_eq!(sunk_s(|_, _| -7.0), None);
+        for step_k in [-7.0, -8.0] {
+            assert_eq!(sunk_s(|_, _| step_k), None, "{step_k}");
+        }
         assert_eq!(sunk_s(|_, tick| if tick.is_multiple_of(2) { 6.0 } else { -6.0 }), None);
         assert_eq!(sunk_s(|_, tick| if tick % 10 < 4 { -60.0 } else { 0.0 }), None);
         assert_eq!(sunk_s(|time_s, _| if time_s < 0.8 { -20.0 } else { 0.0 }), None);
@@ -128,6 +130,36 @@ mod tests {
             }
         }
         assert_eq!(check.sunk_k_s(), None);
+    }
+
+    /// Set back by 50 s, and told each reading twice: what follows is judged as ever.
+    #[test]
+    fn a_fall_is_found_after_time_was_set_back_and_of_readings_that_are_told_twice() {
+        let mut check = Sinking::new(5.0);
+        let found_s = [100.0, 50.0]
+            .into_iter()
+            .flat_map(|from_s| (0..200_u32).map(move |tick| (from_s, tick)))
+            .find_map(|(from_s, tick)| {
+                let time_s = 0.1 * f64::from(tick);
+                let fallen_k = if from_s < 100.0 { 4.8 * (time_s - 10.0).clamp(0.0, 6.0) } else { 0.0 };
+                for _ in 0..2 {
+                    check.on_sample(Seconds(from_s + time_s), Celsius(210.0 - fallen_k));
+                }
+                check.sunk_k_s().is_some().then_some(time_s - 10.0)
+            });
+        assert!(found_s.is_some_and(|found_s| (2.0..5.5).contains(&found_s)), "{found_s:?}");
+    }
+
+    /// The limit outlives a silence: a block that cools as fast as any can, after one.
+    #[test]
+    fn what_cools_after_a_silence_is_no_fall() {
+        let mut check = Sinking::new(5.0);
+        check.on_sample(Seconds(0.0), Celsius(210.0));
+        for tick in 0..300_u32 {
+            let time_s = 0.1 * f64::from(tick);
+            check.on_sample(Seconds(10.0 + time_s), Celsius(210.0 - 1.7 * time_s));
+            assert_eq!(check.sunk_k_s(), None, "{time_s}");
+        }
     }
 
     /// A block that cools by 12 K in a silence of 9 s, in the middle of a median.

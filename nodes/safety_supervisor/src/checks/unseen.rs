@@ -114,5 +114,10 @@ mod tests {
         assert!(check.unseen_s(Seconds(62.1)).is_some(), "as old as it was");
         check.look(Seconds(50.0), Some(Sight::None));
         assert_eq!(check.unseen_s(Seconds(51.9)), None, "from ahead of the clock: anew");
+        // of what is doubted too, whatever is seen then
+        let mut check = after(&[Doubted; 15]);
+        check.look(Seconds(50.0), Some(Unsure));
+        assert_eq!(check.unseen_s(Seconds(51.9)), None);
+        assert!(check.unseen_s(Seconds(52.1)).is_some());
     }
 }

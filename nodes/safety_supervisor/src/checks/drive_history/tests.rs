@@ -73,6 +73,16 @@ fn a_filament_that_is_loaded_takes_no_heat_before_it_is_there() {
     assert!((0.024..0.0401).contains(&more_m), "{more_m}");
 }
 
+/// Drawn out by a stroke to the digit and in again at 50 mm/s, as a wipe does: a stroke yet, and warm.
+#[test]
+fn the_longest_stroke_is_a_stroke() {
+    assert!(fed_m(&[0.0, -STROKE_MAX_M, -STROKE_MAX_M, 0.0]).abs() < 1e-12);
+    // and what is laid after it counts
+    assert!((fed_m(&[0.0, -STROKE_MAX_M, 0.0, 1e-4, 2e-4]) - 2e-4).abs() < 1e-12);
+    // pushed by as much at once with nothing drawn out: all of it counts
+    assert!((fed_m(&[0.0, 0.0, STROKE_MAX_M]) - STROKE_MAX_M).abs() < 1e-12);
+}
+
 /// Of an empty tube that nobody saw emptied, 400 mm at 25 mm/s: a stroke is counted, and then half of what a nozzle melts.
 /// A rest begins anew.
 #[test]
