@@ -13,6 +13,8 @@ pub struct TemperatureReport {
     pub hotend_degc: f64,
     /// Bed thermistor, as reported `[degC]`.
     pub bed_degc: f64,
+    /// Sensor in the nozzle, as reported; NaN where none is fitted `[degC]`.
+    pub nozzle_degc: f64,
 }
 
 impl RosType for TemperatureReport {

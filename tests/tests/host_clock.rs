@@ -1,4 +1,5 @@
-//! The graph on the host's clock, as beside a real printer: nobody tells `/clock`, and the loop corrects all the same.
+//! The graph on the host's clock, as beside a real printer, here one with a sensor in its nozzle: nobody tells `/clock`, and
+//! the loop corrects all the same.
 #![allow(clippy::unwrap_used, reason = "helpers of tests: a failure is the test's failure")]
 
 use rustix::process::{Pid, Signal, kill_process};
@@ -23,7 +24,7 @@ fn a_graph_without_simulated_time_corrects_by_the_hosts_clock() {
     let begun_s = host_s();
     let mut graph = Command::new(&fdm)
         .current_dir(root)
-        .args(["up", "--host-clock", "--warm", "--gcode"])
+        .args(["up", "--host-clock", "--warm", "--with", "nozzle", "--gcode"])
         .args(["tests/data/gcode/prusa_cube_pla_marlin_relE.gcode", "--bag"])
         .arg(&bag)
         .env("ROS_DOMAIN_ID", system_tests::own_domain(0))
@@ -47,6 +48,8 @@ fn a_graph_without_simulated_time_corrects_by_the_hosts_clock() {
     // Permits come fifty times a second, commands four times and with each temperature.
     assert!(count("/printer/safety/command") > 15 * 50, "{info:#}");
     assert!(count("/printer/control/command") > 15 * 4, "{info:#}");
+    // The sensor in the nozzle is read ten times a second, and only the estimator listens.
+    assert!(count("/printer/sensors/nozzle/temperature") > 15 * 10, "{info:#}");
     let start_s: f64 = info["note"]["start_clock_s"].as_str().unwrap().parse().unwrap();
     assert!(
         (begun_s - 1.0..=host_s()).contains(&start_s),

@@ -24,9 +24,9 @@ fn json(arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// A print of one layer that runs out of filament in the middle, recorded in virtual time.
+/// A print of one layer that runs out of filament in the middle, with a sensor in the nozzle, recorded in virtual time.
 fn recorded(name: &str) -> String {
-    recorded_with(name, &["--scenario", "run_out", "--advance", "predicted"])
+    recorded_with(name, &["--scenario", "run_out", "--advance", "predicted", "--with", "nozzle"])
 }
 
 /// A print of one layer, recorded in virtual time.

@@ -13,6 +13,8 @@ pub(crate) fn temperatures(report: &Report) -> TemperatureReport {
         header: Header::at(report.stamp.0),
         hotend_degc: report.hotend.map_or(f64::NAN, |temp| temp.0),
         bed_degc: report.bed.map_or(f64::NAN, |temp| temp.0),
+        // no firmware names a sensor in the nozzle itself
+        nozzle_degc: f64::NAN,
     }
 }
 

@@ -19,8 +19,16 @@ const CAMERA_FRAME: &str = "camera_optical";
 /// Source that a width measurement states until it is made from camera frames.
 const STAND_IN: &str = "stand-in";
 
-pub fn temperatures(stamp: Seconds, hotend: Celsius, bed: Celsius) -> TemperatureReport {
-    TemperatureReport { header: Header::at(stamp.0), hotend_degc: hotend.0, bed_degc: bed.0 }
+pub fn temperatures(
+    stamp: Seconds,
+    (hotend, bed, nozzle): (Celsius, Celsius, Option<Celsius>),
+) -> TemperatureReport {
+    TemperatureReport {
+        header: Header::at(stamp.0),
+        hotend_degc: hotend.0,
+        bed_degc: bed.0,
+        nozzle_degc: nozzle.map_or(f64::NAN, |temp| temp.0),
+    }
 }
 
 pub fn filament(stamp: Seconds, counts: i64, quantum_m: f64) -> FilamentReport {

@@ -242,8 +242,8 @@ impl Shell {
     fn pass_on(&mut self, output: Output) {
         let outlets = &self.outlets;
         match output {
-            Output::Temperatures { stamp, hotend, bed } => {
-                outlets.temperatures.send(convert::temperatures(stamp, hotend, bed))
+            Output::Temperatures { stamp, hotend, bed, nozzle } => {
+                outlets.temperatures.send(convert::temperatures(stamp, (hotend, bed, nozzle)))
             }
             Output::Encoder { stamp, counts } => {
                 outlets.filament.send(convert::filament(stamp, counts, self.quantum_m))

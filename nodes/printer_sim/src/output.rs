@@ -17,6 +17,8 @@ pub enum Output {
         hotend: Celsius,
         /// Bed, as read.
         bed: Celsius,
+        /// Nozzle, as read, where a sensor is fitted.
+        nozzle: Option<Celsius>,
     },
     /// Count of the filament encoder.
     Encoder {
@@ -163,7 +165,7 @@ mod tests {
             samples: vec![[0.0; 3]],
         };
         let all = [
-            Output::Temperatures { stamp: at, hotend: Celsius(210.0), bed: Celsius(60.0) },
+            Output::Temperatures { stamp: at, hotend: Celsius(210.0), bed: Celsius(60.0), nozzle: None },
             Output::Encoder { stamp: at, counts: 1 },
             Output::Width { exposed: at, width_m: 5e-4, sigma_m: 1e-5 },
             Output::Imu(Box::new(batch)),

@@ -223,6 +223,12 @@ impl Plant {
         Kelvin(self.params.ambient_temp_k + faults.ambient_offset_k)
     }
 
+    /// Nozzle.
+    #[must_use]
+    pub fn nozzle(&self) -> Kelvin {
+        Kelvin(self.thermal.nozzle_k)
+    }
+
     /// Thermistor bead of the hot end.
     #[must_use]
     pub fn sensor(&self) -> Kelvin {

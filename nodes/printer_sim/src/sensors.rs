@@ -24,6 +24,8 @@ pub struct Settings {
     pub temperature_period_s: f64,
     /// Noise of a temperature reading, standard deviation `[K]`.
     pub temperature_sigma_k: f64,
+    /// A sensor in the nozzle is fitted, read with the others.
+    pub nozzle_sensor: bool,
     /// Period of the encoder `[s]`; 0 for none.
     pub encoder_period_s: f64,
     /// Length of filament per count `[m]`.
@@ -229,6 +231,7 @@ mod tests {
         let settings = Settings {
             temperature_period_s: 0.1,
             temperature_sigma_k: 0.15,
+            nozzle_sensor: false,
             encoder_period_s: 0.01,
             encoder_quantum_m: 1e-5,
             width_period_s: 0.5,

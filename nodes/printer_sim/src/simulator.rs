@@ -80,6 +80,7 @@ pub struct Simulator {
     lines: Lines,
     hotend_sensor: Thermometer,
     bed_sensor: Thermometer,
+    nozzle_sensor: Option<Thermometer>,
     width_gauge: WidthGauge,
     paces: Paces,
     mains_on: bool,
@@ -131,6 +132,7 @@ impl Simulator {
             lines: Lines::default(),
             hotend_sensor: thermometer(1),
             bed_sensor: thermometer(2),
+            nozzle_sensor: sensors.nozzle_sensor.then(|| thermometer(8)),
             width_gauge: WidthGauge::new(&sensors, Noise::new(seed, 3)),
             paces: Paces {
                 thermal: Pace::new(host.firmware.thermal_period_s),

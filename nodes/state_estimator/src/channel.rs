@@ -5,7 +5,7 @@ use crate::params::{RawHealth, RawTrust};
 use crate::ukf::Update;
 
 /// Number of channels.
-pub const CHANNELS: usize = 3;
+pub const CHANNELS: usize = 4;
 /// Samples of the windowed statistics: chi-square with 20 degrees of freedom (model book 1.6).
 pub const WINDOW: usize = 20;
 
@@ -19,11 +19,13 @@ pub enum Channel {
     Encoder = 1,
     /// Road width.
     Width = 2,
+    /// Sensor in the nozzle, where one is fitted.
+    Nozzle = 3,
 }
 
 impl Channel {
     /// All channels in the order of their index.
-    pub const ALL: [Self; CHANNELS] = [Self::Thermistor, Self::Encoder, Self::Width];
+    pub const ALL: [Self; CHANNELS] = [Self::Thermistor, Self::Encoder, Self::Width, Self::Nozzle];
 }
 
 /// Statistics of a window of [`WINDOW`] innovations.

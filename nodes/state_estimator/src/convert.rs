@@ -14,6 +14,11 @@ pub fn hotend(message: &Temperature) -> Result<(Seconds, Event), WireError> {
     Ok((stamp, Event::Hotend { stamp, temp }))
 }
 
+pub fn nozzle(message: &Temperature) -> Result<(Seconds, Event), WireError> {
+    let (stamp, temp) = wire::temperature_from_wire(message)?;
+    Ok((stamp, Event::Nozzle { stamp, temp }))
+}
+
 pub fn encoder(message: &FilamentMotion) -> Result<(Seconds, Event), WireError> {
     let read = wire::filament_from_wire(message)?;
     Ok((read.stamp, Event::Encoder { stamp: read.stamp, position_m: read.position_m }))
@@ -83,9 +88,12 @@ mod tests {
         ] {
             assert_eq!(wire::STATES[index], name);
         }
-        for (name, channel) in
-            [("thermistor", Channel::Thermistor), ("encoder", Channel::Encoder), ("width", Channel::Width)]
-        {
+        for (name, channel) in [
+            ("thermistor", Channel::Thermistor),
+            ("encoder", Channel::Encoder),
+            ("width", Channel::Width),
+            ("nozzle", Channel::Nozzle),
+        ] {
             assert_eq!(wire::CHANNELS[channel as usize], name);
         }
     }

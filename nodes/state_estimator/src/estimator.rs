@@ -3,7 +3,7 @@
 use crate::channel::{CHANNELS, Channel, Record, Window};
 use crate::filter::Filter;
 use crate::history::{Ring, Sample};
-use crate::input::{Ages, Event, Reason, Refusals, check_status, finite, within};
+use crate::input::{Event, Reason, Refusals, finite};
 use crate::params::Params;
 use crate::printer_model::{PrinterModel, Setting, State, state};
 use models::command::EstimateHealth;
@@ -12,7 +12,7 @@ use models::hotend::Hotend;
 use models::material::Material;
 use models::melt::Melt;
 use models::status::PrinterStatus;
-use models::units::{Celsius, Kelvin, Seconds};
+use models::units::{Kelvin, Seconds};
 use nalgebra::SMatrix;
 
 /// Statuses kept: 3 s at 100 Hz.
@@ -85,6 +85,8 @@ pub(crate) struct Inbox {
     pub(crate) positions: Ring<(f64, f64)>,
     /// With its stamp `[s]`.
     pub(crate) temperature: Option<(f64, Kelvin)>,
+    /// With its stamp `[s]`.
+    pub(crate) nozzle: Option<(f64, Kelvin)>,
     pub(crate) frames: Ring<Frame>,
 }
 
@@ -117,14 +119,16 @@ impl Estimator {
                 samples: Ring::new(SAMPLES),
                 positions: Ring::new(POSITIONS),
                 temperature: None,
+                nozzle: None,
                 frames: Ring::new(FRAMES),
             },
-            // widths that never fit tell of another printer, not of a broken filter
+            // widths, or a nozzle's sensor, that never fit tell of another printer, not of a broken filter
             records: Channel::ALL.map(|channel| {
                 let (trust, resets) = match channel {
                     Channel::Thermistor => (params.thermistor.trust, true),
                     Channel::Encoder => (params.encoder.trust, true),
                     Channel::Width => (params.width.trust, false),
+                    Channel::Nozzle => (params.nozzle_sensor.trust, false),
                 };
                 Record::new(trust, params.health, resets)
             }),
@@ -149,8 +153,18 @@ impl Estimator {
     pub fn on_event(&mut self, event: Event) -> Option<Estimate> {
         match event {
             Event::Hotend { stamp, temp } => {
-                let taken = self.take_temperature(stamp, temp);
-                taken.unwrap_or_else(|reason| self.refusals.hotend.count(reason));
+                let taken = self.take_temperature(Channel::Thermistor, stamp, temp);
+                match taken {
+                    Ok(reading) => self.inbox.temperature = Some(reading),
+                    Err(reason) => self.refusals.hotend.count(reason),
+                }
+            }
+            Event::Nozzle { stamp, temp } => {
+                let taken = self.take_temperature(Channel::Nozzle, stamp, temp);
+                match taken {
+                    Ok(reading) => self.inbox.nozzle = Some(reading),
+                    Err(reason) => self.refusals.nozzle.count(reason),
+                }
             }
             Event::Encoder { stamp, position_m } => {
                 let taken = self.take_position(stamp, position_m);
@@ -167,74 +181,6 @@ impl Estimator {
             Event::Tick { now } => return self.tick(now),
         }
         None
-    }
-
-    fn ages(&self, channel: Channel, limit_s: f64) -> Ages {
-        let before_s = self.records[channel as usize].seen_s;
-        Ages { now_s: self.now_s, lead_s: self.params.telemetry.lead_limit_s, limit_s, before_s }
-    }
-
-    fn take_temperature(&mut self, stamp: Seconds, temp: Celsius) -> Result<(), Reason> {
-        let sensor = &self.params.thermistor;
-        let temp_c = within(temp.0, (sensor.low_c, sensor.high_c))?;
-        let stamp_s = self.ages(Channel::Thermistor, sensor.trust.age_limit_s).check(stamp)?;
-        self.records[Channel::Thermistor as usize].seen_s = Some(stamp_s);
-        self.inbox.temperature = Some((stamp_s, Celsius(temp_c).into()));
-        Ok(())
-    }
-
-    fn take_position(&mut self, stamp: Seconds, position_m: f64) -> Result<(), Reason> {
-        let position_m = finite(position_m)?;
-        let stamp_s = self.ages(Channel::Encoder, self.params.encoder.trust.age_limit_s).check(stamp)?;
-        let jump = self.inbox.positions.newest().is_some_and(|&(before_s, before_m)| {
-            (position_m - before_m).abs()
-                > self.params.telemetry.motor_speed_max_m_s * (stamp_s - before_s)
-                    + self.params.encoder.quantum_m
-        });
-        self.records[Channel::Encoder as usize].seen_s = Some(stamp_s);
-        if jump {
-            self.inbox.positions.clear();
-        }
-        self.inbox.positions.push((stamp_s, position_m));
-        if jump { Err(Reason::OutOfRange) } else { Ok(()) }
-    }
-
-    fn take_width(&mut self, exposed: Seconds, width_m: f64, sigma_m: f64) -> Result<(), Reason> {
-        let sensor = &self.params.width;
-        let width_m = within(width_m, (0.0, sensor.width_max_m))?;
-        let sigma_m = within(sigma_m, (0.0, sensor.width_max_m))?;
-        let exposed_s = self.ages(Channel::Width, sensor.trust.age_limit_s).check(exposed)?;
-        self.records[Channel::Width as usize].seen_s = Some(exposed_s);
-        self.inbox.frames.push(Frame { exposed_s, width_m, sigma_m });
-        Ok(())
-    }
-
-    fn take_status(&mut self, status: &PrinterStatus) -> Result<(), Reason> {
-        check_status(status)?;
-        let newest = self.inbox.samples.newest().copied();
-        let ages = Ages {
-            now_s: self.now_s,
-            lead_s: self.params.telemetry.lead_limit_s,
-            limit_s: self.params.telemetry.age_limit_s,
-            before_s: newest.map(|sample| sample.stamp_s),
-        };
-        let stamp_s = ages.check(status.stamp)?;
-        let jump = newest.is_some_and(|before| {
-            (status.motor_position_m - before.motor_m).abs()
-                > self.params.telemetry.motor_speed_max_m_s * (stamp_s - before.stamp_s)
-        });
-        if jump {
-            self.inbox.samples.clear();
-        }
-        self.inbox.samples.push(Sample {
-            stamp_s,
-            motor_m: status.motor_position_m,
-            path_speed_m_s: status.path_speed_m_s,
-            height_m: status.layer_height_m,
-            depositing: status.depositing,
-        });
-        self.inbox.status = Some(*status);
-        if jump { Err(Reason::OutOfRange) } else { Ok(()) }
     }
 
     fn tick(&mut self, now: Seconds) -> Option<Estimate> {
@@ -280,11 +226,14 @@ impl Estimator {
     }
 }
 
-/// What a set of living channels tells of (model book 1.5): the nozzle only through the model of the joint, flow and slip
-/// through the encoder, the gain through widths. Without the encoder widths tell of flow and gain as one product.
-fn observed([thermistor, encoder, width]: [bool; CHANNELS]) -> [bool; state::COUNT] {
+mod taking;
+
+/// What a set of living channels tells of (model book 1.5): the nozzle by its own sensor, else only through the model of the
+/// joint, flow and slip through the encoder, the gain through widths. Without the encoder widths tell of flow and gain as one product.
+fn observed([thermistor, encoder, width, nozzle]: [bool; CHANNELS]) -> [bool; state::COUNT] {
     let mut observed = [false; state::COUNT];
     observed[state::BLOCK] = thermistor;
+    observed[state::NOZZLE] = nozzle;
     observed[state::SENSOR] = thermistor;
     observed[state::FLOW] = encoder;
     observed[state::SLIP] = encoder;

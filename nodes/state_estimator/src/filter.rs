@@ -54,6 +54,8 @@ struct Running {
     blind_s: f64,
     /// Widths come: they tell flow and gain as one product.
     width_alive: bool,
+    /// A sensor in the nozzle speaks.
+    nozzle_alive: bool,
     at_s: f64,
     drive: Drive,
     flows: Ring<(f64, f64)>,
@@ -106,8 +108,9 @@ impl Filter {
         let gain = self.running.as_ref().map(|run| run.ukf.belief().mean[state::GAIN]);
         let far = gain.is_some_and(|gain| (gain - 1.0).abs() > self.params.health.gain_error);
         // the encoder's windows tell of corners, its rows of a broken filter
-        let unfit =
-            far || self.width_noise.is_at_its_most() || odd(Channel::Thermistor) || odd(Channel::Width);
+        let unfit = far
+            || self.width_noise.is_at_its_most()
+            || [Channel::Thermistor, Channel::Nozzle, Channel::Width].map(odd).contains(&true);
         self.watch.on_fit(now_s, status.depositing.then_some(!unfit));
     }
 
@@ -128,6 +131,7 @@ impl Filter {
         };
         run.encoder_alive = records[Channel::Encoder as usize].alive(now_s);
         run.width_alive = records[Channel::Width as usize].alive(now_s);
+        run.nozzle_alive = records[Channel::Nozzle as usize].alive(now_s);
         let sound = self.predict(&mut run, status, inbox) == Health::Sound
             && self.correct(&mut run, inbox, records)
             && self.plausible(&run.ukf.belief().mean);
@@ -197,6 +201,7 @@ impl Filter {
             encoder_alive: false,
             blind_s: 0.0,
             width_alive: false,
+            nozzle_alive: false,
             at_s: status.stamp.0,
             drive: self.drive(status, 0.0, None),
             flows: Ring::new(FLOWS),
@@ -209,7 +214,10 @@ impl Filter {
     fn drive(&self, status: &PrinterStatus, motor_speed_m_s: f64, filament_speed_m_s: Option<f64>) -> Drive {
         let duty = if status.mains_on { status.hotend_duty } else { 0.0 };
         let heater_power_w = duty * self.model.heater_power_w();
-        Drive { heater_power_w, motor_speed_m_s, filament_speed_m_s, fan: status.fan }
+        // A fan that turns slower than its duty says cools as it turns.
+        let turning = |speed_1_s: f64| (speed_1_s / self.params.telemetry.fan_full_1_s).clamp(0.0, 1.0);
+        let fan = status.part_fan_speed_1_s.map_or(status.fan, turning);
+        Drive { heater_power_w, motor_speed_m_s, filament_speed_m_s, fan }
     }
 
     /// Goes from report to report: a stroke back and a stroke forth do not cancel, since only one of them slips.

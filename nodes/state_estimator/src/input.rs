@@ -14,6 +14,13 @@ pub enum Event {
         /// Reading.
         temp: Celsius,
     },
+    /// Reading of the sensor in the nozzle.
+    Nozzle {
+        /// Time of the sample.
+        stamp: Seconds,
+        /// Reading.
+        temp: Celsius,
+    },
     /// Position of the filament encoder.
     Encoder {
         /// Time of the sample.
@@ -57,6 +64,8 @@ pub struct Refused {
 pub struct Refusals {
     /// Thermistor.
     pub hotend: Refused,
+    /// Sensor in the nozzle.
+    pub nozzle: Refused,
     /// Encoder.
     pub encoder: Refused,
     /// Width.
@@ -132,6 +141,9 @@ pub(crate) fn check_status(status: &PrinterStatus) -> Result<(), Reason> {
     within(status.path_speed_m_s, (0.0, f64::MAX))?;
     within(status.hotend_duty, (0.0, 1.0))?;
     within(status.fan, (0.0, 1.0))?;
+    if let Some(speed_1_s) = status.part_fan_speed_1_s {
+        within(speed_1_s, (0.0, f64::MAX))?;
+    }
     if let Some(height_m) = status.layer_height_m {
         within(height_m, (f64::MIN_POSITIVE, f64::MAX))?;
     }

@@ -23,8 +23,8 @@ pub(crate) struct Observation {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Sensor {
-    /// What drives the printer since the newest status, and for how long until the reading.
-    Thermistor { drive: Drive, ahead_s: f64 },
+    /// A temperature among the states; what drives the printer since the newest status, and for how long until the reading.
+    Temperature { of: usize, drive: Drive, ahead_s: f64 },
     /// Mean speeds over the encoder's interval of the motor's strokes forth and back, both 0 or more: only the former slip.
     Encoder { forth_m_s: f64, back_m_s: f64 },
     /// Road at exposure, and how much the flow was above today's.
@@ -48,10 +48,8 @@ impl Observation {
 
     pub(crate) fn predicted(&self, model: &PrinterModel, x: &State) -> Vector1<f64> {
         Vector1::new(match self.sensor {
-            Sensor::Thermistor { drive, ahead_s } if ahead_s > 0.0 => {
-                model.step(x, &drive, ahead_s)[state::SENSOR]
-            }
-            Sensor::Thermistor { .. } => x[state::SENSOR],
+            Sensor::Temperature { of, drive, ahead_s } if ahead_s > 0.0 => model.step(x, &drive, ahead_s)[of],
+            Sensor::Temperature { of, .. } => x[of],
             Sensor::Encoder { forth_m_s, back_m_s } => model.filament_speed(x, forth_m_s) - back_m_s,
             Sensor::Width { road, flow_change_m_s } => {
                 model.width(x[state::FLOW] + flow_change_m_s, x[state::GAIN], road)
@@ -62,17 +60,16 @@ impl Observation {
 
 /// A reading against the belief at `at_s`, carried on to the reading's own time: a host may tell its state a few times a
 /// second, and a hot end that heats up gains a kelvin in between.
-pub(crate) fn thermistor(
-    params: &Params,
+pub(crate) fn temperature(
+    (of, sigma_k): (usize, f64),
     reading: (f64, Kelvin),
     (at_s, drive): (f64, Drive),
 ) -> Observation {
-    let sigma_k = params.thermistor.sigma_k;
     Observation {
         value: reading.1.0,
         variance: sigma_k * sigma_k,
         passing: 0.0,
-        sensor: Sensor::Thermistor { drive, ahead_s: reading.0 - at_s },
+        sensor: Sensor::Temperature { of, drive, ahead_s: reading.0 - at_s },
     }
 }
 

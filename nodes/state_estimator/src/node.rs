@@ -27,6 +27,9 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let mut hotend = node
         .inlet(&topics::HOTEND_TEMPERATURE, Seconds(params.thermistor.trust.age_limit_s))?
         .from_one_source(HANDOVER);
+    let mut nozzle = node
+        .inlet(&topics::NOZZLE_TEMPERATURE, Seconds(params.nozzle_sensor.trust.age_limit_s))?
+        .from_one_source(HANDOVER);
     let mut encoder = node
         .inlet(&topics::FILAMENT_MOTION, Seconds(params.encoder.trust.age_limit_s))?
         .from_one_source(HANDOVER);
@@ -48,6 +51,10 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 if sampled {
                     rhythm.answer(&setup, &mut estimator);
                 }
+            }
+            taken = nozzle.next(convert::nozzle) => {
+                pass(&mut estimator, taken);
+                follow(&mut nozzle.refused, estimator.refusals(), |all| &all.nozzle);
             }
             taken = encoder.next(convert::encoder) => {
                 pass(&mut estimator, taken);

@@ -36,6 +36,8 @@ pub struct RawParams {
     pub reference: RawReference,
     /// Block thermistor.
     pub thermistor: RawThermistor,
+    /// Sensor in the nozzle, where one is fitted.
+    pub nozzle_sensor: RawThermistor,
     /// Filament encoder.
     pub encoder: RawEncoder,
     /// Road width from vision.
@@ -70,8 +72,10 @@ pub struct RawProcess {
     pub substep_s: f64,
     /// Block `[K]`.
     pub block_k: f64,
-    /// Nozzle `[K]`.
+    /// Nozzle of which only the model tells `[K]`.
     pub nozzle_k: f64,
+    /// Nozzle of which a sensor tells `[K]`.
+    pub nozzle_seen_k: f64,
     /// Thermistor `[K]`.
     pub sensor_k: f64,
     /// Flow relative to the reference feed `[-]`.
@@ -130,6 +134,8 @@ pub struct RawTelemetry {
     pub lead_limit_s: f64,
     /// Fastest credible motor `[m/s]`; a faster jump is a new count.
     pub motor_speed_max_m_s: f64,
+    /// Turns of a sound part fan at full duty, where it has a tachometer `[1/s]`.
+    pub fan_full_1_s: f64,
 }
 
 /// States outside of these bounds reset the filter.
@@ -166,12 +172,14 @@ impl TryFrom<RawParams> for Params {
         in_range("reference.feed_m_s", raw.reference.feed_m_s, "m/s", (1e-5, 0.05))?;
         in_range("reference.averaging_s", raw.reference.averaging_s, "s", (0.1, 1000.0))?;
         check_thermistor(&raw.thermistor)?;
+        check_nozzle_sensor(&raw.nozzle_sensor)?;
         check_encoder(&raw.encoder)?;
         check_width(&raw.width)?;
         in_range("telemetry.age_limit_s", raw.telemetry.age_limit_s, "s", (0.02, 5.0))?;
         in_range("telemetry.restart_s", raw.telemetry.restart_s, "s", (0.1, 60.0))?;
         in_range("telemetry.lead_limit_s", raw.telemetry.lead_limit_s, "s", (0.0, 5.0))?;
         in_range("telemetry.motor_speed_max_m_s", raw.telemetry.motor_speed_max_m_s, "m/s", (0.01, 2.0))?;
+        in_range("telemetry.fan_full_1_s", raw.telemetry.fan_full_1_s, "1/s", (1.0, 2000.0))?;
         check_bounds(&raw.bounds)?;
         raw.health.check()?;
         Ok(Self(raw))
@@ -183,6 +191,7 @@ fn check_process(raw: &RawProcess) -> Result<(), ParamError> {
     in_range("process.substep_s", raw.substep_s, "s", (1e-3, 0.5))?;
     in_range("process.block_k", raw.block_k, "K", (1e-6, 100.0))?;
     in_range("process.nozzle_k", raw.nozzle_k, "K", (1e-6, 100.0))?;
+    in_range("process.nozzle_seen_k", raw.nozzle_seen_k, "K", (1e-6, 100.0))?;
     in_range("process.sensor_k", raw.sensor_k, "K", (1e-6, 100.0))?;
     in_range("process.flow_rel", raw.flow_rel, "-", (1e-6, 1.0))?;
     in_range("process.slip", raw.slip, "-", (1e-6, 1.0))?;
@@ -209,4 +218,4 @@ mod channel;
 
 pub use adaptive::{RawAdaptation, RawHealth};
 pub use channel::{RawEncoder, RawThermistor, RawTrust, RawWidth};
-use channel::{check_bounds, check_encoder, check_thermistor, check_width};
+use channel::{check_bounds, check_encoder, check_nozzle_sensor, check_thermistor, check_width};

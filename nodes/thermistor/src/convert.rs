@@ -11,7 +11,9 @@ use crate::serial_line::Reading;
 /// A report as it is: its values are for the brain to judge.
 pub(crate) fn report(wire: &TemperatureReport) -> Result<(Seconds, (Seconds, Reading)), WireError> {
     let stamp = stamp_from_wire(&wire.header)?;
-    let reading = Reading { hotend: Some(Celsius(wire.hotend_degc)), bed: Some(Celsius(wire.bed_degc)) };
+    let told = |temp_degc: f64| Some(Celsius(temp_degc));
+    let reading =
+        Reading { hotend: told(wire.hotend_degc), bed: told(wire.bed_degc), nozzle: told(wire.nozzle_degc) };
     Ok((stamp, (stamp, reading)))
 }
 
@@ -60,14 +62,16 @@ mod tests {
     #[test]
     fn malformed_reports_end_at_reader_or_brain() {
         let params = params();
-        let sound = TemperatureReport { header: Header::at(12.5), hotend_degc: 210.0, bed_degc: 60.0 };
+        let header = Header::at(12.5);
+        let sound = TemperatureReport { header, hotend_degc: 210.0, bed_degc: 60.0, nozzle_degc: 201.0 };
         storm(&sound, report, |(stamp, (_, reading))| {
-            let judged =
-                [(reading.hotend, params.hotend), (reading.bed, params.bed)].map(|(temp, params)| {
-                    let sample = Channel::new(params).on_report(*stamp, *stamp, temp.unwrap());
-                    sample.map_or(true, |sample| all(&[sample.temp.0], params.min_c, params.max_c))
-                });
-            is_a_stamp(*stamp) && judged == [true; 2]
+            let told =
+                [(reading.hotend, params.hotend), (reading.bed, params.bed), (reading.nozzle, params.nozzle)];
+            let judged = told.map(|(temp, params)| {
+                let sample = Channel::new(params).on_report(*stamp, *stamp, temp.unwrap());
+                sample.map_or(true, |sample| all(&[sample.temp.0], params.min_c, params.max_c))
+            });
+            is_a_stamp(*stamp) && judged == [true; 3]
         });
     }
 }

@@ -3,18 +3,19 @@
 use fdm_loop_msgs::{Temperature, TemperatureReport};
 use models::units::{Celsius, Seconds};
 use runtime::serial::{PortEvent, SerialLine};
-use runtime::{Inlet, Node, Publisher, Reason, Refused, RuntimeError, topics};
+use runtime::topics::{self, Topic};
+use runtime::{Inlet, Node, Publisher, Reason, Refused, RuntimeError};
 
 use crate::channel::Channel;
 use crate::convert;
-use crate::params::{Driver, Params};
+use crate::params::{ChannelParams, Driver, Params};
 use crate::serial_line::{LINE_MAX, LineError, Reading, parse};
 
 /// Lines that may wait: a second of reports at 10 Hz; an old temperature is of no use.
 const WAITING: usize = 10;
 
 /// What may change while the node is active: how a value is judged, not where it comes from.
-const LIVE: [&str; 10] = [
+const LIVE: [&str; 15] = [
     "hotend.min_c",
     "hotend.max_c",
     "hotend.rate_max_k_s",
@@ -25,6 +26,11 @@ const LIVE: [&str; 10] = [
     "bed.rate_max_k_s",
     "bed.sigma_k",
     "bed.quantum_k",
+    "nozzle.min_c",
+    "nozzle.max_c",
+    "nozzle.rate_max_k_s",
+    "nozzle.sigma_k",
+    "nozzle.quantum_k",
 ];
 
 /// Runs the node to its end.
@@ -34,8 +40,14 @@ const LIVE: [&str; 10] = [
 pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
     let params: Params = node.parameters()?;
     let mut source = Source::open(&mut node, &params)?;
-    let mut hotend = Outlet::open(&mut node, &params, "hotend")?;
-    let mut bed = Outlet::open(&mut node, &params, "bed")?;
+    let mut hotend =
+        Outlet::open(&mut node, params.driver, (&topics::HOTEND_TEMPERATURE, "hotend"), params.hotend)?;
+    let mut bed = Outlet::open(&mut node, params.driver, (&topics::BED_TEMPERATURE, "bed"), params.bed)?;
+    let at_nozzle = (&topics::NOZZLE_TEMPERATURE, "nozzle");
+    let mut nozzle = params
+        .nozzle_fitted
+        .then(|| Outlet::open(&mut node, params.driver, at_nozzle, params.nozzle))
+        .transpose()?;
     let mut live = node.live_parameters(&LIVE);
     let (clock, work) = (node.clock(), node.work());
     // Who watches the others is watched too.
@@ -47,6 +59,9 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 if let Some((stamp, reading)) = reading? {
                     hotend.pass(clock.now(), stamp, reading.hotend);
                     bed.pass(clock.now(), stamp, reading.bed);
+                    if let Some(nozzle) = &mut nozzle {
+                        nozzle.pass(clock.now(), stamp, reading.nozzle);
+                    }
                     work.done();
                 }
             }
@@ -54,6 +69,9 @@ pub async fn run(mut node: Node) -> Result<(), RuntimeError> {
                 let params: Params = changed.parse()?;
                 hotend.channel.retune(params.hotend);
                 bed.channel.retune(params.bed);
+                if let Some(nozzle) = &mut nozzle {
+                    nozzle.channel.retune(params.nozzle);
+                }
             }
             () = node.shutdown() => return Ok(()),
         }
@@ -70,7 +88,9 @@ impl Source {
     fn open(node: &mut Node, params: &Params) -> Result<Self, RuntimeError> {
         match params.driver {
             Driver::Printer => {
-                let oldest_s = params.hotend.stamp_age_max_s.max(params.bed.stamp_age_max_s);
+                let channels = [params.hotend, params.bed, params.nozzle];
+                let oldest_s =
+                    channels.map(|channel| channel.stamp_age_max_s).into_iter().fold(0.0, f64::max);
                 Ok(Self::Printer(Box::new(node.inlet(&topics::TEMPERATURE_REPORT, Seconds(oldest_s))?)))
             }
             Driver::Serial => {
@@ -114,16 +134,19 @@ struct Outlet {
 }
 
 impl Outlet {
-    fn open(node: &mut Node, params: &Params, frame: &'static str) -> Result<Self, RuntimeError> {
-        let hotend = frame == "hotend";
-        let topic = if hotend { &topics::HOTEND_TEMPERATURE } else { &topics::BED_TEMPERATURE };
-        let source = match params.driver {
+    fn open(
+        node: &mut Node,
+        driver: Driver,
+        (topic, frame): (&Topic<Temperature>, &'static str),
+        params: ChannelParams,
+    ) -> Result<Self, RuntimeError> {
+        let source = match driver {
             Driver::Printer => topics::TEMPERATURE_REPORT.name(),
             Driver::Serial => "serial",
         };
         Ok(Self {
             frame,
-            channel: Channel::new(if hotend { params.hotend } else { params.bed }),
+            channel: Channel::new(params),
             publisher: node.publish_on(topic)?,
             refused: Refused::new(node.diagnostics(), source),
         })

@@ -15,6 +15,10 @@ pub struct Params {
     pub hotend: ChannelParams,
     /// Bed.
     pub bed: ChannelParams,
+    /// A sensor in the nozzle is fitted; what is reported of one that is not is left alone.
+    pub nozzle_fitted: bool,
+    /// Sensor in the nozzle.
+    pub nozzle: ChannelParams,
 }
 
 /// One thermistor.

@@ -1,4 +1,5 @@
-//! Lines of a serial thermistor: Marlin's report `ok T:21.30 /0.00 B:22.1 /0 @:64` or plain `T:21.3 B:22.0`.
+//! Lines of a serial thermistor: Marlin's report `ok T:21.30 /0.00 B:22.1 /0 @:64` or plain `T:21.3 B:22.0`; `N:` is a
+//! sensor in the nozzle, of which no firmware speaks.
 
 use models::units::Celsius;
 
@@ -12,6 +13,8 @@ pub struct Reading {
     pub hotend: Option<Celsius>,
     /// Bed.
     pub bed: Option<Celsius>,
+    /// Nozzle.
+    pub nozzle: Option<Celsius>,
 }
 
 /// Why a line is no reading.
@@ -23,7 +26,7 @@ pub enum LineError {
     Garbage,
 }
 
-/// Reads one line. The first `T:` and the first `B:` count; set-points after a slash and duties do not.
+/// Reads one line. The first `T:`, the first `B:` and the first `N:` count; set-points after a slash and duties do not.
 ///
 /// # Errors
 /// [`LineError`]; both kinds are to be counted.
@@ -36,6 +39,8 @@ pub fn parse(line: &[u8]) -> Result<Reading, LineError> {
             (&mut reading.hotend, rest)
         } else if let Some(rest) = word.strip_prefix("B:") {
             (&mut reading.bed, rest)
+        } else if let Some(rest) = word.strip_prefix("N:") {
+            (&mut reading.nozzle, rest)
         } else {
             continue;
         };
@@ -54,7 +59,7 @@ mod tests {
     use super::*;
 
     fn both(hotend: f64, bed: f64) -> Result<Reading, LineError> {
-        Ok(Reading { hotend: Some(Celsius(hotend)), bed: Some(Celsius(bed)) })
+        Ok(Reading { hotend: Some(Celsius(hotend)), bed: Some(Celsius(bed)), nozzle: None })
     }
 
     #[test]
@@ -63,9 +68,13 @@ mod tests {
         assert_eq!(parse(b" T:210.06 /210.00 B:59.9 /60.00 T0:1.0 /2 @:67 B@:30"), both(210.06, 59.9));
         assert_eq!(parse(b"T:21.3 B:22.0"), both(21.3, 22.0));
         assert_eq!(parse(b"T:21.3/0.0 B: 22.0/0.0"), both(21.3, 22.0));
+        let three = Reading { nozzle: Some(Celsius(201.5)), ..both(210.0, 60.0).unwrap() };
+        assert_eq!(parse(b"T:210.0 B:60.0 N:201.5"), Ok(three));
         assert_eq!(parse(b"T:-14.0").map(|reading| reading.hotend), Ok(Some(Celsius(-14.0))));
         assert_eq!(parse(b"echo:busy: processing"), Err(LineError::Other));
-        for garbage in [&b"T:nan"[..], b"T:inf B:1", b"T:", b"T:2x.3", b"B:1e999", b"\xff\xfe T:20"] {
+        for garbage in
+            [&b"T:nan"[..], b"T:inf B:1", b"T:", b"T:2x.3", b"T:210 N:nan", b"B:1e999", b"\xff\xfe T:20"]
+        {
             assert_eq!(parse(garbage), Err(LineError::Garbage));
         }
     }

@@ -30,7 +30,7 @@ fn lines_of_a_device_are_read_also_after_it_was_lost() {
     let (sink, events) = channel();
     let reader = SerialReader::spawn(params, LINE_MAX, move |event| drop(sink.send(event))).unwrap();
 
-    let both = Ok(Reading { hotend: Some(Celsius(21.3)), bed: Some(Celsius(22.0)) });
+    let both = Ok(Reading { hotend: Some(Celsius(21.3)), bed: Some(Celsius(22.0)), nozzle: None });
     line.write_all(b"ok ").unwrap();
     line.write_all(b"T:21.3 /0 B:22.0 /0\n").unwrap();
     assert_eq!(next(&events), both);

@@ -162,12 +162,12 @@ fn estimates() -> Vec<Vec<u8>> {
         covariance,
         reference_feed_m_s: 2e-3,
         channels: wire::CHANNELS.map(str::to_owned).to_vec(),
-        alive: vec![true, false, true],
-        measured: vec![true; 3],
-        nis: vec![1.0; 3],
-        nis_mean: vec![1.0; 3],
-        gated: vec![0; 3],
-        chi_square: vec![20.0; 3],
+        alive: vec![true, false, true, false],
+        measured: vec![true; 4],
+        nis: vec![1.0; 4],
+        nis_mean: vec![1.0; 4],
+        gated: vec![0; 4],
+        chi_square: vec![20.0; 4],
         ..StateEstimate::default()
     };
     let prediction = AdvancePrediction {

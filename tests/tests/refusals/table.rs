@@ -176,12 +176,12 @@ fn estimate() -> StateEstimate {
         covariance,
         reference_feed_m_s: 2e-3,
         channels: wire::CHANNELS.map(str::to_owned).to_vec(),
-        alive: vec![true; 3],
-        measured: vec![true; 3],
-        nis: vec![1.0; 3],
-        nis_mean: vec![1.0; 3],
-        gated: vec![0; 3],
-        chi_square: vec![20.0; 3],
+        alive: vec![true; 4],
+        measured: vec![true; 4],
+        nis: vec![1.0; 4],
+        nis_mean: vec![1.0; 4],
+        gated: vec![0; 4],
+        chi_square: vec![20.0; 4],
         ..StateEstimate::default()
     }
 }
@@ -277,6 +277,7 @@ pub(crate) fn all(node: &mut Node) -> Vec<Entry> {
         entry(node, &topics::FILAMENT_REPORT, counts),
         entry(node, &topics::HOTEND_TEMPERATURE, temperature()),
         entry(node, &topics::BED_TEMPERATURE, temperature()),
+        entry(node, &topics::NOZZLE_TEMPERATURE, temperature()),
         entry(node, &topics::FILAMENT_MOTION, motion),
         entry(node, &topics::PRINTER_STATE, printer()),
         entry(node, &topics::BEAD_WIDTH, width),

@@ -195,12 +195,12 @@ impl Print {
             covariance,
             reference_feed_m_s: 1e-3,
             channels: runtime::wire::CHANNELS.map(str::to_owned).to_vec(),
-            alive: vec![true; 3],
-            measured: vec![true; 3],
-            nis: vec![1.0; 3],
-            nis_mean: vec![1.0; 3],
-            gated: vec![0; 3],
-            chi_square: vec![windowed; 3],
+            alive: vec![true; 4],
+            measured: vec![true; 4],
+            nis: vec![1.0; 4],
+            nis_mean: vec![1.0; 4],
+            gated: vec![0; 4],
+            chi_square: vec![windowed; 4],
             chi_square_window: 20,
             ..StateEstimate::default()
         };

@@ -61,6 +61,7 @@ fn print(material: &str) -> UpArgs {
         material: Some(material.to_owned()),
         layers: None,
         warm: false,
+        with: Vec::new(),
         seed: 1,
         namespace: "/printer".to_owned(),
         allow_fault_injection: false,

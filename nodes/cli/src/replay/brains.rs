@@ -106,6 +106,10 @@ impl<'a> Brains<'a> {
             name if name == topics::BED_TEMPERATURE.name() => {
                 self.give_supervisor(now, payload, (Stream::Bed, stale.bed.oldest_stamp()), one(safety::bed));
             }
+            name if name == topics::NOZZLE_TEMPERATURE.name() => {
+                let limit = self.settings.estimator.nozzle_sensor.trust.age_limit_s;
+                self.give_estimator(now, payload, limit, estimating::nozzle);
+            }
             name if name == topics::FILAMENT_MOTION.name() => {
                 let limit = self.settings.estimator.encoder.trust.age_limit_s;
                 self.give_estimator(now, payload, limit, estimating::encoder);

@@ -22,9 +22,10 @@ const GAP_NS: u64 = 24 * 3600 * 1_000_000_000;
 const HOUR_NS: f64 = 3.6e12;
 
 /// Topics that are read of a bag; frames are many times as long as all others together.
-const HEARD: [&str; 18] = [
+const HEARD: [&str; 19] = [
     topics::HOTEND_TEMPERATURE.name(),
     topics::BED_TEMPERATURE.name(),
+    topics::NOZZLE_TEMPERATURE.name(),
     topics::FILAMENT_MOTION.name(),
     topics::IMU_BATCH.name(),
     topics::PRINTER_STATE.name(),

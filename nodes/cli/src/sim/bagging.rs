@@ -101,6 +101,7 @@ impl Bagging {
         match &message.content {
             Content::Hotend(temp) => self.put(now, &topics::HOTEND_TEMPERATURE, &temperature(*temp)),
             Content::Bed(temp) => self.put(now, &topics::BED_TEMPERATURE, &temperature(*temp)),
+            Content::Nozzle(temp) => self.put(now, &topics::NOZZLE_TEMPERATURE, &temperature(*temp)),
             Content::Encoder(position_m) => {
                 let read = FilamentMotion { header: header(), position_m: *position_m, speed_m_s: 0.0 };
                 self.put(now, &topics::FILAMENT_MOTION, &read);

@@ -1,15 +1,19 @@
-//! Printers without some of the sensors; host profiles by name.
+//! Printers without some of the sensors, or with others; host profiles by name.
 
 use std::collections::BTreeMap;
 
 /// Sensors that a printer may do without.
 pub(super) const SENSORS: [&str; 3] = ["encoder", "width", "tachometer"];
 
+/// Sensors that may be fitted besides.
+pub const EXTRAS: [&str; 1] = ["nozzle"];
+
 /// Host profiles.
 pub(super) const HOSTS: [&str; 4] = ["native", "serial", "moonraker", "octoprint"];
 
-/// Parameters of a printer without these sensors: who lets corrections act must not wait for them.
-pub(super) fn without(sensors: &[String]) -> BTreeMap<String, Vec<(String, String)>> {
+/// Parameters of a printer without these sensors and with those extras: who lets corrections act must not wait for what
+/// is not there.
+pub(super) fn fitted(sensors: &[String], extras: &[String]) -> BTreeMap<String, Vec<(String, String)>> {
     let mut overrides: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
     let mut set = |node: &str, name: &str, value: &str| {
         overrides.entry(node.to_owned()).or_default().push((name.to_owned(), value.to_owned()));
@@ -23,6 +27,9 @@ pub(super) fn without(sensors: &[String]) -> BTreeMap<String, Vec<(String, Strin
             "width" => set("printer_sim", "simulator.width_period_s", "0.0"),
             _ => set("printer_sim", "simulator.part_fan.full_1_s", "0.0"),
         }
+    }
+    if extras.iter().any(|extra| extra == "nozzle") {
+        set("printer_sim", "simulator.nozzle_sensor", "true");
     }
     overrides
 }

@@ -18,6 +18,8 @@ pub enum Lane {
     Hotend,
     /// Bed temperature.
     Bed,
+    /// Temperature of the sensor in the nozzle.
+    Nozzle,
     /// Filament encoder.
     Encoder,
     /// State of the printer.
@@ -52,6 +54,8 @@ pub enum Content {
     Hotend(Celsius),
     /// Bed temperature as read.
     Bed(Celsius),
+    /// Nozzle temperature as read.
+    Nozzle(Celsius),
     /// Filament seen since start `[m]`.
     Encoder(f64),
     /// State of printer and job.
@@ -83,6 +87,7 @@ impl Message {
         match self.content {
             Content::Hotend(_) => Lane::Hotend,
             Content::Bed(_) => Lane::Bed,
+            Content::Nozzle(_) => Lane::Nozzle,
             Content::Encoder(_) => Lane::Encoder,
             Content::Printer(_) => Lane::Printer,
             Content::Imu(_) => Lane::Imu,
@@ -110,6 +115,7 @@ impl Message {
         let (stamp, content) = match content {
             Content::Hotend(temp) => temperature(temp).map(|(stamp, temp)| (stamp, Content::Hotend(temp)))?,
             Content::Bed(temp) => temperature(temp).map(|(stamp, temp)| (stamp, Content::Bed(temp)))?,
+            Content::Nozzle(temp) => temperature(temp).map(|(stamp, temp)| (stamp, Content::Nozzle(temp)))?,
             Content::Encoder(position_m) => {
                 let read = wire::filament_from_wire(&FilamentMotion { header, position_m, speed_m_s: 0.0 })?;
                 (read.stamp, Content::Encoder(read.position_m))

@@ -4,7 +4,7 @@ pub mod bagging;
 mod choices;
 pub mod consistency;
 pub mod corners;
-mod fitted;
+pub mod fitted;
 pub mod foresight;
 pub mod group;
 pub mod message;
@@ -25,7 +25,7 @@ use choices::name_of;
 pub use choices::{advance, level, seed_range};
 use clap::Args;
 use fdm_loop_msgs::PrintInfo;
-use fitted::{HOSTS, SENSORS, without};
+use fitted::{EXTRAS, HOSTS, SENSORS, fitted};
 use group::{Comparison, Group};
 use printer_sim::scenario::Entry;
 use std::collections::BTreeMap;
@@ -72,6 +72,9 @@ pub struct SimArgs {
     /// Sensors that are not fitted, separated by commas: encoder, width, tachometer.
     #[arg(long, value_delimiter = ',', value_parser = SENSORS)]
     without: Vec<String>,
+    /// Sensors that are fitted besides, separated by commas: nozzle.
+    #[arg(long, value_delimiter = ',', value_parser = EXTRAS)]
+    with: Vec<String>,
     /// Moves that the firmware knows ahead of the current one; else the printer's own look-ahead.
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     buffer: Option<u32>,
@@ -114,7 +117,7 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
         host: args.host.clone(),
         advance: advance(&args.advance)?,
         camera: args.camera,
-        overrides: without(&args.without),
+        overrides: fitted(&args.without, &args.with),
         ..Choice::of(material, levels[0])
     };
     let mut setup = config.load(&choice)?;
@@ -132,6 +135,7 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
         advance: args.advance.clone(),
         buffer: args.buffer,
         without: args.without.clone(),
+        with: args.with.clone(),
     };
     let bag = args.bag.as_deref().map(|bag| new_bag(bag, (&config, &choice), &names, &file)).transpose()?;
     let mut task = Task { setup, file, scenario, names, bag };

@@ -205,7 +205,7 @@ fn rival(mut message: Message) -> Message {
 /// Puts `value` where the message's first number is.
 fn falsify(content: &mut Content, value: f64) {
     match content {
-        Content::Hotend(temp) | Content::Bed(temp) => temp.0 = value,
+        Content::Hotend(temp) | Content::Bed(temp) | Content::Nozzle(temp) => temp.0 = value,
         Content::Encoder(position_m) => *position_m = value,
         Content::Printer(status) => status.hotend_duty = value,
         Content::Imu(batch) => {

@@ -79,6 +79,8 @@ pub struct Run {
     pub buffer: Option<u32>,
     /// Sensors that the printer does without.
     pub without: Vec<String>,
+    /// Sensors that are fitted besides.
+    pub with: Vec<String>,
     /// States that no sensor told of while roads were laid: what the estimator says of them is its model's.
     pub states_not_observed: Vec<&'static str>,
     /// Those of them that it held at what it believed.

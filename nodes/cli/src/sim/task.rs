@@ -35,6 +35,7 @@ pub(super) struct Names {
     pub(super) advance: String,
     pub(super) buffer: Option<u32>,
     pub(super) without: Vec<String>,
+    pub(super) with: Vec<String>,
 }
 
 impl Task {
@@ -95,7 +96,7 @@ impl Task {
         let shares = printing.trimmed.shares();
         let (detections, alarms) =
             printing.noticed.iter().cloned().partition::<Vec<_>, _>(|found| found.onset_s.is_some());
-        let channels = ["thermistor", "encoder", "width"];
+        let channels = runtime::wire::CHANNELS;
         let ended = stuck.unwrap_or_else(|| match printing.simulator().phase() {
             JobPhase::Done => "done".to_owned(),
             other => format!("{other:?}").to_lowercase(),
@@ -111,6 +112,7 @@ impl Task {
             advance_in_force: self.advance_in_force(level),
             buffer: self.names.buffer,
             without: self.names.without.clone(),
+            with: self.names.with.clone(),
             states_not_observed,
             states_held,
             seed,

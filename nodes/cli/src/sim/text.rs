@@ -18,12 +18,14 @@ pub fn table(groups: &[Group]) -> String {
     let mut text = String::new();
     let Some(run) = groups.first().and_then(|group| group.runs.first()) else { return text };
     let seeds = groups.first().map_or(0, |group| group.seeds);
-    let without =
-        if run.without.is_empty() { String::new() } else { format!(", without {}", run.without.join(", ")) };
+    let listed = |word: &str, sensors: &[String]| {
+        if sensors.is_empty() { String::new() } else { format!(", {word} {}", sensors.join(", ")) }
+    };
+    let sensors = listed("without", &run.without) + &listed("with", &run.with);
     // Writing to a string cannot fail.
     _ = writeln!(
         text,
-        "Simulated: {} in {}, scenario {}, host {}{without}, {} seed(s); mean +- standard deviation, (n of {}) where fewer have it",
+        "Simulated: {} in {}, scenario {}, host {}{sensors}, {} seed(s); mean +- standard deviation, (n of {}) where fewer have it",
         run.gcode, run.material, run.scenario, run.host, seeds, seeds,
     );
     let rows: Vec<[String; COLUMNS]> =
@@ -126,7 +128,7 @@ fn advance(text: &mut String, group: &Group) {
     }
 }
 
-/// Mean NIS by channel over the runs.
+/// Mean NIS over the runs, of each channel that measured something.
 fn nis(runs: &[Run]) -> String {
     let Some(first) = runs.first() else { return String::new() };
     let channel = |name: &str| {
@@ -134,9 +136,9 @@ fn nis(runs: &[Run]) -> String {
             runs.iter().filter_map(|run| run.nis_mean.get(name).copied().flatten()).collect();
         #[allow(clippy::cast_precision_loss, reason = "seeds are few")]
         let count = values.len() as f64;
-        if values.is_empty() { "-".to_owned() } else { format!("{:.2}", values.iter().sum::<f64>() / count) }
+        (!values.is_empty()).then(|| format!("{name} {:.2}", values.iter().sum::<f64>() / count))
     };
-    let parts: Vec<String> = first.nis_mean.keys().map(|name| format!("{name} {}", channel(name))).collect();
+    let parts: Vec<String> = first.nis_mean.keys().filter_map(|name| channel(name)).collect();
     parts.join(", ")
 }
 
@@ -158,7 +160,7 @@ fn covered(text: &mut String, group: &Group) {
     );
 }
 
-/// What no sensor told of, where that is more than the nozzle's temperature, which none ever shows.
+/// What no sensor told of, where that is more than the nozzle's temperature, which few printers show.
 fn blind(text: &mut String, group: &Group) {
     let Some(run) =
         group.runs.iter().find(|run| run.states_not_observed.iter().any(|name| *name != "nozzle"))
@@ -282,6 +284,8 @@ mod tests {
             blind.contains("no sensor tells of: nozzle, flow, slip; held at what is believed: slip"),
             "{blind}"
         );
+        let tip = told(Run { with: vec!["nozzle".to_owned()], ..Run::default() });
+        assert!(tip.contains(", with nozzle, 1 seed(s)"), "{tip}");
         let whole = told(Run { states_not_observed: vec!["nozzle"], ..Run::default() });
         assert!(!whole.contains("no sensor") && !whole.contains("without"), "{whole}");
     }

@@ -19,6 +19,7 @@ use crate::bag::recover;
 use crate::config::ConfigDir;
 use crate::job::GcodeFile;
 use crate::output::{self, Failed, Json};
+use crate::sim::fitted::EXTRAS;
 use crate::sim::{ADVANCES, level};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -71,6 +72,9 @@ pub struct UpArgs {
     /// Start with hot end and bed at the file's set-points.
     #[arg(long)]
     pub warm: bool,
+    /// Sensors that are fitted besides, separated by commas: nozzle.
+    #[arg(long, value_delimiter = ',', value_parser = EXTRAS)]
+    pub with: Vec<String>,
     /// Seed of all noise.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,

@@ -126,6 +126,10 @@ impl Plan {
             ("printer_sim", "simulator.host".into(), self.host.clone()),
         ];
         all.extend(sensors);
+        if args.with.iter().any(|sensor| sensor == "nozzle") {
+            all.push(("printer_sim", "simulator.nozzle_sensor".into(), true.to_string()));
+            all.push(("thermistor", "nozzle_fitted".into(), true.to_string()));
+        }
         let models = self.config.model_overrides("defect_classifier", &self.material)?.into_iter();
         all.extend(models.map(|(name, value)| ("defect_classifier", name, value)));
         let foresight = self.config.foresight_overrides(&self.material)?.into_iter();

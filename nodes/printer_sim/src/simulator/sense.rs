@@ -1,7 +1,7 @@
 //! What the printer's firmware and sensors read.
 
 use super::Simulator;
-use crate::faults::{Feed, Line};
+use crate::faults::{Feed, Line, SensorFaults};
 use crate::output::Output;
 use crate::plant::Road;
 use models::command::Request;
@@ -27,7 +27,9 @@ impl Simulator {
         let hotend = self.hotend_sensor.read(self.plant.sensor(), &faults.hotend_sensor);
         let bed = self.bed_sensor.read(self.plant.bed_sensor(), &faults.bed_sensor);
         if tells {
-            self.outputs.push_back(Output::Temperatures { stamp: self.now, hotend, bed });
+            let at_tip = self.plant.nozzle();
+            let nozzle = self.nozzle_sensor.as_mut().map(|sensor| sensor.read(at_tip, &SensorFaults::NONE));
+            self.outputs.push_back(Output::Temperatures { stamp: self.now, hotend, bed, nozzle });
         }
         if sets {
             self.set_duties(hotend, bed);

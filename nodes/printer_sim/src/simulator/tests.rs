@@ -21,6 +21,7 @@ mod imu;
 mod mishaps;
 mod requests;
 mod schedule;
+mod temperatures;
 
 #[derive(Deserialize)]
 struct RosFile<T> {

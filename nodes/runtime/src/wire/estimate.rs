@@ -8,7 +8,7 @@ use models::units::{Kelvin, Seconds};
 /// Names of the states in the order of the estimator.
 pub const STATES: [&str; 6] = ["block_k", "nozzle_k", "sensor_k", "flow_m_s", "slip", "gain"];
 /// Names of the measurement channels in the order of the estimator.
-pub const CHANNELS: [&str; 3] = ["thermistor", "encoder", "width"];
+pub const CHANNELS: [&str; 4] = ["thermistor", "encoder", "width", "nozzle"];
 
 /// What controller and supervisor read of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,12 +106,12 @@ mod tests {
             covariance,
             reference_feed_m_s: 2e-3,
             channels: CHANNELS.map(str::to_owned).to_vec(),
-            alive: vec![true, false, true],
-            measured: vec![true; 3],
-            nis: vec![1.0; 3],
-            nis_mean: vec![1.0; 3],
-            gated: vec![0; 3],
-            chi_square: vec![20.0; 3],
+            alive: vec![true, false, true, false],
+            measured: vec![true; 4],
+            nis: vec![1.0; 4],
+            nis_mean: vec![1.0; 4],
+            gated: vec![0; 4],
+            chi_square: vec![20.0; 4],
             ..StateEstimate::default()
         }
     }

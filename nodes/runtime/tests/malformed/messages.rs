@@ -200,11 +200,11 @@ fn estimates() {
         reference_feed_m_s: 2e-3,
         channels: wire::CHANNELS.map(str::to_owned).to_vec(),
         alive: vec![true, false, true],
-        measured: vec![true; 3],
-        nis: vec![1.0; 3],
-        nis_mean: vec![1.0; 3],
-        gated: vec![0; 3],
-        chi_square: vec![20.0; 3],
+        measured: vec![true; 4],
+        nis: vec![1.0; 4],
+        nis_mean: vec![1.0; 4],
+        gated: vec![0; 4],
+        chi_square: vec![20.0; 4],
         ..StateEstimate::default()
     };
     storm(&sound, wire::estimate_from_wire, |read| {

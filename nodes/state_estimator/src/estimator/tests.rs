@@ -5,6 +5,7 @@ use models::command::Trims;
 use models::extruder::{Extruder, RawExtruder, StaticLaw};
 use models::hotend::{Hotend, RawHotend};
 use models::status::{HostProfile, JobPhase};
+use models::units::Celsius;
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -21,6 +22,7 @@ struct Node {
 
 mod health;
 mod live;
+mod nozzle;
 mod strokes;
 mod unseen;
 
@@ -103,6 +105,10 @@ struct Rig {
     status_steps: u32,
     /// There is an encoder.
     encoder: bool,
+    /// What a sensor in the nozzle reads, where one is fitted.
+    nozzle: Option<Celsius>,
+    /// Duty of the part fan, and what a tachometer says of it.
+    fan: (f64, Option<f64>),
     /// The motor goes back and forth by so much, 5 times a second, as with pressure advance in an infill.
     stroke_m: f64,
     /// Scatter of the widths beside what the road is, evenly over plus and minus so much.
@@ -132,6 +138,8 @@ impl Rig {
             gain: 1.0,
             status_steps: 2,
             encoder: true,
+            nozzle: None,
+            fan: (1.0, None),
             stroke_m: 0.0,
             width_noise_m: 0.0,
         }
@@ -161,7 +169,9 @@ impl Rig {
             self.flow_m_s = self.law.flow_after(self.flow_m_s, fed_m_s, Seconds(0.01), Seconds(0.63));
             let stamp = Seconds(now_s);
             if self.step.is_multiple_of(self.status_steps) {
-                self.estimator.on_event(Event::Printer(status(now_s, self.motor_m)));
+                let (fan, part_fan_speed_1_s) = self.fan;
+                let status = PrinterStatus { fan, part_fan_speed_1_s, ..status(now_s, self.motor_m) };
+                self.estimator.on_event(Event::Printer(status));
             }
             let position_m = (self.fed_m / 1e-5).floor() * 1e-5;
             if self.encoder {
@@ -169,6 +179,9 @@ impl Rig {
             }
             if self.step.is_multiple_of(10) {
                 self.estimator.on_event(Event::Hotend { stamp, temp: Celsius(226.0) });
+                if let Some(temp) = self.nozzle {
+                    self.estimator.on_event(Event::Nozzle { stamp, temp });
+                }
             }
             if self.step.is_multiple_of(50) {
                 let flow_m3_s = self.flow_m_s * self.gain * 2.405_281_875e-6;
@@ -214,7 +227,7 @@ fn a_wider_road_is_a_gain_and_not_a_slip() {
     assert!((estimate.x[state::GAIN] - 1.03).abs() < 0.012, "{}", estimate.x[state::GAIN]);
     assert!((estimate.x[state::SLIP] - 0.01).abs() < 0.02);
     assert_eq!(estimate.resets, 0);
-    assert!(estimate.alive.iter().all(|alive| *alive));
+    assert_eq!(estimate.alive, [true, true, true, false], "no sensor in the nozzle");
 }
 
 #[test]
@@ -228,6 +241,8 @@ fn nan_range_order_and_age_are_refused_and_counted() {
         Event::Width { exposed: stamp, width_m: f64::NAN, sigma_m: 1e-5 },
         Event::Printer(PrinterStatus { fan: f64::NAN, ..status(1.005, rig.motor_m) }),
         Event::Hotend { stamp, temp: Celsius(800.0) },
+        Event::Nozzle { stamp, temp: Celsius(f64::NAN) },
+        Event::Nozzle { stamp, temp: Celsius(800.0) },
         Event::Width { exposed: stamp, width_m: 0.1, sigma_m: 1e-5 },
         Event::Encoder { stamp: Seconds(0.99), position_m: 0.0 },
         Event::Encoder { stamp: Seconds(0.1), position_m: 0.0 },
@@ -239,6 +254,7 @@ fn nan_range_order_and_age_are_refused_and_counted() {
     }
     let refused = rig.estimator.refusals();
     assert_eq!(refused.hotend, crate::Refused { not_finite: 1, out_of_range: 1, ..Default::default() });
+    assert_eq!(refused.nozzle, refused.hotend);
     assert_eq!(
         refused.encoder,
         crate::Refused { not_finite: 1, disordered: 1, stale: 1, ..Default::default() }

@@ -16,15 +16,19 @@ impl Filter {
         inbox: &mut Inbox,
         records: &mut [Record; CHANNELS],
     ) -> bool {
-        let mut observations: [Option<(Channel, Observation)>; 2] = [None, None];
-        if let Some(reading) = inbox.temperature.take() {
-            let reading = measurement::thermistor(&self.params, reading, (run.at_s, run.drive));
-            observations[0] = Some((Channel::Thermistor, reading));
-        }
+        let now = (run.at_s, run.drive);
+        let block = inbox.temperature.take().map(|reading| {
+            let what = (state::SENSOR, self.params.thermistor.sigma_k);
+            (Channel::Thermistor, measurement::temperature(what, reading, now))
+        });
+        let nozzle = inbox.nozzle.take().map(|reading| {
+            let what = (state::NOZZLE, self.params.nozzle_sensor.sigma_k);
+            (Channel::Nozzle, measurement::temperature(what, reading, now))
+        });
         let encoder =
             measurement::encoder(&self.params, self.reference_feed_m_s, inbox, &mut run.encoder_used);
-        observations[1] = encoder.map(|observation| (Channel::Encoder, observation));
-        for (channel, observation) in observations.into_iter().flatten() {
+        let encoder = encoder.map(|observation| (Channel::Encoder, observation));
+        for (channel, observation) in [block, nozzle, encoder].into_iter().flatten() {
             if !self.apply(run, channel, &observation, &mut records[channel as usize]) {
                 return false;
             }

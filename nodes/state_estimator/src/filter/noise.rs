@@ -47,7 +47,7 @@ impl Filter {
         };
         variances([
             process.block_k * root,
-            process.nozzle_k * root,
+            if run.nozzle_alive { process.nozzle_seen_k } else { process.nozzle_k } * root,
             process.sensor_k * root,
             flow_std_m_s,
             if run.encoder_alive {
@@ -87,6 +87,7 @@ impl Filter {
                 deviations[state::NOZZLE] = self.params.thermistor.step_std_k;
                 deviations[state::SENSOR] = self.params.thermistor.step_std_k;
             }
+            Channel::Nozzle => deviations[state::NOZZLE] = self.params.nozzle_sensor.step_std_k,
             Channel::Encoder => deviations[state::SLIP] = self.params.encoder.step_std,
             Channel::Width => deviations[state::GAIN] = self.params.width.step_std,
         }

@@ -22,7 +22,7 @@ pub struct RawTrust {
     pub step_threshold: f64,
 }
 
-/// Block thermistor.
+/// Block thermistor, or a sensor in the nozzle.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawThermistor {
@@ -32,7 +32,7 @@ pub struct RawThermistor {
     pub low_c: f64,
     /// Highest credible reading `[degC]`.
     pub high_c: f64,
-    /// Deviation added to the thermal states on a step `[K]`.
+    /// Deviation added on a step to the thermal states, or to the nozzle's alone `[K]`.
     pub step_std_k: f64,
     /// When it is believed.
     pub trust: RawTrust,
@@ -110,6 +110,15 @@ pub(super) fn check_thermistor(raw: &RawThermistor) -> Result<(), ParamError> {
     in_range("thermistor.high_c", raw.high_c, "degC", (-273.15, 1000.0))?;
     ordered(("thermistor.low_c", raw.low_c), ("thermistor.high_c", raw.high_c))?;
     in_range("thermistor.step_std_k", raw.step_std_k, "K", (0.0, 100.0))?;
+    check_trust(&raw.trust)
+}
+
+pub(super) fn check_nozzle_sensor(raw: &RawThermistor) -> Result<(), ParamError> {
+    in_range("nozzle_sensor.sigma_k", raw.sigma_k, "K", (1e-4, 100.0))?;
+    in_range("nozzle_sensor.low_c", raw.low_c, "degC", (-273.15, 1000.0))?;
+    in_range("nozzle_sensor.high_c", raw.high_c, "degC", (-273.15, 1000.0))?;
+    ordered(("nozzle_sensor.low_c", raw.low_c), ("nozzle_sensor.high_c", raw.high_c))?;
+    in_range("nozzle_sensor.step_std_k", raw.step_std_k, "K", (0.0, 100.0))?;
     check_trust(&raw.trust)
 }
 

@@ -195,6 +195,7 @@ fn arguments(gcode: &Path, folder: &Path, seed: u64) -> UpArgs {
         material: None,
         layers: None,
         warm: true,
+        with: Vec::new(),
         seed,
         namespace: super::NAMESPACE.to_owned(),
         allow_fault_injection: false,

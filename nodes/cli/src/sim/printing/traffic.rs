@@ -16,9 +16,12 @@ use state_estimator::{Channel, state};
 impl Printing {
     pub(super) fn pass_on(&mut self, now: Seconds, output: Output) {
         match output {
-            Output::Temperatures { stamp, hotend, bed } => {
+            Output::Temperatures { stamp, hotend, bed, nozzle } => {
                 self.send(now, Message::new(stamp, Content::Hotend(hotend)));
                 self.send(now, Message::new(stamp, Content::Bed(bed)));
+                if let Some(nozzle) = nozzle {
+                    self.send(now, Message::new(stamp, Content::Nozzle(nozzle)));
+                }
             }
             Output::Encoder { stamp, counts } => {
                 #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
@@ -116,6 +119,9 @@ impl Printing {
             }
             Content::Bed(temp) => {
                 self.hand_to_supervisor(now, stamp, (Stream::Bed, Safety::Bed { stamp, temp }))
+            }
+            Content::Nozzle(temp) => {
+                self.estimator.on_event(state_estimator::Event::Nozzle { stamp, temp });
             }
             Content::Encoder(position_m) => {
                 self.estimator.on_event(state_estimator::Event::Encoder { stamp, position_m });
@@ -295,6 +301,6 @@ fn stream_of(lane: Lane) -> Option<Stream> {
         Lane::Vision => Stream::Vision,
         Lane::Estimate => Stream::Estimate,
         Lane::Command => Stream::Command,
-        Lane::Frames | Lane::Permit => return None,
+        Lane::Nozzle | Lane::Frames | Lane::Permit => return None,
     })
 }

@@ -22,12 +22,16 @@ fn every_live_parameter_is_checked_and_acts_at_once() {
             "process.slip" => ("0.03", state::SLIP),
             "process.gain" => ("0.008", state::GAIN),
             "thermistor.sigma_k" => ("1.5", state::SENSOR),
+            "nozzle_sensor.sigma_k" => ("1.5", state::NOZZLE),
             "encoder.relative" => ("0.04", state::SLIP),
             "width.sigma_min_m" => ("1.2e-4", state::GAIN),
             other => panic!("{other} has no row here"),
         };
         assert!(params(&changed::changed(SHIPPED, name, "-1.0")).is_none(), "{name} = -1 is out of range");
         let (mut shipped, mut retuned) = (Rig::new(), Rig::new());
+        if name == "nozzle_sensor.sigma_k" {
+            (shipped.nozzle, retuned.nozzle) = (Some(Celsius(215.0)), Some(Celsius(215.0)));
+        }
         let before = [shipped.run(300), retuned.run(300)].map(|estimate| estimate.p[(behind, behind)]);
         retuned.estimator.retune(params(&changed::changed(SHIPPED, name, value)).unwrap());
         let after = [shipped.run(300), retuned.run(300)].map(|estimate| estimate.p[(behind, behind)]);
