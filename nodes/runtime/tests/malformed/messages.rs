@@ -199,7 +199,7 @@ fn estimates() {
         covariance,
         reference_feed_m_s: 2e-3,
         channels: wire::CHANNELS.map(str::to_owned).to_vec(),
-        alive: vec![true, false, true],
+        alive: vec![true, false, true, false],
         measured: vec![true; 4],
         nis: vec![1.0; 4],
         nis_mean: vec![1.0; 4],
