@@ -133,7 +133,12 @@ impl Task {
             recovery_5s_s: fault_free
                 .zip(printing.onset_path_s)
                 .and_then(|(fault_free, onset_s)| printing.width.recovery_for_s(fault_free, onset_s, HELD_S)),
-            nis_mean: channels.into_iter().zip(printing.nis_mean).collect(),
+            nis_mean: channels
+                .into_iter()
+                .zip(printing.nis_mean)
+                // of a sensor that few printers have nothing is told where it is not fitted
+                .filter(|(channel, mean)| *channel != "nozzle" || mean.is_some())
+                .collect(),
             nees_median: printing.consistency.median(),
             coverage: printing.consistency.coverage(),
             coverage_states: STATE_NAMES,
