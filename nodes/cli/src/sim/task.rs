@@ -38,6 +38,12 @@ pub(super) struct Names {
     pub(super) with: Vec<String>,
 }
 
+/// Mean NIS by channel; of a sensor that few printers have nothing is told where it is not fitted.
+fn nis_by_channel(printing: &Printing) -> BTreeMap<&'static str, Option<f64>> {
+    let means = runtime::wire::CHANNELS.into_iter().zip(printing.nis_mean);
+    means.filter(|(channel, mean)| *channel != "nozzle" || mean.is_some()).collect()
+}
+
 impl Task {
     /// One run; a run with a fault is compared with the same seed's run without.
     pub(super) fn one(
@@ -96,7 +102,6 @@ impl Task {
         let shares = printing.trimmed.shares();
         let (detections, alarms) =
             printing.noticed.iter().cloned().partition::<Vec<_>, _>(|found| found.onset_s.is_some());
-        let channels = runtime::wire::CHANNELS;
         let ended = stuck.unwrap_or_else(|| match printing.simulator().phase() {
             JobPhase::Done => "done".to_owned(),
             other => format!("{other:?}").to_lowercase(),
@@ -133,12 +138,7 @@ impl Task {
             recovery_5s_s: fault_free
                 .zip(printing.onset_path_s)
                 .and_then(|(fault_free, onset_s)| printing.width.recovery_for_s(fault_free, onset_s, HELD_S)),
-            nis_mean: channels
-                .into_iter()
-                .zip(printing.nis_mean)
-                // of a sensor that few printers have nothing is told where it is not fitted
-                .filter(|(channel, mean)| *channel != "nozzle" || mean.is_some())
-                .collect(),
+            nis_mean: nis_by_channel(printing),
             nees_median: printing.consistency.median(),
             coverage: printing.consistency.coverage(),
             coverage_states: STATE_NAMES,
