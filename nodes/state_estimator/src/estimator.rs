@@ -226,8 +226,6 @@ impl Estimator {
     }
 }
 
-mod taking;
-
 /// What a set of living channels tells of (model book 1.5): the nozzle by its own sensor, else only through the model of the
 /// joint, flow and slip through the encoder, the gain through widths. Without the encoder widths tell of flow and gain as one product.
 fn observed([thermistor, encoder, width, nozzle]: [bool; CHANNELS]) -> [bool; state::COUNT] {
@@ -240,6 +238,8 @@ fn observed([thermistor, encoder, width, nozzle]: [bool; CHANNELS]) -> [bool; st
     observed[state::GAIN] = width;
     observed
 }
+
+mod taking;
 
 #[cfg(test)]
 mod tests;

@@ -108,9 +108,8 @@ impl Filter {
         let gain = self.running.as_ref().map(|run| run.ukf.belief().mean[state::GAIN]);
         let far = gain.is_some_and(|gain| (gain - 1.0).abs() > self.params.health.gain_error);
         // the encoder's windows tell of corners, its rows of a broken filter
-        let unfit = far
-            || self.width_noise.is_at_its_most()
-            || [Channel::Thermistor, Channel::Nozzle, Channel::Width].map(odd).contains(&true);
+        let judged = [Channel::Thermistor, Channel::Nozzle, Channel::Width].map(odd);
+        let unfit = far || self.width_noise.is_at_its_most() || judged.contains(&true);
         self.watch.on_fit(now_s, status.depositing.then_some(!unfit));
     }
 
@@ -129,9 +128,8 @@ impl Filter {
             Some(run) => run,
             None => self.start(status, inbox.temperature?.1),
         };
-        run.encoder_alive = records[Channel::Encoder as usize].alive(now_s);
-        run.width_alive = records[Channel::Width as usize].alive(now_s);
-        run.nozzle_alive = records[Channel::Nozzle as usize].alive(now_s);
+        [run.encoder_alive, run.width_alive, run.nozzle_alive] =
+            [Channel::Encoder, Channel::Width, Channel::Nozzle].map(|of| records[of as usize].alive(now_s));
         let sound = self.predict(&mut run, status, inbox) == Health::Sound
             && self.correct(&mut run, inbox, records)
             && self.plausible(&run.ukf.belief().mean);
