@@ -11,7 +11,7 @@ use models::units::Seconds;
 use runtime::{CallError, Clock, Node, Patience, Publisher, RuntimeError, Subscription, topics, wire};
 use std::pin::pin;
 use std::time::Duration;
-use tokio::time::{Instant, interval, timeout_at};
+use tokio::time::{Instant, interval, sleep, timeout_at};
 
 /// Until the printer is told as well: who is there has been discovered in 0.5 s and promises an answer within 250 ms.
 const AT_ONCE: Patience = Patience { found: Seconds(0.7), again: Seconds(0.3), answered: Seconds(1.0) };
@@ -24,6 +24,9 @@ const TELL: Duration = Duration::from_secs(3);
 const EVERY: Duration = Duration::from_millis(20);
 /// How long each one counts `[s]`, no longer than any printer takes.
 const VALIDITY: Seconds = Seconds(0.25);
+
+/// A message leaves in this time, and is repeated where it was lost: its writer ends with the command.
+const LEAVES: Duration = Duration::from_millis(150);
 
 /// Who says on `events` that a print was stopped past the supervisor, and how it is called.
 const WHO: &str = "fdm";
@@ -143,6 +146,7 @@ impl Printer {
                     // Once more: who was not matched yet has not heard the first one.
                     let now = state.message.header.stamp.seconds();
                     self.events.send(told(now.map_or_else(|| self.clock.now(), Seconds), self.request));
+                    sleep(LEAVES).await;
                     return Ok(());
                 }
                 newest = Some(state);

@@ -18,10 +18,10 @@ use indicatif::ProgressBar;
 use models::status::JobPhase;
 use models::units::Seconds;
 use printer_sim::score::Integrals;
-use runtime::Timer;
 use rustix::process::Signal;
 use std::io::IsTerminal;
 
+mod fate;
 mod news;
 mod shown;
 
@@ -33,9 +33,6 @@ const LISTEN_S: f64 = 1.0;
 const SETTLE_S: f64 = 2.0;
 /// The printer's state stays away this long after it was heard: the simulation is over or dead `[s]`.
 const LOST_S: f64 = 20.0;
-
-/// Time in which the supervisor tells why a print ended `[s]`: ten of its states.
-const LAST_WORDS_S: f64 = 0.2;
 
 /// The graph as `fdm` sees it.
 pub struct Watch {
@@ -121,8 +118,7 @@ impl Watch {
         loop {
             let now = tokio::select! {
                 now = ticks.next() => now,
-                // With `--stay` the job may have ended long before.
-                () = self.ears.node.shutdown() => return self.finish(self.fate().unwrap_or(Ended::Interrupted)),
+                () = self.ears.node.shutdown() => return self.leave(fleet, &mut ticks).await,
                 () = suspended.asked() => {
                     self.bar.suspend(|| output::note("a print cannot be suspended: it goes on; Ctrl-C ends it"));
                     continue;
@@ -144,21 +140,10 @@ impl Watch {
             let lost = || ((now - heard).0 > LOST_S).then_some(Ended::Lost);
             match self.fate().or_else(lost) {
                 Some(ended) if !self.stay || ended == Ended::Lost => {
-                    return self.last_words(ended, &mut ticks).await;
+                    return self.last_words(ended, fleet, &mut ticks).await;
                 }
                 _ => {}
             }
-        }
-    }
-
-    /// How the job has ended, where it has, and whether that was a person's wish.
-    fn fate(&self) -> Option<Ended> {
-        match self.newest_state.as_ref()?.phase {
-            phase if phase == JobPhase::Done as u8 => Some(Ended::Done),
-            phase if phase == JobPhase::Failed as u8 => {
-                Some(if self.failure.is_wished() { Ended::Stopped } else { Ended::Failed })
-            }
-            _ => None,
         }
     }
 
@@ -176,16 +161,6 @@ impl Watch {
         }
     }
 
-    /// Why it ended may come after the end itself; then whether it was a person's wish.
-    async fn last_words(&mut self, ended: Ended, ticks: &mut Timer) -> Ended {
-        let from = self.ears.node.clock().now();
-        while (self.ears.node.clock().now() - from).0 < LAST_WORDS_S {
-            _ = ticks.next().await;
-            self.listen();
-        }
-        self.finish(if ended == Ended::Lost { ended } else { self.fate().unwrap_or(ended) })
-    }
-
     /// Ends the nodes in order.
     pub async fn stop(&mut self, fleet: &mut Fleet) {
         ending::end(fleet, &self.ears.node).await;
@@ -195,11 +170,6 @@ impl Watch {
     #[must_use]
     pub fn elapsed_s(&self) -> f64 {
         (self.ears.node.clock().now() - self.started).0
-    }
-
-    fn finish(&mut self, ended: Ended) -> Ended {
-        self.bar.finish_and_clear();
-        ended
     }
 
     fn tell(&mut self, happening: Happening) {
