@@ -111,6 +111,8 @@ pub struct MotionTrim {
     pub advance_shear_m: f64,
     /// Flow index of the melt; above 0. Range `[0, 1]`.
     pub advance_index: f64,
+    /// Filament held compressed that no advance pushed: taken off the advance at every feed `[m]`. Range `[0, 0.01]`.
+    pub advance_carried_m: f64,
 }
 
 impl RosType for MotionTrim {

@@ -187,14 +187,14 @@ impl Advance {
         if self.settings.source == AdvanceSource::Planned { self.learning.factor() } else { 1.0 }
     }
 
-    /// A law as it may be sent: within `law_high_s` at the feed at which the supervisor looks.
-    pub(crate) fn bounded(&mut self, law: AdvanceLaw) -> AdvanceLaw {
+    /// Factor on a law so that it may be sent: within `law_high_s` at the feed at which the supervisor looks.
+    pub(crate) fn bound(&mut self, law: AdvanceLaw) -> f64 {
         let (advance_s, high_s) = (law.advance_s(self.settings.law_feed_m_s), self.settings.law_high_s);
         if advance_s <= high_s {
-            return law;
+            return 1.0;
         }
         self.report.bounded += 1;
-        law.scaled(high_s / advance_s)
+        high_s / advance_s
     }
 
     /// The advance to send at `now_s`; `nominal_s` is the material's constant.

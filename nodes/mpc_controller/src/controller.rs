@@ -3,12 +3,14 @@
 use crate::advance::{Advance, Prediction};
 use crate::base::Base;
 use crate::catch_up::CatchUp;
+use crate::clog::Clog;
 use crate::fallback::Ladder;
 use crate::flow_error::FlowError;
 use crate::input::{Estimate, Event, is_valid};
 use crate::nominal::Nominal;
 use crate::params::{Level, Params};
 use crate::qp::{BuildError, Move, Qp, input};
+use crate::roads::Roads;
 use crate::saturation::Saturation;
 use crate::slowing::Slowing;
 use models::command::{Command, ControlHealth};
@@ -57,6 +59,10 @@ pub struct Controller {
     width_s: Option<f64>,
     /// Since when path, width and deposition are steady `[s]`.
     steady_since_s: f64,
+    roads: Roads,
+    clog: Clog,
+    /// Filament that passed the encoder beyond the slicer's feed so far `[m]`.
+    excess_m: f64,
     /// Since when the trims in force differ from the held ones `[s]`.
     differ_since_s: Option<f64>,
     report: Report,
@@ -100,6 +106,9 @@ impl Controller {
             held: [0.0; input::COUNT],
             width_s: None,
             steady_since_s: f64::NEG_INFINITY,
+            roads: Roads::new(),
+            clog: Clog::new(params.clog),
+            excess_m: 0.0,
             differ_since_s: None,
             report: Report::default(),
         })
@@ -114,6 +123,7 @@ impl Controller {
             softened: self.qp.softened(),
             saturated_s: self.saturation.longest_s(),
             base: self.base.error(),
+            force: self.clog.factor(),
             ..self.report
         }
     }
@@ -180,12 +190,17 @@ impl Controller {
         self.balance.on_wanted(status.stamp.0, self.nominal.fed_m());
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
         status.trims.slip.into_iter().for_each(|slip| self.catch_up.on_in_force(status.stamp.0, slip));
-        self.advance.on_status(status, law.map(|law| law.advance()));
+        self.advance.on_status(status, law.map(|law| self.clog.law(law.advance())));
+        self.roads.on_status(status, self.excess_m, self.params.clog.feed_spread);
         if self.status.is_none_or(|before| self.unsteady(&before, status)) {
             self.steady_since_s = status.stamp.0;
         }
         if matches!(status.phase, JobPhase::Idle | JobPhase::Done | JobPhase::Failed) {
             self.rest();
+        }
+        if status.phase == JobPhase::Paused {
+            // Whoever paused it may have cleaned the nozzle.
+            self.clog = Clog::new(self.params.clog);
         }
         self.adopt(status);
         self.slowing.on_status(status.stamp.0, status.trims.speed / (1.0 + self.held[input::SPEED]));
@@ -231,6 +246,7 @@ impl Controller {
         self.base.clear();
         self.transient = Transient::default();
         self.slowing.forget();
+        self.clog = Clog::new(self.params.clog);
         self.flow_error = FlowError::default();
         self.catch_up.open();
         self.balance.open();
@@ -265,6 +281,7 @@ impl Controller {
     }
 }
 
+mod narrowing;
 mod passing;
 mod planning;
 mod preview;

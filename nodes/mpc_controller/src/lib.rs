@@ -17,6 +17,7 @@
 pub mod advance;
 mod base;
 mod catch_up;
+mod clog;
 mod controller;
 #[cfg(feature = "ros")]
 #[doc(hidden)] // for `fdm replay`, which reads and says what the node does
@@ -32,6 +33,7 @@ pub mod params;
 mod pending;
 pub mod qp;
 pub mod reference;
+mod roads;
 mod saturation;
 mod slowing;
 pub mod trims;

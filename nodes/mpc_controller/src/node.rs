@@ -192,7 +192,7 @@ impl Schedule {
             session: node.session(),
             sequence: 0,
             validity: Seconds(params.advance.schedule_validity_s),
-            trim: MotionTrim { sequence: 0, flow: 1.0, speed: 1.0, advance },
+            trim: MotionTrim { sequence: 0, flow: 1.0, speed: 1.0, advance, carried_m: 0.0 },
         };
         Ok(Self { outlet: node.publish_on(&topics::CONTROL_SCHEDULE)?, newest })
     }
@@ -277,6 +277,7 @@ fn show(diagnostics: &Diagnostics, report: &Report) {
     diagnostics.set("advance_hurried", report.advance.hurried);
     diagnostics.set("advance_bounded", report.advance.bounded);
     diagnostics.set("advance_learnt", format_args!("{:.3}", report.advance.learnt));
+    diagnostics.set("melt_force", format_args!("{:.2}", report.force));
     diagnostics.set("flow_error", format_args!("{:.4}", report.flow_error));
     diagnostics.set("base", format_args!("{:.4}", report.base));
     diagnostics.set("gain_error", format_args!("{:.4}", report.gain_error));

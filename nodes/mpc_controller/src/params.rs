@@ -94,6 +94,8 @@ pub struct RawParams {
     pub slip: RawSlip,
     /// Pressure advance.
     pub advance: RawAdvance,
+    /// A nozzle that narrows.
+    pub clog: RawClog,
     /// Switching without a bump.
     pub bumpless: RawBumpless,
 }
@@ -244,6 +246,7 @@ impl TryFrom<RawParams> for Params {
         check::trims(&raw.trims)?;
         check::slip(&raw.slip)?;
         raw.advance.check()?;
+        raw.clog.check()?;
         in_range("bumpless.adopt_s", raw.bumpless.adopt_s, "s", (0.0, 10.0))?;
         in_range("bumpless.tolerance", raw.bumpless.tolerance, "-", (0.0, 0.1))?;
         in_range("bumpless.flow_min_rel", raw.bumpless.flow_min_rel, "-", (0.0, 1.0))?;
@@ -256,9 +259,11 @@ impl TryFrom<RawParams> for Params {
 
 mod advance;
 mod check;
+mod clog;
 mod health;
 mod loops;
 
+pub use clog::RawClog;
 pub use health::RawHealth;
 pub use loops::{RawBase, RawBumpless, RawSlip, RawTrims};
 

@@ -58,12 +58,17 @@ impl Slowing {
     /// A road whose section was off by `error` at `exposed_s` `[-]`, by a dip that passes. A dip begins where more than
     /// `least` lacks: what the noise of widths makes of a sound road is less.
     pub(crate) fn on_section(&mut self, exposed_s: f64, error: f64, least: f64, band: &RawDeadband) {
-        let later = self.in_force.partition_point(|(stamp_s, _)| *stamp_s <= exposed_s);
-        let factor = later.checked_sub(1).map_or(1.0, |index| self.in_force[index].1);
-        let lacking = 1.0 - (1.0 + error) * factor;
+        let lacking = self.lacking(exposed_s, error);
         if self.lacking != 0.0 || lacking.abs() > least {
             (self.lacking, self.at_s) = (band.relative(lacking), exposed_s);
         }
+    }
+
+    /// Share of the flow that lacked at `exposed_s` in a road whose section was off by `error`, at the speed in force then `[-]`.
+    pub(crate) fn lacking(&self, exposed_s: f64, error: f64) -> f64 {
+        let later = self.in_force.partition_point(|(stamp_s, _)| *stamp_s <= exposed_s);
+        let factor = later.checked_sub(1).map_or(1.0, |index| self.in_force[index].1);
+        1.0 - (1.0 + error) * factor
     }
 
     /// Moves on to `now_s`, within `range` and by `most` at most, the part of it taken that the plan's speed `planned` has

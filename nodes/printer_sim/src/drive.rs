@@ -55,8 +55,8 @@ use window::Window;
 /// What the advance follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Goal {
-    /// `K_A` times the feed of now `[s]`.
-    Now(f64),
+    /// `K_A` times the feed of now `[s]`, less what is held without it `[m]`.
+    Now(f64, f64),
     /// Filament to be held compressed half a window from now `[m]`.
     Ahead(f64),
 }
@@ -121,8 +121,8 @@ impl Drive {
         let into_roads_m_s = feed.deposited_m_s * trims.flow;
         let before_m = self.advance_m;
         match goal {
-            Goal::Now(advance_s) => {
-                let goal_m = advance_s * into_roads_m_s;
+            Goal::Now(advance_s, carried_m) => {
+                let goal_m = advance_s * into_roads_m_s - carried_m;
                 let share = 1.0 - (-dt_s / self.settings.advance_smooth_s).exp();
                 self.advance_m += (goal_m - before_m) * share;
                 self.window = None;
@@ -201,7 +201,7 @@ mod tests {
         let mut delivered_m = 0.0;
         for _ in 0..1000 {
             delivered_m +=
-                (1.0 - slip) * drive.step(DEPOSIT, trims, Goal::Now(0.0), (delivered_m, 1e-3)) * 1e-3;
+                (1.0 - slip) * drive.step(DEPOSIT, trims, Goal::Now(0.0, 0.0), (delivered_m, 1e-3)) * 1e-3;
         }
         (drive.wanted_m(), drive.motor_m(), delivered_m)
     }
@@ -230,7 +230,8 @@ mod tests {
             let mut drive = Drive::new(SETTINGS, host);
             let (mut delivered_m, mut last) = (0.0, 0.0);
             for _ in 0..10_000 {
-                delivered_m += 0.91 * drive.step(DEPOSIT, &trims, Goal::Now(0.0), (delivered_m, 1e-3)) * 1e-3;
+                delivered_m +=
+                    0.91 * drive.step(DEPOSIT, &trims, Goal::Now(0.0, 0.0), (delivered_m, 1e-3)) * 1e-3;
                 last = drive.wanted_m() - delivered_m;
             }
             last
@@ -248,7 +249,7 @@ mod tests {
         let (mut delivered_m, mut before_m) = (0.0, 0.0);
         for step in 0..10_000 {
             before_m = if step == 9_000 { delivered_m } else { before_m };
-            delivered_m += 0.7 * drive.step(DEPOSIT, &trims, Goal::Now(0.0), (delivered_m, 1e-3)) * 1e-3;
+            delivered_m += 0.7 * drive.step(DEPOSIT, &trims, Goal::Now(0.0, 0.0), (delivered_m, 1e-3)) * 1e-3;
         }
         let shortfall_m = (0.3 * 2e-3 + 2e-4 / 0.7) / (0.7 * 1.5 + 1.0 / 0.7);
         let expected_m = 2e-3 - (shortfall_m - 2e-4) / 0.7;
@@ -259,11 +260,11 @@ mod tests {
     fn advance_displaces_by_k_times_the_feed_and_is_withdrawn_at_the_end() {
         let mut drive = Drive::new(SETTINGS, HostProfile::Native);
         for _ in 0..500 {
-            drive.step(DEPOSIT, &Trims::NEUTRAL, Goal::Now(0.5), (0.0, 1e-3));
+            drive.step(DEPOSIT, &Trims::NEUTRAL, Goal::Now(0.5, 0.0), (0.0, 1e-3));
         }
         assert!((drive.wanted_m() - (1e-3 + 0.5 * 2e-3)).abs() < 1e-9);
         for _ in 0..500 {
-            drive.step(Feed::default(), &Trims::NEUTRAL, Goal::Now(0.5), (0.0, 1e-3));
+            drive.step(Feed::default(), &Trims::NEUTRAL, Goal::Now(0.5, 0.0), (0.0, 1e-3));
         }
         assert!((drive.wanted_m() - 1e-3).abs() < 1e-9);
     }
@@ -272,8 +273,12 @@ mod tests {
     fn a_retraction_is_neither_trimmed_nor_compensated() {
         let mut drive = Drive::new(SETTINGS, HostProfile::Native);
         let trims = Trims { flow: 1.2, slip: Some(0.3), ..Trims::NEUTRAL };
-        let speed =
-            drive.step(Feed { deposited_m_s: 0.0, other_m_s: -0.035 }, &trims, Goal::Now(0.5), (-1.0, 1e-3));
+        let speed = drive.step(
+            Feed { deposited_m_s: 0.0, other_m_s: -0.035 },
+            &trims,
+            Goal::Now(0.5, 0.0),
+            (-1.0, 1e-3),
+        );
         assert!((speed + 0.035).abs() < 1e-12);
     }
     /// 20 mm at 5 mm/s, of which the gear loses half: the loop would push twice as hard, and grind.
@@ -284,7 +289,7 @@ mod tests {
         let purge = Feed { deposited_m_s: 0.0, other_m_s: 5e-3 };
         let mut push = |feed, ms: u32| {
             let speeds =
-                (0..ms).map(|_| drive.step(feed, &trims, Goal::Now(0.0), (0.5 * drive.motor_m(), 1e-3)));
+                (0..ms).map(|_| drive.step(feed, &trims, Goal::Now(0.0, 0.0), (0.5 * drive.motor_m(), 1e-3)));
             speeds.last().unwrap_or_default()
         };
         assert!(push(purge, 1_000) > 6e-3, "a prime is compensated");

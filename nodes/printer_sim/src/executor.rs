@@ -31,6 +31,8 @@ enum Queued {
 pub struct Coming {
     /// The number.
     pub sequence: u64,
+    /// Its start on the slicer's plan `[s]`.
+    pub start_s: f64,
     /// The move.
     pub segment: Box<Segment>,
 }
@@ -188,7 +190,7 @@ impl Executor {
                 self.act(action, line);
                 false
             }
-            Some(Queued::Move(Coming { sequence, segment })) => {
+            Some(Queued::Move(Coming { sequence, segment, .. })) => {
                 self.queued_s = (self.queued_s - segment.profile.duration().0).max(0.0);
                 self.started = true;
                 self.line = segment.line;

@@ -265,12 +265,11 @@ impl Shell {
                 let path_time_s = self.simulator.truth().path_time_s;
                 outlets.motion.send(wire::motion_to_wire(start, path_time_s, self.segments, &segment))
             }
-            Output::Coming { stamp, sequence, segment } => {
+            Output::Coming { stamp, sequence, start_s, segment } => {
                 // Numbered as the moves that begin; nobody asks where nothing can be attached.
-                let path_time_s = self.simulator.truth().path_time_s;
                 let number = sequence.saturating_add(1);
                 !self.simulator.schedules()
-                    || outlets.coming.send(wire::motion_to_wire(stamp, path_time_s, number, &segment))
+                    || outlets.coming.send(wire::motion_to_wire(stamp, start_s, number, &segment))
             }
             Output::Note { stamp, text } => {
                 tracing::info!("{text}");

@@ -62,6 +62,8 @@ pub enum Output {
         stamp: Seconds,
         /// Its number, counted from the start of the print.
         sequence: u64,
+        /// Its start on the slicer's plan `[s]`.
+        start_s: f64,
         /// The move.
         segment: Box<Segment>,
     },

@@ -96,6 +96,8 @@ pub struct Simulator {
     roads: Roads,
     schedule_gate: ScheduleGate,
     scheduled: bool,
+    /// Filament that is held without an advance that pushed it, as the newest move under way has it `[m]`.
+    carried_m: f64,
     link: Option<Link>,
     /// Sum of the duty since the last status of a slow host, and the number of its steps.
     duty: (f64, f64),
@@ -163,6 +165,7 @@ impl Simulator {
             roads: Roads::NONE,
             schedule_gate: ScheduleGate::new(Seconds(host.executor.schedule_validity_max_s)),
             scheduled: false,
+            carried_m: 0.0,
             link: host.firmware.effect_s.map(|effect_s| Link::new(effect_s, Noise::new(seed, 7))),
             score: Score::new(params.quality),
             truth: Truth::default(),
@@ -213,8 +216,8 @@ impl Simulator {
         self.motion = self.executor.step(dt, &around, |segment, into| {
             outputs.push_back(Output::Motion { start: start + into, segment: Box::new(*segment) });
         });
-        for Coming { sequence, segment } in self.executor.take_coming() {
-            self.outputs.push_back(Output::Coming { stamp: self.now, sequence, segment });
+        for Coming { sequence, start_s, segment } in self.executor.take_coming() {
+            self.outputs.push_back(Output::Coming { stamp: self.now, sequence, start_s, segment });
         }
         self.toolhead.home(self.motion.homing);
         self.feel(dt);

@@ -82,6 +82,8 @@ pub struct ScheduleParams {
     pub advance_max_s: f64,
     /// Feed of the filament at which that is taken `[m/s]`.
     pub feed_m_s: f64,
+    /// Most filament that may be said to be held without an advance that pushed it `[m]`.
+    pub carried_max_m: f64,
 }
 
 impl ScheduleParams {
@@ -94,7 +96,8 @@ impl ScheduleParams {
     fn check(&self) -> Result<(), ParamError> {
         in_range("envelope.schedule.validity_max_s", self.validity_max_s, "s", (0.05, 60.0))?;
         in_range("envelope.schedule.advance_max_s", self.advance_max_s, "s", (0.0, 5.0))?;
-        in_range("envelope.schedule.feed_m_s", self.feed_m_s, "m/s", (1e-5, 0.1)).map(drop)
+        in_range("envelope.schedule.feed_m_s", self.feed_m_s, "m/s", (1e-5, 0.1))?;
+        in_range("envelope.schedule.carried_max_m", self.carried_max_m, "m", (0.0, 0.01)).map(drop)
     }
 }
 

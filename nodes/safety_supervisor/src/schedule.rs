@@ -42,9 +42,13 @@ impl Schedule {
         }
         let far = advance_s > self.params.advance_max_s;
         if far {
-            trim.advance = trim.advance.scaled(self.params.advance_max_s / advance_s);
+            let factor = self.params.advance_max_s / advance_s;
+            trim.advance = trim.advance.scaled(factor);
+            trim.carried_m *= factor;
         }
-        let moved = far || kept.changed.any();
+        let heavy = trim.carried_m > self.params.carried_max_m;
+        trim.carried_m = trim.carried_m.min(self.params.carried_max_m);
+        let moved = far || heavy || kept.changed.any();
         self.clamped = self.clamped.saturating_add(u64::from(moved));
         (trim.flow, trim.speed) = (kept.trims.flow, kept.trims.speed);
         Ok((Scheduled { trim, ..scheduled }, moved))

@@ -16,7 +16,7 @@ const FEED_M_S: f64 = 2e-3;
 
 fn wish(sequence: u64) -> Scheduled {
     let advance = AdvanceLaw { linear_s: 0.3, shear: 0.01, index: 0.4 };
-    let trim = MotionTrim { sequence: sequence + 40, flow: 1.05, speed: 0.9, advance };
+    let trim = MotionTrim { sequence: sequence + 40, flow: 1.05, speed: 0.9, advance, carried_m: 2e-3 };
     Scheduled { session: CONTROLLER, sequence, validity: Seconds(5.0), trim }
 }
 
@@ -54,21 +54,34 @@ fn in_any_other_mode_nothing_goes_on() {
     assert_eq!(offer(&mut print, wish(1)), None);
 }
 
-/// K6: what lies outside comes inside: flow and speed, and both parts of the law by the same factor. Three in a second
+/// K6: what lies outside comes inside: flow and speed, and all parts of the law by the same factor. Three in a second
 /// degrade, as commands do.
 #[test]
 fn k6_a_schedule_out_of_the_envelope_is_clamped_and_degrades() {
     let mut print = Print::acting();
     let far = AdvanceLaw { linear_s: 3.0, shear: 0.1, index: 0.4 };
-    let trim = MotionTrim { sequence: 1, flow: 3.0, speed: 0.1, advance: far };
+    let trim = MotionTrim { sequence: 1, flow: 3.0, speed: 0.1, advance: far, carried_m: 3e-3 };
+    let factor = 4.0 / far.advance_s(FEED_M_S);
     for sequence in 1..=3 {
         let sent = offer(&mut print, Scheduled { trim, ..wish(sequence) }).unwrap().trim;
         assert_eq!((sent.flow, sent.speed), (1.25, 0.7));
-        assert!((sent.advance.advance_s(FEED_M_S) - 2.6).abs() < 1e-9, "{:?}", sent.advance);
+        assert!((sent.advance.advance_s(FEED_M_S) - 4.0).abs() < 1e-9, "{:?}", sent.advance);
         assert!((sent.advance.linear_s / sent.advance.shear - 30.0).abs() < 1e-9, "{:?}", sent.advance);
+        assert!((sent.carried_m - 3e-3 * factor).abs() < 1e-12, "{} m", sent.carried_m);
     }
     print.step();
     assert_eq!((print.mode(), print.output.state.clamped_schedule), (Mode::Degraded, 3));
+}
+
+/// K6: more than any clog leaves in a nozzle is not held.
+#[test]
+fn k6_nobody_carries_more_than_a_nozzle_holds() {
+    let mut print = Print::acting();
+    let trim = MotionTrim { carried_m: 9e-3, ..wish(1).trim };
+    let sent = offer(&mut print, Scheduled { trim, ..wish(1) }).unwrap().trim;
+    assert_eq!(sent, MotionTrim { carried_m: 4e-3, ..trim });
+    print.step();
+    assert_eq!(print.output.state.clamped_schedule, 1);
 }
 
 /// C8: out of order, of a publisher without a command in force, longer than may be; and of one that is not finite

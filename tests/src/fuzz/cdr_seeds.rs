@@ -94,7 +94,7 @@ fn control() -> Vec<Vec<u8>> {
     let (mode, request) = (Mode::Act, Request::Run);
     let permit = Permit { session, sequence, validity: Seconds(0.25), mode, request, trims: TRIMS };
     let advance = AdvanceLaw { linear_s: 0.1, shear: 1e-3, index: 0.4 };
-    let trim = MotionTrim { sequence: 42, flow: 1.05, speed: 0.9, advance };
+    let trim = MotionTrim { sequence: 42, flow: 1.05, speed: 0.9, advance, carried_m: 1e-3 };
     vec![
         seed(&wire::command_to_wire(NOW, &command)),
         seed(&wire::permit_to_wire(NOW, &permit)),

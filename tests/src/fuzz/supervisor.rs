@@ -149,7 +149,8 @@ fn scheduled(values: &mut Values<'_>) -> Scheduled {
     let advance = AdvanceLaw { linear_s: values.number(), shear: values.number(), index: values.number() };
     let (sequence, flow, speed) = (values.whole(), values.number(), values.number());
     let validity = Seconds(values.number());
-    Scheduled { session, sequence, validity, trim: MotionTrim { sequence, flow, speed, advance } }
+    let carried_m = values.number();
+    Scheduled { session, sequence, validity, trim: MotionTrim { sequence, flow, speed, advance, carried_m } }
 }
 
 fn vision(values: &mut Values<'_>) -> VisionReport {

@@ -65,6 +65,12 @@ impl AdvanceHandover {
         self.shares.iter().any(|share| *share >= 1.0)
     }
 
+    /// Share of trims of coming moves in it `[-]`.
+    #[must_use]
+    pub fn scheduled(&self) -> f64 {
+        self.shares[SCHEDULE]
+    }
+
     /// `K_A` in force at a feed `[m/s]` `[s]`; at rest the linear parts alone.
     #[must_use]
     pub fn advance_s(&self, feed_m_s: f64) -> f64 {
@@ -124,6 +130,7 @@ mod tests {
                 handover.step(of, FILE_S, WITHIN, STEP);
                 let now_s = handover.advance_s(FEED_M_S);
                 assert!((now_s - before_s).abs() <= 0.4 * 1e-3 / 2.0 + 1e-12, "{before_s} {now_s}");
+                assert!((0.0..=1.0).contains(&handover.scheduled()));
                 before_s = now_s;
             }
         }
@@ -137,6 +144,7 @@ mod tests {
         assert!((handover.advance_s(FEED_M_S) - 0.3).abs() < 1e-12);
         assert!((handover.advance_s(0.0) - 0.3).abs() < 1e-12);
         handover.step(AdvanceOf::Schedule(Some(AdvanceLaw::constant(0.6))), 0.3, AT_ONCE, STEP);
+        assert!((handover.scheduled() - 1.0).abs() < 1e-15);
         handover.step(AdvanceOf::Schedule(None), 0.3, WITHIN, STEP);
         assert!((handover.advance_s(FEED_M_S) - 0.6).abs() < 1e-12);
     }

@@ -15,6 +15,9 @@ pub struct MotionTrim {
     pub speed: f64,
     /// Pressure advance over the move's speed.
     pub advance: AdvanceLaw,
+    /// Filament that is held compressed already without an advance that pushed it `[m]`, 0 or more: a nozzle that narrows takes
+    /// it from the roads. The advance is less by it at every feed, and after the move too: at rest it is drawn back.
+    pub carried_m: f64,
 }
 
 /// Pressure advance over the feed `u`: `K_A(u) = K_lin + a u^(n-1)`, so that `x = K_A u` is held compressed.
@@ -75,7 +78,8 @@ impl MotionTrim {
     #[must_use]
     pub fn is_valid(&self) -> bool {
         let positive = |value: f64| value.is_finite() && value > 0.0;
-        positive(self.flow) && positive(self.speed) && self.advance.is_valid()
+        let carried = self.carried_m.is_finite() && self.carried_m >= 0.0;
+        positive(self.flow) && positive(self.speed) && self.advance.is_valid() && carried
     }
 }
 
@@ -150,7 +154,7 @@ mod tests {
 
     fn scheduled(session: u64, sequence: u64) -> Scheduled {
         let advance = AdvanceLaw { linear_s: 0.4, shear: 1e-3, index: 0.4 };
-        let trim = MotionTrim { sequence: 9, flow: 1.0, speed: 1.0, advance };
+        let trim = MotionTrim { sequence: 9, flow: 1.0, speed: 1.0, advance, carried_m: 0.0 };
         Scheduled { session, sequence, validity: Seconds(5.0), trim }
     }
 
@@ -198,7 +202,7 @@ mod tests {
     #[test]
     fn what_is_not_physical_is_no_trim() {
         let law = AdvanceLaw { linear_s: 0.4, shear: 1e-3, index: 0.4 };
-        let trim = MotionTrim { sequence: 1, flow: 1.0, speed: 1.0, advance: law };
+        let trim = MotionTrim { sequence: 1, flow: 1.0, speed: 1.0, advance: law, carried_m: 1e-3 };
         assert!(trim.is_valid());
         for broken in [f64::NAN, -1.0, f64::INFINITY] {
             assert!(!MotionTrim { flow: broken, ..trim }.is_valid());
@@ -206,6 +210,7 @@ mod tests {
             assert!(!MotionTrim { advance: AdvanceLaw { linear_s: broken, ..law }, ..trim }.is_valid());
             assert!(!MotionTrim { advance: AdvanceLaw { shear: broken, ..law }, ..trim }.is_valid());
             assert!(!MotionTrim { advance: AdvanceLaw { index: broken, ..law }, ..trim }.is_valid());
+            assert!(!MotionTrim { carried_m: broken, ..trim }.is_valid());
         }
     }
 }

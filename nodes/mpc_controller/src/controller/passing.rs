@@ -13,7 +13,12 @@ impl Controller {
         if error.abs() > self.params.trims.transient {
             self.transient.on_error(at_s, error, self.fade_s());
         }
-        self.transient.rest(at_s, self.fade_s()) > self.params.deadband.start
+        self.passes(at_s)
+    }
+
+    /// Whether a dip has not passed yet.
+    pub(super) fn passes(&self, at_s: f64) -> bool {
+        self.transient.rest(at_s, self.fade_s()).max(self.clog.rest(at_s)) > self.params.deadband.start
     }
 
     /// A width error while a dip passes. Where corners are not planned their widths are off by as much.

@@ -25,6 +25,7 @@ impl Controller {
         }
         let before_s = self.width_s.replace(exposed.0);
         self.advance.on_width(exposed, width_m);
+        self.look_for_clog(exposed, width_m);
         let Some(status) = self.status else { return };
         let target_m = status.target_width_m.filter(|_| status.depositing);
         let steady = exposed.0 >= self.steady_since_s + self.params.trims.steady_s;
@@ -61,9 +62,8 @@ impl Controller {
     /// Learns what is the spool's own, where nothing else passes through the nozzle. Without an encoder the gain is that of
     /// gear and road together: a slip would be taken for the spool's.
     pub(super) fn calibrate(&mut self, status: &PrinterStatus, estimate: &Estimate, dt_s: f64) {
-        let passing = self.transient.rest(estimate.stamp.0, self.fade_s()) > self.params.deadband.start;
         let sound = self.ladder.health() == ControlHealth::Sound;
-        let told = sound && estimate.encoder_alive && !passing;
+        let told = sound && estimate.encoder_alive && !self.passes(estimate.stamp.0);
         if self.params.control == Level::Mpc && told && status.depositing {
             self.base.on_gain(estimate.gain, dt_s);
         }
@@ -136,8 +136,13 @@ impl Controller {
 
     /// Highest feed that the drive's force allows `[m/s]`: what widths tell of the melt's force lowers it.
     pub(super) fn feed_max_m_s(&self, estimate: &Estimate) -> f64 {
+        self.feed_max_at(estimate, self.advance.stiffness())
+    }
+
+    /// The same where the melt's force is `stiffness` times the nominal one.
+    pub(super) fn feed_max_at(&self, estimate: &Estimate, stiffness: f64) -> f64 {
         let melt = &self.printer.melt;
-        let margin = self.params.limits.force_margin / self.advance.stiffness().max(1.0);
+        let margin = self.params.limits.force_margin / stiffness.max(1.0);
         let ambient = Kelvin(self.params.ambient_k);
         melt.flow_max_m3_s(estimate.nozzle, ambient, margin) / melt.filament_area_m2()
     }
@@ -157,6 +162,7 @@ impl Controller {
         if estimate.encoder_alive {
             let planned_m_s = status.planned_feed_m_s.max(0.0) * self.base.feed();
             let excess_m = self.balance.take_excess_m();
+            self.excess_m += excess_m;
             if self.is_made_up_for(status, estimate) {
                 let most = self.params.limits.feed;
                 let fed = moves_of(&status.trims, self.base.feed())[input::FEED].clamp(-most, most);

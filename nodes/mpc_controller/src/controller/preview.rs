@@ -22,14 +22,22 @@ impl Controller {
         }
         let (flow, in_force) = self.scheduled();
         let speed = self.pace_of(now, segment);
-        let advance = match self.params.advance.source {
+        let (advance, carried_m) = match self.params.advance.source {
             AdvanceSource::Planned => {
-                self.advance.with_learnt(self.melt_law(now, segment, flow * in_force * speed)?)
+                let sound = self.melt_law(now, segment, flow * in_force * speed)?;
+                (self.advance.with_learnt(self.clog.law(sound)), self.clog.carried_m())
             }
-            AdvanceSource::Predicted => self.advance.law(now.0)?,
+            AdvanceSource::Predicted => (self.advance.law(now.0)?, 0.0),
             AdvanceSource::None | AdvanceSource::File | AdvanceSource::Material => return None,
         };
-        let trim = MotionTrim { sequence, flow, speed, advance: self.advance.bounded(advance) };
+        let bound = self.advance.bound(advance);
+        let trim = MotionTrim {
+            sequence,
+            flow,
+            speed,
+            advance: advance.scaled(bound),
+            carried_m: carried_m * bound,
+        };
         trim.is_valid().then(|| {
             self.report.scheduled += 1;
             trim
@@ -43,7 +51,8 @@ impl Controller {
             return 1.0;
         };
         let fastest_m_s = segment.filament_per_path() * segment.profile.cruise_m_s * self.base.feed();
-        let most = self.feed_max_m_s(&estimate) / fastest_m_s;
+        let stiffness = self.advance.stiffness() * self.clog.factor();
+        let most = self.feed_max_at(&estimate, stiffness) / fastest_m_s;
         if most.is_finite() { most.clamp(1.0 + self.params.limits.speed_low, 1.0) } else { 1.0 }
     }
 

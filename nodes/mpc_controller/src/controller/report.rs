@@ -31,6 +31,8 @@ pub struct Report {
     pub gain_error: f64,
     /// Temperature error of the last solve `[K]`.
     pub temperature_error_k: f64,
+    /// Melt's force over that of a sound nozzle, as laws of coming moves have it `[-]`.
+    pub force: f64,
     /// Filament still owed by a host without a loop `[m]`.
     pub shortfall_m: f64,
     /// Pressure advance.

@@ -23,6 +23,7 @@ struct Node {
 mod force;
 mod frames;
 mod health;
+mod narrowing;
 mod preview;
 mod rig;
 mod storm;

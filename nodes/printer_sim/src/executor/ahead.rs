@@ -1,7 +1,7 @@
 //! Looking ahead: what moves are coming, and the filament that their roads will hold compressed.
 
 use super::{Active, Coming, Executor, Queued, Surroundings, Wait};
-use models::command::{AdvanceLaw, MotionTrim, Trims};
+use models::command::{MotionTrim, Trims};
 use models::motion::{MoveKind, Segment, Step};
 use models::units::Seconds;
 
@@ -11,8 +11,8 @@ const SCHEDULED: usize = 1024;
 /// What the schedule says of a moment ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ahead {
-    /// Filament that is to be held compressed then `[m]`, and the law that it follows.
-    Advance(f64, AdvanceLaw),
+    /// Filament that is to be held compressed then `[m]`, and the trim that says so.
+    Advance(f64, MotionTrim),
     /// No road is laid then, whatever is scheduled.
     NoRoad,
     /// A road without a trim of its own.
@@ -48,8 +48,9 @@ impl Executor {
                     self.queue.push_back(Queued::Act(action, line));
                 }
                 Some(Step::Move(segment)) => {
+                    let start_s = self.known_until_s();
                     self.queued_s += segment.profile.duration().0;
-                    let coming = Coming { sequence: self.entered, segment: Box::new(segment) };
+                    let coming = Coming { sequence: self.entered, start_s, segment: Box::new(segment) };
                     self.entered += 1;
                     self.coming.push(coming.clone());
                     self.queue.push_back(Queued::Move(coming));
@@ -57,11 +58,15 @@ impl Executor {
             }
         }
         if self.is_serial() {
-            let left = |active: &Active| active.segment.profile.duration().0 - active.elapsed_s;
-            let known_s = self.active.as_ref().map_or(0.0, left) + self.queued_s;
-            let plan_s = (self.path_time_s, self.path_time_s + known_s);
+            let plan_s = (self.path_time_s, self.known_until_s());
             self.carried.send(plan_s, (span_s, self.settings.serial_piece_s), &around.trims);
         }
+    }
+
+    /// End of the last move that is known, on the slicer's plan `[s]`.
+    fn known_until_s(&self) -> f64 {
+        let left = |active: &Active| active.segment.profile.duration().0 - active.elapsed_s;
+        self.path_time_s + self.active.as_ref().map_or(0.0, left) + self.queued_s
     }
 
     /// Moves that have become known since the last call.
@@ -124,7 +129,7 @@ impl Executor {
         }
         for queued in &self.queue {
             match queued {
-                Queued::Move(Coming { sequence, segment }) => {
+                Queued::Move(Coming { sequence, segment, .. }) => {
                     let duration_s = segment.profile.duration().0;
                     let own = self.own_pace(*sequence);
                     if own * left_s <= duration_s {
@@ -149,6 +154,6 @@ impl Executor {
         };
         let feed_m_s = segment.filament_per_path() * segment.profile.at(Seconds(at_s)).speed_m_s * scale;
         let held_m = trim.advance.held_m(feed_m_s).min(self.settings.schedule_advance_max_s * feed_m_s);
-        Ahead::Advance(held_m, trim.advance)
+        Ahead::Advance(held_m, *trim)
     }
 }

@@ -92,8 +92,11 @@ impl Simulator {
             Ahead::NoRoad => acts && self.scheduled,
             Ahead::Unscheduled => false,
         };
+        if let (Ahead::Advance(_, trim), true) = (ahead, self.scheduled) {
+            self.carried_m = trim.carried_m;
+        }
         let of = match (ahead, trims.advance_s) {
-            (Ahead::Advance(_, law), _) if self.scheduled => AdvanceOf::Schedule(Some(law)),
+            (Ahead::Advance(_, trim), _) if self.scheduled => AdvanceOf::Schedule(Some(trim.advance)),
             _ if self.scheduled => AdvanceOf::Schedule(None),
             (_, Some(advance_s)) => AdvanceOf::Permit(advance_s),
             (_, None) => AdvanceOf::File,
@@ -107,10 +110,13 @@ impl Simulator {
         }
         let handed_s = self.handover.advance_s(feed_m_s);
         self.advance_s = if self.scheduled { trims.advance_s.unwrap_or(sliced_s) } else { handed_s };
+        let carried_m = self.handover.scheduled() * self.carried_m;
         match ahead {
-            Ahead::Advance(held_m, _) if self.scheduled && self.handover.is_settled() => Goal::Ahead(held_m),
-            Ahead::NoRoad if self.scheduled && self.handover.is_settled() => Goal::Ahead(0.0),
-            _ => Goal::Now(handed_s),
+            Ahead::Advance(held_m, _) if self.scheduled && self.handover.is_settled() => {
+                Goal::Ahead(held_m - carried_m)
+            }
+            Ahead::NoRoad if self.scheduled && self.handover.is_settled() => Goal::Ahead(-carried_m),
+            _ => Goal::Now(handed_s, carried_m),
         }
     }
 

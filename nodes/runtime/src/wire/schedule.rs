@@ -11,6 +11,9 @@ const SHEAR: (f64, f64) = (0.0, 10.0);
 /// Flow index of the melt `[-]`.
 const INDEX: (f64, f64) = (0.0, 1.0);
 
+/// Filament that is held without an advance that pushed it `[m]`.
+const CARRIED_M: (f64, f64) = (0.0, 0.01);
+
 /// A trim of a coming move.
 ///
 /// # Errors
@@ -31,6 +34,7 @@ pub fn schedule_from_wire(wire: &Message) -> Result<Scheduled, WireError> {
             flow: within("flow_factor", wire.flow_factor, FACTOR)?,
             speed: within("speed_factor", wire.speed_factor, FACTOR)?,
             advance,
+            carried_m: within("advance_carried_m", wire.advance_carried_m, CARRIED_M)?,
         },
     })
 }
@@ -50,6 +54,7 @@ pub fn schedule_to_wire(now: Seconds, scheduled: &Scheduled) -> Message {
         advance_linear_s: trim.advance.linear_s,
         advance_shear_m: trim.advance.shear,
         advance_index: trim.advance.index,
+        advance_carried_m: trim.carried_m,
     }
 }
 
@@ -59,7 +64,7 @@ mod tests {
 
     fn scheduled() -> Scheduled {
         let advance = AdvanceLaw { linear_s: 0.4, shear: 2e-3, index: 0.4 };
-        let trim = MotionTrim { sequence: 0, flow: 1.1, speed: 0.9, advance };
+        let trim = MotionTrim { sequence: 0, flow: 1.1, speed: 0.9, advance, carried_m: 1.5e-3 };
         Scheduled { session: 7, sequence: 3, validity: Seconds(5.0), trim }
     }
 
@@ -73,13 +78,15 @@ mod tests {
     #[test]
     fn what_cannot_be_is_refused_by_name() {
         type Poison = fn(&mut Message);
-        let poisons: [(&str, Poison); 7] = [
+        let poisons: [(&str, Poison); 9] = [
             ("validity_s", |wire| wire.validity_s = f64::NAN),
             ("flow_factor", |wire| wire.flow_factor = 11.0),
             ("speed_factor", |wire| wire.speed_factor = f64::INFINITY),
             ("advance_linear_s", |wire| wire.advance_linear_s = -0.1),
             ("advance_shear_m", |wire| wire.advance_shear_m = f64::NAN),
             ("advance_index", |wire| wire.advance_index = 1.1),
+            ("advance_carried_m", |wire| wire.advance_carried_m = -1e-4),
+            ("advance_carried_m", |wire| wire.advance_carried_m = f64::NAN),
             ("segment", |wire| wire.segment = 0),
         ];
         for (field, poison) in poisons {

@@ -6,8 +6,8 @@ use models::motion::Segment;
 use models::units::Seconds;
 
 impl Printing {
-    /// A move is known: the printer gets what the supervisor lets through of the controller's trim of it, where there is one.
-    pub(super) fn foresee(&mut self, now: Seconds, coming: (Seconds, u64), segment: &Segment) {
+    /// A move is known, told when, and with its start on the slicer's plan `[s]` and number: the printer gets what the supervisor lets through of the controller's trim of it, where there is one.
+    pub(super) fn foresee(&mut self, now: Seconds, coming: (Seconds, f64, u64), segment: &Segment) {
         if !self.simulator.schedules() {
             return;
         }
@@ -26,7 +26,11 @@ impl Printing {
         _ = self.simulator.on_scheduled(&allowed);
     }
 
-    fn wish_ahead(&mut self, (stamp, sequence): (Seconds, u64), segment: &Segment) -> Option<Scheduled> {
+    fn wish_ahead(
+        &mut self,
+        (stamp, _, sequence): (Seconds, f64, u64),
+        segment: &Segment,
+    ) -> Option<Scheduled> {
         let trim = self.controller.on_coming(stamp, sequence, segment)?;
         self.scheduled += 1;
         let validity = self.schedule_validity;
@@ -37,12 +41,11 @@ impl Printing {
     fn wish_ahead_by_wire(
         &mut self,
         now: Seconds,
-        (stamp, sequence): (Seconds, u64),
+        (stamp, start_s, sequence): (Seconds, f64, u64),
         segment: &Segment,
     ) -> Option<Scheduled> {
-        let path_time_s = self.simulator.truth().path_time_s;
         let bagging = self.bagging.as_mut()?;
-        let (sequence, segment) = bagging.coming(now, (stamp, path_time_s), (sequence, segment))?;
+        let (sequence, segment) = bagging.coming(now, (stamp, start_s), (sequence, segment))?;
         let trim = self.controller.on_coming(now, sequence, &segment)?;
         bagging.wish_ahead(now, self.schedule_validity, trim)
     }

@@ -47,8 +47,8 @@ impl Printing {
                 }
             }
             Output::Motion { start, segment } => self.move_on(now, start, *segment),
-            Output::Coming { stamp, sequence, segment } => {
-                self.foresee(now, (stamp, sequence), &segment);
+            Output::Coming { stamp, sequence, start_s, segment } => {
+                self.foresee(now, (stamp, start_s, sequence), &segment);
             }
             Output::Note { .. } => {}
         }

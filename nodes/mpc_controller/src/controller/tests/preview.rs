@@ -4,7 +4,7 @@ use super::*;
 use models::motion::{MoveKind, Role, Segment, Trapezoid};
 
 /// A line of 80 mm at 30 mm/s.
-fn line() -> Segment {
+pub(super) fn line() -> Segment {
     Segment {
         line: 1,
         layer: Some(0),

@@ -21,7 +21,7 @@ fn permit(sequence: u64, mode: Mode) -> Permit {
 
 fn scheduled(sequence: u64, number: u64) -> Scheduled {
     let advance = AdvanceLaw { linear_s: ADVANCE_S, shear: 0.0, index: 1.0 };
-    let trim = MotionTrim { sequence: number, flow: 1.0, speed: 1.0, advance };
+    let trim = MotionTrim { sequence: number, flow: 1.0, speed: 1.0, advance, carried_m: 0.0 };
     Scheduled { session: 1, sequence, validity: Seconds(5.0), trim }
 }
 
@@ -67,6 +67,55 @@ fn a_scheduled_advance_is_executed_beside_permits_to_act_of_the_same_supervisor(
         let held_m = ahead_m(mode, session, 5.0);
         assert!(held_m.abs() < 1e-9, "{mode:?} {session}: {held_m}");
     }
+}
+
+/// What is held already without an advance that pushed it is taken off along a road, and drawn back where none is laid: the
+/// retraction of a pause finds nothing held. Without permits it fades with the share of the schedule.
+#[test]
+fn what_is_carried_is_taken_off_and_drawn_back_at_rest() {
+    const CARRIED_M: f64 = 1.5e-3;
+    let motor_m = |carried_m: f64, until_s: f64, rest: bool| {
+        let mut simulator = warm(straight_job(26), &Scenario::default());
+        lay(&mut simulator, Mode::Act, SETTLED_S, |simulator, mut sent| {
+            sent.trim.carried_m = carried_m;
+            _ = simulator.on_scheduled(&sent);
+        });
+        if rest {
+            for sequence in 100_000_u64..101_000 {
+                simulator
+                    .on_permit(Permit { request: Request::Pause, ..permit(sequence, Mode::Act) })
+                    .unwrap();
+                simulator.step(Seconds(1e-3));
+            }
+        } else {
+            run_for(&mut simulator, until_s);
+        }
+        simulator.status().motor_position_m
+    };
+    let less_m = |until_s, rest| motor_m(0.0, until_s, rest) - motor_m(CARRIED_M, until_s, rest);
+    assert!((less_m(0.0, false) / CARRIED_M - 1.0).abs() < 1e-6, "{} m along a road", less_m(0.0, false));
+    assert!((less_m(0.0, true) / CARRIED_M - 1.0).abs() < 1e-6, "{} m at rest", less_m(0.0, true));
+    // The permit counts 0.25 s; then the file has it back within 2 s.
+    assert!(less_m(2.4, false).abs() < 1e-6, "{} m without permits", less_m(2.4, false));
+}
+
+/// A coming move is told with its start on the plan: the end of the one before.
+#[test]
+fn a_coming_move_is_told_with_its_start() {
+    let mut simulator = warm(straight_job(6), &Scenario::default());
+    let mut ends_s = None;
+    while simulator.truth().integrals.deposit_s < 3.0 {
+        simulator.step(Seconds(1e-3));
+        while let Some(output) = simulator.poll() {
+            if let Output::Coming { start_s, segment, .. } = output {
+                assert!(start_s >= simulator.truth().path_time_s - 1e-3, "{start_s} s has passed");
+                let late_s = start_s - ends_s.unwrap_or(start_s);
+                assert!(late_s.abs() < 1e-9, "{start_s} s, the move before ends {late_s} s earlier");
+                ends_s = Some(start_s + segment.profile.duration().0);
+            }
+        }
+    }
+    assert!(ends_s.is_some_and(|ends_s| ends_s > 3.0));
 }
 
 /// A line lasts 1 s and is known a second before it begins: a trim of 0.5 s is void by then.

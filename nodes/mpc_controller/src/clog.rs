@@ -1,0 +1,63 @@
+//! How much more force the melt needs than that of a sound nozzle: a clog that the laws of coming moves follow.
+//!
+//! A nozzle that has narrowed needs `rho` times the melt's force at every feed, and holds as many times the filament (model
+//! book 1.2). A law for the sound nozzle pushes and draws back too little at each change of speed from then on. What the
+//! narrowing itself took from the roads is held already: the law grows, and is less by that at every feed. So it pushes
+//! nothing where the nozzle narrowed, and the right amount wherever the speed changes.
+
+mod dip;
+
+use crate::params::RawClog;
+pub(crate) use dip::{Dips, Look};
+use models::command::AdvanceLaw;
+
+/// The force factor rho, and what is held for it.
+#[derive(Debug, Clone)]
+pub(crate) struct Clog {
+    settings: RawClog,
+    dips: Dips,
+    factor: f64,
+    carried_m: f64,
+}
+
+impl Clog {
+    /// A sound nozzle.
+    pub(crate) fn new(settings: RawClog) -> Self {
+        Self { settings, dips: Dips::new(settings), factor: 1.0, carried_m: 0.0 }
+    }
+
+    /// Force over that of a sound nozzle `[-]`, 1 or more.
+    pub(crate) fn factor(&self) -> f64 {
+        self.factor
+    }
+
+    /// Filament that is held for it without an advance that pushed it `[m]`, 0 or more.
+    pub(crate) fn carried_m(&self) -> f64 {
+        self.carried_m
+    }
+
+    /// A law of the sound nozzle for the one that there is.
+    pub(crate) fn law(&self, sound: AdvanceLaw) -> AdvanceLaw {
+        AdvanceLaw { shear: sound.shear * self.factor, ..sound }
+    }
+
+    /// Share of the flow that lacks, or is too much, at `now_s` by a dip that has not passed wholly `[-]`.
+    pub(crate) fn rest(&self, now_s: f64) -> f64 {
+        self.dips.rest(now_s)
+    }
+
+    /// A frame of a steady road while the encoder speaks. A nozzle that needs more than `force_max` is not followed: the drive
+    /// could not push so much.
+    pub(crate) fn on_look(&mut self, look: Look) {
+        let Some(held_m) = self.dips.on_look(look) else { return };
+        let before = self.factor;
+        let factor = (before + held_m / look.melt_m).max(1.0);
+        if factor <= self.settings.force_max {
+            self.factor = factor;
+            self.carried_m = (self.carried_m + (factor - before) * look.melt_m).max(0.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,155 @@
+//! A melt behind a nozzle that narrows, and frames of its roads.
+
+use super::*;
+
+const SETTINGS: RawClog = RawClog {
+    force_max: 3.0,
+    sound: 0.08,
+    begins: 0.15,
+    passed: 0.4,
+    lasts_s: 12.0,
+    gap_s: 3.0,
+    feed_spread: 0.35,
+    steady_s: 0.2,
+};
+const FEED_M_S: f64 = 1.3e-3;
+/// PETG, about.
+const SOUND: AdvanceLaw = AdvanceLaw { linear_s: 0.45, shear: 2.4e-2, index: 0.45 };
+const STEP_S: f64 = 1e-3;
+
+/// Steps of a millisecond: what the nozzle holds follows `dx/dt = v - u`, `x = rho a u^n + K u`.
+struct Melt {
+    held_m: f64,
+    now_s: f64,
+    excess_m: f64,
+}
+
+impl Melt {
+    /// Steady behind a sound nozzle.
+    fn steady() -> Self {
+        Self { held_m: SOUND.held_m(FEED_M_S), now_s: 0.0, excess_m: 0.0 }
+    }
+
+    /// Feed that leaves `[m/s]`, by halving.
+    fn outlet_m_s(&self, force: f64) -> f64 {
+        let law = AdvanceLaw { shear: SOUND.shear * force, ..SOUND };
+        let (mut low, mut high) = (0.0, 0.1);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if law.held_m(middle) < self.held_m { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    /// Runs on for a time behind a nozzle that needs `force` times the melt's force, with a share of the slicer's feed that
+    /// reaches the encoder; a frame each half second, from `first_s` on.
+    fn run(&mut self, clog: &mut Clog, (lasts_s, first_s): (f64, f64), force: f64, fed: f64) {
+        let mut next_s = self.now_s + first_s;
+        let until_s = self.now_s + lasts_s;
+        while self.now_s < until_s {
+            let outlet_m_s = self.outlet_m_s(force);
+            self.held_m += (fed * FEED_M_S - outlet_m_s) * STEP_S;
+            self.excess_m += (fed - 1.0) * FEED_M_S * STEP_S;
+            self.now_s += STEP_S;
+            if self.now_s >= next_s {
+                next_s += 0.5;
+                clog.on_look(self.look(1.0 - outlet_m_s / FEED_M_S));
+            }
+        }
+    }
+
+    fn look(&self, lacking: f64) -> Look {
+        let melt_m = SOUND.shear * FEED_M_S.powf(SOUND.index);
+        Look { exposed_s: self.now_s, lacking, excess_m: self.excess_m, feed_m_s: FEED_M_S, melt_m }
+    }
+}
+
+/// A sound road of 2 s, then a nozzle that needs `force` times as much, seen from `first_s` after that on.
+fn narrowed(force: f64, first_s: f64) -> (Melt, Clog) {
+    let (mut melt, mut clog) = (Melt::steady(), Clog::new(SETTINGS));
+    melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+    melt.run(&mut clog, (12.0, first_s), force, 1.0);
+    (melt, clog)
+}
+
+/// Whenever within the frames' half second the nozzle narrows: what it held more, `(rho - 1) a u^n`, was lacking in the roads.
+#[test]
+fn the_force_of_a_narrowed_nozzle_is_read_off_its_dip() {
+    let melt_m = SOUND.shear * FEED_M_S.powf(SOUND.index);
+    for force in [1.0 / 0.7, 2.0, 2.5] {
+        for first_s in [0.02, 0.15, 0.25, 0.35, 0.48] {
+            let (_, clog) = narrowed(force, first_s);
+            let error = clog.factor() / force - 1.0;
+            assert!(error.abs() < 0.12, "{force} seen after {first_s} s: {}", clog.factor());
+            let carried_m = (clog.factor() - 1.0) * melt_m;
+            assert!(
+                (clog.carried_m() / carried_m - 1.0).abs() < 1e-9,
+                "{} of {carried_m} m",
+                clog.carried_m()
+            );
+        }
+    }
+}
+
+/// A law that has grown, less what is carried, is the sound one's at the feed of the dip, and `rho` times as steep in the melt.
+#[test]
+fn a_grown_law_pushes_nothing_at_the_feed_of_the_dip() {
+    let (_, clog) = narrowed(2.5, 0.25);
+    let grown = clog.law(SOUND);
+    let pushed_m = grown.held_m(FEED_M_S) - clog.carried_m() - SOUND.held_m(FEED_M_S);
+    assert!(pushed_m.abs() < 1e-9, "{pushed_m} m");
+    assert!((grown.shear / SOUND.shear - clog.factor()).abs() < 1e-12);
+    assert!((grown.linear_s - SOUND.linear_s).abs() < 1e-15);
+}
+
+/// The nozzle comes free again: the roads get what was held.
+#[test]
+fn a_nozzle_that_comes_free_is_followed_back() {
+    let (mut melt, mut clog) = narrowed(2.5, 0.25);
+    let carried_m = clog.carried_m();
+    melt.run(&mut clog, (12.0, 0.25), 1.0, 1.0);
+    assert!((clog.factor() - 1.0).abs() < 0.2, "{}", clog.factor());
+    assert!(clog.carried_m() < 0.15 * carried_m, "{} of {carried_m} m", clog.carried_m());
+}
+
+/// A drive that slips for a while: the roads lack what did not pass the encoder, and nothing more is held.
+#[test]
+fn what_did_not_pass_the_encoder_is_not_held() {
+    let (mut melt, mut clog) = (Melt::steady(), Clog::new(SETTINGS));
+    melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+    melt.run(&mut clog, (1.5, 0.25), 1.0, 0.6);
+    melt.run(&mut clog, (10.0, 0.25), 1.0, 1.0);
+    assert!((clog.factor() - 1.0).abs() < 0.1, "{}", clog.factor());
+}
+
+/// A leak lacks as much all the time; one that is thin already when it is first seen began nobody knows when; and beyond
+/// `force_max` the drive could not push.
+#[test]
+fn what_tells_of_no_force_that_can_be_followed_changes_nothing() {
+    let (mut leak, mut melt) = (Clog::new(SETTINGS), Melt::steady());
+    for _ in 0..60 {
+        melt.now_s += 0.5;
+        leak.on_look(melt.look(if melt.now_s < 3.0 { 0.0 } else { 0.25 }));
+    }
+    let (mut thin, mut melt) = (Clog::new(SETTINGS), Melt::steady());
+    melt.run(&mut thin, (12.0, 0.25), 2.5, 1.0);
+    let (_, narrow) = narrowed(5.0, 0.25);
+    for clog in [leak, thin, narrow] {
+        assert_eq!((clog.factor(), clog.carried_m()), (1.0, 0.0), "{clog:?}");
+    }
+}
+
+/// The dip is there until it has faded, by its own time constant.
+#[test]
+fn a_dip_counts_until_it_has_faded() {
+    let (mut melt, mut clog) = (Melt::steady(), Clog::new(SETTINGS));
+    melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+    assert!(clog.rest(melt.now_s).abs() < 1e-15);
+    melt.run(&mut clog, (1.0, 0.25), 2.5, 1.0);
+    assert!(clog.rest(melt.now_s) > 0.3, "{}", clog.rest(melt.now_s));
+    melt.run(&mut clog, (4.0, 0.25), 2.5, 1.0);
+    let lacks = 1.0 - melt.outlet_m_s(2.5) / FEED_M_S;
+    let rest = clog.rest(melt.now_s);
+    assert!((0.5 * lacks..2.0 * lacks).contains(&rest), "{rest}, lacks {lacks}");
+    assert!(clog.rest(melt.now_s + 20.0) < 1e-3);
+}

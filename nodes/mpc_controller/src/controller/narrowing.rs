@@ -1,0 +1,28 @@
+//! A nozzle that narrows: what frames tell of it.
+
+use super::Controller;
+use crate::clog::Look;
+use crate::params::Level;
+use models::units::Seconds;
+
+impl Controller {
+    /// Shows a frame of a road that was steady at its exposure, while the encoder speaks.
+    pub(super) fn look_for_clog(&mut self, exposed: Seconds, width_m: f64) {
+        let encoder = self.estimate.filter(|estimate| estimate.encoder_alive);
+        let (Some(estimate), Level::Mpc) = (encoder, self.params.control) else { return };
+        let road = self.roads.at(exposed.0);
+        let steady = road.filter(|road| road.steady_s >= self.params.clog.steady_s && road.feed_m_s > 0.0);
+        let Some(road) = steady else { return };
+        let feed_m_s = road.feed_m_s * self.base.feed();
+        let Some(law) = self.outlet_law(&estimate, feed_m_s) else { return };
+        let law = self.advance.with_learnt(law.advance());
+        let error = road.section() * (width_m / road.target_m - 1.0);
+        self.clog.on_look(Look {
+            exposed_s: exposed.0,
+            lacking: self.slowing.lacking(exposed.0, error),
+            excess_m: road.excess_m,
+            feed_m_s,
+            melt_m: law.shear * feed_m_s.powf(law.index),
+        });
+    }
+}

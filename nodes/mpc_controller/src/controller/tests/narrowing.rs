@@ -1,0 +1,83 @@
+//! A nozzle that narrows: what becomes of the laws of coming moves.
+
+use super::preview::line;
+use super::*;
+use models::command::MotionTrim;
+
+const TARGET_M: f64 = 4.8e-4;
+
+/// Ten steps, and a frame at their end of a road in which this share of the flow lacks.
+fn see(rig: &mut Rig, lacking: f64, shape: impl Fn(Estimate) -> Estimate) {
+    rig.run(10, shape);
+    let factor = rig.in_force.speed / (1.0 + rig.controller.held[SPEED]);
+    let section = (1.0 - lacking) / factor - 1.0;
+    let stadium = 1.0 - 2e-4 * models::bead::ROUND_SIDES / TARGET_M;
+    let width_m = TARGET_M * (1.0 + section / stadium);
+    rig.controller.on_event(Event::Width { exposed: Seconds(rig.now_s()), width_m });
+}
+
+/// 3 s of a sound road, then a dip that fades with 1 s; the law that a move gets then.
+fn after_a_dip(shape: impl Fn(Estimate) -> Estimate + Copy) -> (Rig, MotionTrim, MotionTrim) {
+    let mut rig = Rig::new(Level::Mpc);
+    for _ in 0..6 {
+        see(&mut rig, 0.0, shape);
+    }
+    let before = coming(&mut rig);
+    for frame in 0..10 {
+        see(&mut rig, 0.25 * (-f64::from(frame) * 0.5).exp(), shape);
+    }
+    let after = coming(&mut rig);
+    (rig, before, after)
+}
+
+fn coming(rig: &mut Rig) -> MotionTrim {
+    let now = Seconds(rig.now_s());
+    rig.controller.on_coming(now, 1, &line()).unwrap()
+}
+
+/// What lacked, about 0.25 x 1.25 s of the feed, is held: it is what the law has grown by at that feed, and is not pushed.
+#[test]
+fn laws_grow_by_what_a_dip_took_from_the_roads_and_push_none_of_it() {
+    let (_, before, after) = after_a_dip(|estimate| estimate);
+    assert!(before.carried_m.abs() < 1e-15, "{before:?}");
+    let lacked_m = FEED_M_S * 0.25 * 1.25;
+    assert!((0.8..1.5).contains(&(after.carried_m / lacked_m)), "{} of {lacked_m} m", after.carried_m);
+    assert!(after.advance.shear > 1.3 * before.advance.shear, "{before:?} {after:?}");
+    assert!((after.advance.linear_s / before.advance.linear_s - 1.0).abs() < 0.05, "{before:?} {after:?}");
+    let pushed_m = after.advance.held_m(FEED_M_S) - after.carried_m - before.advance.held_m(FEED_M_S);
+    assert!(pushed_m.abs() < 0.1 * after.carried_m, "{pushed_m} of {} m", after.carried_m);
+}
+
+/// Nobody vouches for the feed: what lacks may not have been fed.
+#[test]
+fn without_an_encoder_a_dip_tells_of_no_force() {
+    let (_, _, after) = after_a_dip(|estimate| Estimate { encoder_alive: false, ..estimate });
+    assert!(after.carried_m.abs() < 1e-15, "{after:?}");
+}
+
+/// Whoever paused may have cleaned the nozzle.
+#[test]
+fn a_pause_forgets_the_clog() {
+    let (mut rig, before, _) = after_a_dip(|estimate| estimate);
+    let paused = PrinterStatus {
+        phase: JobPhase::Paused,
+        depositing: false,
+        ..status(rig.now_s() + 0.02, rig.wanted_m, rig.in_force)
+    };
+    rig.controller.on_event(Event::Printer(paused));
+    let after = coming(&mut rig);
+    assert!(after.carried_m.abs() < 1e-15, "{after:?}");
+    assert!((after.advance.shear / before.advance.shear - 1.0).abs() < 0.2, "{before:?} {after:?}");
+}
+
+/// A nozzle that needs more force reaches the drive's sooner: what the drive can push is planned at a lower speed.
+#[test]
+fn a_clogged_nozzle_is_asked_for_less() {
+    use models::motion::{Segment, Trapezoid};
+    let (mut rig, _, _) = after_a_dip(|estimate| estimate);
+    let most_m_s = rig.controller.feed_max_m_s(&estimate(rig.now_s()));
+    let profile = Trapezoid::new(0.08, (0.0, 0.0), 0.99 * most_m_s / (2.6e-3 / 0.08), 1e3);
+    let now = Seconds(rig.now_s());
+    let trim = rig.controller.on_coming(now, 1, &Segment { profile, ..line() }).unwrap();
+    assert!(trim.speed < 0.95, "{trim:?}");
+}

@@ -1,0 +1,153 @@
+//! What was laid when: a frame tells of the road of its exposure, which is not always the one of its arrival.
+
+use models::bead::ROUND_SIDES;
+use models::status::PrinterStatus;
+use std::collections::VecDeque;
+
+/// Statuses kept to meet a frame: 2 s at 50 Hz.
+const KEPT: usize = 100;
+
+/// The road at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Road {
+    /// Width that the slicer asked for `[m]`.
+    pub(crate) target_m: f64,
+    /// Height `[m]`, where it is known.
+    pub(crate) height_m: Option<f64>,
+    /// The slicer's feed of filament `[m/s]`.
+    pub(crate) feed_m_s: f64,
+    /// Filament that had passed the encoder beyond it `[m]`.
+    pub(crate) excess_m: f64,
+    /// How long path, width and deposition have been as they are `[s]`.
+    pub(crate) steady_s: f64,
+}
+
+impl Road {
+    /// What its section is off by, over what its width is `[-]`.
+    pub(crate) fn section(&self) -> f64 {
+        self.height_m.map_or(1.0, |height_m| (1.0 - height_m * ROUND_SIDES / self.target_m).max(0.0))
+    }
+}
+
+/// A status, and since when it is as it is.
+#[derive(Debug, Clone, Copy)]
+struct Laid {
+    stamp_s: f64,
+    planned_speed_m_s: f64,
+    feed_m_s: f64,
+    target_m: Option<f64>,
+    height_m: Option<f64>,
+    excess_m: f64,
+    since_s: f64,
+}
+
+/// The roads of the last moments, newest last.
+#[derive(Debug, Clone)]
+pub(crate) struct Roads(VecDeque<Laid>);
+
+impl Roads {
+    /// Nothing was laid yet.
+    pub(crate) fn new() -> Self {
+        Self(VecDeque::with_capacity(KEPT))
+    }
+
+    /// Takes a status in, newer than all before, and the excess until then. A relative change of path speed or width beyond
+    /// `spread` is one.
+    pub(crate) fn on_status(&mut self, status: &PrinterStatus, excess_m: f64, spread: f64) {
+        let mut laid = Laid {
+            stamp_s: status.stamp.0,
+            planned_speed_m_s: status.planned_speed_m_s,
+            feed_m_s: status.planned_feed_m_s,
+            target_m: status.target_width_m.filter(|_| status.depositing),
+            height_m: status.layer_height_m,
+            excess_m,
+            since_s: status.stamp.0,
+        };
+        let before = self.0.back().filter(|before| !laid.differs_from(before, spread));
+        laid.since_s = before.map_or(laid.stamp_s, |before| before.since_s);
+        if self.0.len() == KEPT {
+            self.0.pop_front();
+        }
+        self.0.push_back(laid);
+    }
+
+    /// The road that was laid at `exposed_s`; `None` where none was, or nobody knows any more.
+    pub(crate) fn at(&self, exposed_s: f64) -> Option<Road> {
+        let later = self.0.partition_point(|laid| laid.stamp_s <= exposed_s);
+        let laid = self.0[later.checked_sub(1)?];
+        Some(Road {
+            target_m: laid.target_m?,
+            height_m: laid.height_m,
+            feed_m_s: laid.feed_m_s,
+            excess_m: laid.excess_m,
+            steady_s: exposed_s - laid.since_s,
+        })
+    }
+}
+
+impl Laid {
+    fn differs_from(&self, before: &Self, spread: f64) -> bool {
+        let changed = |old: f64, new: f64| (new - old).abs() > spread * old.abs().max(new.abs());
+        let width = match (before.target_m, self.target_m) {
+            (Some(old), Some(new)) => changed(old, new),
+            _ => true,
+        };
+        width || changed(before.planned_speed_m_s, self.planned_speed_m_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::advance::tests::status;
+
+    const FEED_M_S: f64 = 1.8e-3;
+
+    /// Statuses at 50 Hz over 3 s, a corner at 1.0 s and a wider road from 2.0 s on.
+    fn roads() -> Roads {
+        let mut roads = Roads::new();
+        for step in 0..=150 {
+            let stamp_s = f64::from(step) * 0.02;
+            let mut now = status(stamp_s, FEED_M_S);
+            now.planned_speed_m_s = if step == 50 { 0.02 } else { 0.06 };
+            now.target_width_m = Some(if stamp_s < 2.0 { 4.8e-4 } else { 6.0e-4 });
+            roads.on_status(&now, stamp_s, 0.1);
+        }
+        roads
+    }
+
+    #[test]
+    fn a_frame_is_of_the_road_of_its_exposure() {
+        let roads = roads();
+        let road = roads.at(1.9).unwrap();
+        assert!((road.target_m - 4.8e-4).abs() < 1e-12);
+        assert!((road.steady_s - 0.88).abs() < 1e-9, "the wider road came later: {road:?}");
+        assert!((road.excess_m - 1.9).abs() < 0.021, "{road:?}");
+        let road = roads.at(2.1).unwrap();
+        assert!((road.target_m - 6.0e-4).abs() < 1e-12);
+        assert!((road.steady_s - 0.1).abs() < 1e-9, "{road:?}");
+    }
+
+    #[test]
+    fn a_corner_begins_a_road_anew() {
+        let road = roads().at(1.25).unwrap();
+        assert!((road.steady_s - 0.23).abs() < 1e-9, "{road:?}");
+    }
+
+    #[test]
+    fn of_what_is_too_old_nothing_is_known() {
+        assert_eq!(roads().at(0.9), None);
+        assert!(roads().at(1.1).is_some());
+        assert_eq!(Roads::new().at(0.0), None);
+    }
+
+    #[test]
+    fn a_travel_is_no_road() {
+        let mut roads = roads();
+        let mut travel = status(3.02, FEED_M_S);
+        travel.depositing = false;
+        roads.on_status(&travel, 3.02, 0.1);
+        assert_eq!(roads.at(3.03), None);
+        assert!(roads.at(3.01).is_some());
+    }
+}
