@@ -49,12 +49,13 @@ impl Clog {
     /// A frame of a steady road while the encoder speaks. A nozzle that needs more than `force_max` is not followed: the drive
     /// could not push so much.
     pub(crate) fn on_look(&mut self, look: Look) {
-        let Some(held_m) = self.dips.on_look(look) else { return };
+        let sound_m = look.melt_m;
+        let Some(held_m) = self.dips.on_look(Look { melt_m: self.factor * sound_m, ..look }) else { return };
         let before = self.factor;
-        let factor = (before + held_m / look.melt_m).max(1.0);
+        let factor = (before + held_m / sound_m).max(1.0);
         if factor <= self.settings.force_max {
             self.factor = factor;
-            self.carried_m = (self.carried_m + (factor - before) * look.melt_m).max(0.0);
+            self.carried_m = (self.carried_m + (factor - before) * sound_m).max(0.0);
         }
     }
 }

@@ -79,7 +79,7 @@ fn k6_nobody_carries_more_than_a_nozzle_holds() {
     let mut print = Print::acting();
     let trim = MotionTrim { carried_m: 9e-3, ..wish(1).trim };
     let sent = offer(&mut print, Scheduled { trim, ..wish(1) }).unwrap().trim;
-    assert_eq!(sent, MotionTrim { carried_m: 4e-3, ..trim });
+    assert_eq!(sent, MotionTrim { carried_m: 6e-3, ..trim });
     print.step();
     assert_eq!(print.output.state.clamped_schedule, 1);
 }

@@ -9,6 +9,12 @@ use crate::params::RawClog;
 /// Dips are followed until they have faded to this share at least, so that the rest is known `[-]`.
 const REST_MIN: f64 = 0.01;
 
+/// Rounds in which what lacked before the first frame and the force are found together: each brings half a digit and more.
+const ROUNDS: u32 = 6;
+
+/// Halvings of an interval: to a millionth.
+const HALVINGS: u32 = 20;
+
 /// What a frame of a steady road tells, and what the encoder does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Look {
@@ -20,8 +26,12 @@ pub(crate) struct Look {
     pub(crate) excess_m: f64,
     /// The slicer's feed then `[m/s]`, > 0.
     pub(crate) feed_m_s: f64,
-    /// Filament that the melt's part of a sound nozzle's law holds at it, `a u^n` `[m]`, > 0.
+    /// Filament that the melt's part of the law holds at it, `a u^n` `[m]`, > 0.
     pub(crate) melt_m: f64,
+    /// The same of the linear part, `K_lin u` `[m]`.
+    pub(crate) linear_m: f64,
+    /// Flow index n `[-]`, in `(0, 1]`.
+    pub(crate) index: f64,
 }
 
 /// A dip under way.
@@ -33,6 +43,7 @@ struct Dip {
     last: Look,
     /// Largest share that lacked, or was too much, `[-]`, > 0.
     deepest: f64,
+    /// What lacked since the first frame `[m]`.
     lacked_m: f64,
 }
 
@@ -92,8 +103,7 @@ impl Dips {
             first: look,
             last: look,
             deepest: look.lacking.abs(),
-            // It began halfway.
-            lacked_m: 0.5 * look.lacking * look.feed_m_s * (look.exposed_s - before.exposed_s),
+            lacked_m: 0.0,
         })
     }
 
@@ -112,7 +122,33 @@ impl Dip {
         let rest = self.first.lacking.signum() * self.rest() * self.deepest;
         let coming_m = rest * self.last.feed_m_s * self.fade_s();
         let fed_m = self.last.excess_m - self.before.excess_m;
-        self.lacked_m + coming_m + fed_m
+        let since_first_m = self.lacked_m + coming_m + fed_m;
+        (0..ROUNDS).fold(since_first_m, |held_m, _| {
+            since_first_m + self.before_first_m(1.0 + held_m / self.last.melt_m)
+        })
+    }
+
+    /// What lacked before the first frame, in a nozzle that needs `force` times the melt's force since `[m]`: from what it let
+    /// through at first it had faded to what the frame shows, or the last sound road was later than that.
+    fn before_first_m(&self, force: f64) -> f64 {
+        let (seen, gap_s) = (self.first.lacking.abs(), self.first.exposed_s - self.before.exposed_s);
+        let began = if self.first.lacking > 0.0 { self.first.lacks_at_first(force).max(seen) } else { seen };
+        let since_s = if began > seen { self.fade_s() * (began / seen).ln() } else { 0.5 * gap_s };
+        0.5 * (began + seen) * self.first.lacking.signum() * self.first.feed_m_s * since_s.min(gap_s)
+    }
+}
+
+impl Look {
+    /// Share of the flow that lacks just after the nozzle has come to need `force` times the melt's force: it holds the same
+    /// filament still, `force a w^n + K w = a u^n + K u` `[-]`.
+    fn lacks_at_first(&self, force: f64) -> f64 {
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let share = 0.5 * (low + high);
+            let holds_m = force * self.melt_m * f64::powf(share, self.index) + self.linear_m * share;
+            if holds_m < self.melt_m + self.linear_m { low = share } else { high = share }
+        }
+        1.0 - low
     }
 }
 

@@ -23,6 +23,8 @@ impl Controller {
             excess_m: road.excess_m,
             feed_m_s,
             melt_m: law.shear * feed_m_s.powf(law.index),
+            linear_m: law.linear_s * feed_m_s,
+            index: law.index,
         });
     }
 }
