@@ -199,8 +199,7 @@ impl Schedule {
 
     /// Sends the controller's trim of a coming move, where it has one.
     fn plan(&mut self, now: Seconds, taken: Result<(u64, Segment), Reason>, controller: &mut Controller) {
-        let coming = taken.ok();
-        let trim = coming.and_then(|(sequence, segment)| controller.on_coming(now, sequence, &segment));
+        let trim = taken.ok().and_then(|(sequence, segment)| controller.on_coming(now, sequence, &segment));
         let Some(trim) = trim else { return };
         self.newest = Scheduled { sequence: self.newest.sequence + 1, trim, ..self.newest };
         self.outlet.send(schedule_to_wire(now, &self.newest));

@@ -6,7 +6,8 @@
 
 use crate::params::RawClog;
 
-/// Dips are followed until they have faded to this share at least, so that the rest is known `[-]`.
+/// Least share of its deepest that counts as left of a dip, and least that counts as gone: between them it fades by a time
+/// constant `[-]`.
 const REST_MIN: f64 = 0.01;
 
 /// Rounds in which what lacked before the first frame and the force are found together: each brings half a digit and more.

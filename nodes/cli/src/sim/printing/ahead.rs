@@ -6,13 +6,15 @@ use models::motion::Segment;
 use models::units::Seconds;
 
 impl Printing {
-    /// A move is known, told when, and with its start on the slicer's plan `[s]` and number: the printer gets what the supervisor lets through of the controller's trim of it, where there is one.
+    /// A move is known, told when, with its start on the slicer's plan `[s]` and its number: the printer gets what the supervisor
+    /// lets through of the controller's trim of it, where there is one.
     pub(super) fn foresee(&mut self, now: Seconds, coming: (Seconds, f64, u64), segment: &Segment) {
         if !self.simulator.schedules() {
             return;
         }
         let wished = if self.bagging.is_none() {
-            self.wish_ahead(coming, segment)
+            let (stamp, _, sequence) = coming;
+            self.wish_ahead((stamp, sequence), segment)
         } else {
             self.wish_ahead_by_wire(now, coming, segment)
         };
@@ -26,11 +28,7 @@ impl Printing {
         _ = self.simulator.on_scheduled(&allowed);
     }
 
-    fn wish_ahead(
-        &mut self,
-        (stamp, _, sequence): (Seconds, f64, u64),
-        segment: &Segment,
-    ) -> Option<Scheduled> {
+    fn wish_ahead(&mut self, (stamp, sequence): (Seconds, u64), segment: &Segment) -> Option<Scheduled> {
         let trim = self.controller.on_coming(stamp, sequence, segment)?;
         self.scheduled += 1;
         let validity = self.schedule_validity;
