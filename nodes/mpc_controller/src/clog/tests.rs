@@ -114,14 +114,15 @@ fn a_nozzle_that_comes_free_is_followed_back() {
     assert!(clog.carried_m() < 0.15 * carried_m, "{} of {carried_m} m", clog.carried_m());
 }
 
-/// A drive that slips for a while: the roads lack what did not pass the encoder, and nothing more is held.
+/// A drive that slips through for a while: the roads lack what did not pass the encoder, and nothing more is held. Taken for held it
+/// would be a force of three times.
 #[test]
 fn what_did_not_pass_the_encoder_is_not_held() {
     let (mut melt, mut clog) = (Melt::steady(), Clog::new(SETTINGS));
     melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
-    melt.run(&mut clog, (1.5, 0.25), 1.0, 0.6);
+    melt.run(&mut clog, (1.5, 0.4), 1.0, 0.0);
     melt.run(&mut clog, (10.0, 0.25), 1.0, 1.0);
-    assert!((clog.factor() - 1.0).abs() < 0.1, "{}", clog.factor());
+    assert!((clog.factor() - 1.0).abs() < 0.3, "{}", clog.factor());
 }
 
 /// A leak lacks as much all the time; one that is thin already when it is first seen began nobody knows when; and beyond

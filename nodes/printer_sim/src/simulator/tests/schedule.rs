@@ -69,8 +69,8 @@ fn a_scheduled_advance_is_executed_beside_permits_to_act_of_the_same_supervisor(
     }
 }
 
-/// What is held already without an advance that pushed it is taken off along a road, and drawn back where none is laid: the
-/// retraction of a pause finds nothing held. Without permits it fades with the share of the schedule.
+/// What is held already without an advance that pushed it is taken off along a road, in a pause, and behind the last road, where
+/// it is drawn back. Without permits it fades with the share of the schedule.
 #[test]
 fn what_is_carried_is_taken_off_and_drawn_back_at_rest() {
     const CARRIED_M: f64 = 1.5e-3;
@@ -97,6 +97,25 @@ fn what_is_carried_is_taken_off_and_drawn_back_at_rest() {
     assert!((less_m(0.0, true) / CARRIED_M - 1.0).abs() < 1e-6, "{} m at rest", less_m(0.0, true));
     // The permit counts 0.25 s; then the file has it back within 2 s.
     assert!(less_m(2.4, false).abs() < 1e-6, "{} m without permits", less_m(2.4, false));
+}
+
+/// Behind the last road nothing is held: what is carried is drawn back with the rest.
+#[test]
+fn what_is_carried_is_drawn_back_behind_the_last_road() {
+    let motor_m = |carried_m: f64| {
+        let mut simulator = warm(straight_job(26), &Scenario::default());
+        lay(&mut simulator, Mode::Act, 25.9, |simulator, mut sent| {
+            sent.trim.carried_m = carried_m;
+            _ = simulator.on_scheduled(&sent);
+        });
+        for sequence in 100_000_u64..100_500 {
+            _ = simulator.on_permit(permit(sequence, Mode::Act));
+            simulator.step(Seconds(1e-3));
+        }
+        simulator.status().motor_position_m
+    };
+    let less_m = motor_m(0.0) - motor_m(1.5e-3);
+    assert!((less_m / 1.5e-3 - 1.0).abs() < 1e-6, "{less_m} m");
 }
 
 /// A coming move is told with its start on the plan: the end of the one before.
