@@ -61,4 +61,4 @@ impl Clog {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

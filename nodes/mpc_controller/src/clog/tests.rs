@@ -2,7 +2,7 @@
 
 use super::*;
 
-const SETTINGS: RawClog = RawClog {
+pub(crate) const SETTINGS: RawClog = RawClog {
     force_max: 3.5,
     sound: 0.08,
     begins: 0.15,
@@ -10,7 +10,9 @@ const SETTINGS: RawClog = RawClog {
     lasts_s: 12.0,
     gap_s: 3.0,
     feed_spread: 0.35,
-    steady_s: 0.2,
+    steady_s: 0.04,
+    settles_s: 0.3,
+    settled: 0.15,
 };
 const FEED_M_S: f64 = 1.3e-3;
 /// PETG, about.

@@ -10,9 +10,9 @@ impl Controller {
     pub(super) fn look_for_clog(&mut self, exposed: Seconds, width_m: f64) {
         let encoder = self.estimate.filter(|estimate| estimate.encoder_alive);
         let (Some(estimate), Level::Mpc) = (encoder, self.params.control) else { return };
-        let road = self.roads.at(exposed.0);
-        let steady = road.filter(|road| road.steady_s >= self.params.clog.steady_s && road.feed_m_s > 0.0);
-        let Some(road) = steady else { return };
+        let settings = &self.params.clog;
+        let road = self.roads.at(exposed.0, settings.settles_s);
+        let Some(road) = road.filter(|road| road.is_settled(settings)) else { return };
         let feed_m_s = road.feed_m_s * self.base.feed();
         let Some(law) = self.outlet_law(&estimate, feed_m_s) else { return };
         let law = self.advance.with_learnt(law.advance());

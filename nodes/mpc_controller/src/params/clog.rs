@@ -23,6 +23,10 @@ pub struct RawClog {
     pub feed_spread: f64,
     /// A frame sooner after a change of the road is left out `[s]`.
     pub steady_s: f64,
+    /// So is one where the mean feed over this time until then `[s]`
+    pub settles_s: f64,
+    /// differs by a larger share `[-]`.
+    pub settled: f64,
 }
 
 impl RawClog {
@@ -35,6 +39,8 @@ impl RawClog {
         in_range("clog.gap_s", self.gap_s, "s", (0.1, 10.0))?;
         in_range("clog.feed_spread", self.feed_spread, "-", (0.01, 1.0))?;
         in_range("clog.steady_s", self.steady_s, "s", (0.0, 5.0))?;
+        in_range("clog.settles_s", self.settles_s, "s", (0.0, 2.0))?;
+        in_range("clog.settled", self.settled, "-", (0.0, 1.0))?;
         Ok(())
     }
 }

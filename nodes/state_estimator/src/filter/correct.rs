@@ -70,6 +70,9 @@ impl Filter {
             // whether it fades can be told of what comes from now on
             record.begin();
         }
+        if let (Channel::Width, Update::Applied(seen) | Update::Rejected(seen)) = (channel, &update) {
+            run.transient.on_rest(run.at_s, seen.residual.x, self.fade_s());
+        }
         let verdict = record.note(&update, observation.passing());
         if verdict == Verdict::Stepped && channel == Channel::Width {
             run.transient = Transient::default();

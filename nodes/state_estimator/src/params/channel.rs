@@ -74,7 +74,7 @@ pub struct RawWidth {
     pub imbalance: f64,
     /// Memory of the imbalance in lags `[-]`.
     pub memory_lags: f64,
-    /// Time constant with which a rejected width fades while the encoder vouches for the feed, in lags `[-]`.
+    /// Least time constant with which a rejected width fades while the encoder vouches for the feed, in lags `[-]`.
     pub transient_lags: f64,
     /// Standard deviation of a width while it fades, over what is left of the rejected one `[-]`.
     pub transient_doubt: f64,
