@@ -18,12 +18,13 @@ pub(crate) struct Clog {
     dips: Dips,
     factor: f64,
     carried_m: f64,
+    beyond: bool,
 }
 
 impl Clog {
     /// A sound nozzle.
     pub(crate) fn new(settings: RawClog) -> Self {
-        Self { settings, dips: Dips::new(settings), factor: 1.0, carried_m: 0.0 }
+        Self { settings, dips: Dips::new(settings), factor: 1.0, carried_m: 0.0, beyond: false }
     }
 
     /// Force over that of a sound nozzle `[-]`, 1 or more.
@@ -34,6 +35,11 @@ impl Clog {
     /// Filament that is held for it without an advance that pushed it `[m]`, 0 or more.
     pub(crate) fn carried_m(&self) -> f64 {
         self.carried_m
+    }
+
+    /// Whether the nozzle has been seen to need more than what is followed.
+    pub(crate) fn is_beyond(&self) -> bool {
+        self.beyond
     }
 
     /// A law of the sound nozzle for the one that there is.
@@ -53,7 +59,8 @@ impl Clog {
         let Some(held_m) = self.dips.on_look(Look { melt_m: self.factor * sound_m, ..look }) else { return };
         let before = self.factor;
         let factor = (before + held_m / sound_m).max(1.0);
-        if factor <= self.settings.force_max {
+        self.beyond = factor > self.settings.force_max;
+        if !self.beyond {
             self.factor = factor;
             self.carried_m = (self.carried_m + (factor - before) * sound_m).max(0.0);
         }

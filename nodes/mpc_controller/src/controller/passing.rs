@@ -3,14 +3,32 @@
 use super::Controller;
 use crate::input::Estimate;
 use crate::params::Level;
-use models::bead::ROUND_SIDES;
-use models::status::PrinterStatus;
+use crate::roads::Road;
 use models::units::Seconds;
 
 impl Controller {
-    /// Whether a width error is of a flow that comes back by itself, or its rest is.
-    pub(super) fn is_transient(&mut self, at_s: f64, error: f64) -> bool {
-        if error.abs() > self.params.trims.transient {
+    /// Whether a frame, while the encoder speaks, is of a flow that comes back by itself, or of its rest. On a road that has not
+    /// been steady for long a large error counts alone, and none where a nozzle has narrowed beyond what the laws follow: its
+    /// widths are off behind each change of speed, and a path that followed them would swing. So are those of corners that
+    /// are not planned.
+    pub(super) fn sees_dip(&mut self, exposed: Seconds, (road, steady): (&Road, bool), error: f64) -> bool {
+        let told = steady || road.is_settled(&self.params.clog) && !self.clog.is_beyond();
+        let vouched = self.estimate.is_some_and(|estimate| estimate.encoder_alive);
+        let trims = &self.params.trims;
+        let bound = if steady { trims.transient } else { trims.transient.max(trims.transient_settled) };
+        if !(told && vouched && self.is_transient(exposed.0, error, bound)) {
+            return false;
+        }
+        if self.status.is_some_and(|status| status.host.executes_schedules()) {
+            let (least, band) = (self.params.trims.transient_slowed, &self.params.deadband);
+            self.slowing.on_section(exposed.0, road.section() * error, least, band);
+        }
+        true
+    }
+
+    /// Whether a width error beyond `bound` is of a flow that comes back by itself, or its rest is.
+    fn is_transient(&mut self, at_s: f64, error: f64, bound: f64) -> bool {
+        if error.abs() > bound {
             self.transient.on_error(at_s, error, self.fade_s());
         }
         self.passes(at_s)
@@ -19,21 +37,6 @@ impl Controller {
     /// Whether a dip has not passed yet.
     pub(super) fn passes(&self, at_s: f64) -> bool {
         self.transient.rest(at_s, self.fade_s()).max(self.clog.rest(at_s)) > self.params.deadband.start
-    }
-
-    /// A width error while a dip passes. Where corners are not planned their widths are off by as much.
-    pub(super) fn see_dip(
-        &mut self,
-        status: &PrinterStatus,
-        exposed: Seconds,
-        (target_m, error): (f64, f64),
-    ) {
-        if !status.host.executes_schedules() {
-            return;
-        }
-        let section = status.layer_height_m.map_or(1.0, |height_m| 1.0 - height_m * ROUND_SIDES / target_m);
-        let (least, band) = (self.params.trims.transient_slowed, &self.params.deadband);
-        self.slowing.on_section(exposed.0, section.max(0.0) * error, least, band);
     }
 
     /// Moves the path's speed towards what gives a road its section while a dip of the flow passes, at the same feed over

@@ -26,14 +26,15 @@ impl Controller {
         let before_s = self.width_s.replace(exposed.0);
         self.advance.on_width(exposed, width_m);
         self.look_for_clog(exposed, width_m);
-        let Some(status) = self.status else { return };
-        let target_m = status.target_width_m.filter(|_| status.depositing);
+        let road = self.roads.at(exposed.0, self.params.clog.settles_s);
+        let (Some(road), Level::Mpc) = (road, self.params.control) else { return };
         let steady = exposed.0 >= self.steady_since_s + self.params.trims.steady_s;
-        let (Some(target_m), true, Level::Mpc) = (target_m, steady, self.params.control) else { return };
-        let error = width_m / target_m - 1.0;
-        let vouched = self.estimate.is_some_and(|estimate| estimate.encoder_alive);
-        if vouched && self.is_transient(exposed.0, error) {
-            self.see_dip(&status, exposed, (target_m, error));
+        let error = width_m / road.target_m - 1.0;
+        if !error.is_finite() {
+            self.report.refusals.width.invalid += 1;
+            return;
+        }
+        if self.sees_dip(exposed, (&road, steady), error) || !steady {
             return;
         }
         let error = self.params.deadband.relative(error);

@@ -46,6 +46,7 @@ pub(super) fn trims(raw: &RawTrims) -> Result<(), ParamError> {
     in_range("trims.delay_s", raw.delay_s, "s", (0.0, 60.0))?;
     in_range("trims.transient", raw.transient, "-", (0.0, 1.0))?;
     in_range("trims.transient_slowed", raw.transient_slowed, "-", (0.0, 1.0))?;
+    in_range("trims.transient_settled", raw.transient_settled, "-", (0.0, 1.0))?;
     in_range("trims.transient_speed", raw.transient_speed, "-", (0.0, 1.0))?;
     in_range("trims.transient_lags", raw.transient_lags, "lags", (0.0, 20.0))?;
     in_range("trims.steady_s", raw.steady_s, "s", (0.0, 10.0))?;

@@ -32,6 +32,8 @@ pub struct RawTrims {
     pub transient: f64,
     /// Share of the section from which on a slower path makes up for it while it passes `[-]`.
     pub transient_slowed: f64,
+    /// Relative width error that is one of the flow in a road that has settled, and has not been steady for long `[-]`.
+    pub transient_settled: f64,
     /// Share of such an error that the speed of the path makes up for while it passes `[-]`.
     pub transient_speed: f64,
     /// Time constant with which such an error passes by itself `[lags of the melt]`.
