@@ -117,11 +117,26 @@ impl Laid {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::advance::tests::status;
 
     const FEED_M_S: f64 = 1.8e-3;
+
+    /// Statuses at 50 Hz in the second until `now_s`, a corner of one status at `corner_s`.
+    pub(crate) fn behind_a_corner(corner_s: f64, now_s: f64) -> Roads {
+        let mut roads = Roads::new();
+        for step in 0..=50 {
+            let stamp_s = now_s - 1.0 + f64::from(step) * 0.02;
+            let mut now = status(stamp_s, FEED_M_S);
+            let slow = if (stamp_s - corner_s).abs() < 0.01 { 0.4 } else { 1.0 };
+            now.planned_speed_m_s *= slow;
+            now.planned_feed_m_s *= slow;
+            now.target_width_m = Some(4.8e-4);
+            roads.on_status(&now, 0.0, 0.35);
+        }
+        roads
+    }
 
     /// Statuses at 50 Hz over 3 s, a corner at 1.0 s and a wider road from 2.0 s on.
     fn roads() -> Roads {

@@ -139,6 +139,7 @@ fn what_tells_of_no_force_that_can_be_followed_changes_nothing() {
     let (mut thin, mut melt) = (Clog::new(SETTINGS), Melt::steady());
     melt.run(&mut thin, (12.0, 0.25), 2.5, 1.0);
     let (_, narrow) = narrowed(5.0, 0.25);
+    assert!(narrow.is_beyond() && !leak.is_beyond() && !thin.is_beyond());
     for clog in [leak, thin, narrow] {
         assert_eq!((clog.factor(), clog.carried_m()), (1.0, 0.0), "{clog:?}");
     }
@@ -157,4 +158,11 @@ fn a_dip_counts_until_it_has_faded() {
     let rest = clog.rest(melt.now_s);
     assert!((0.5 * lacks..2.0 * lacks).contains(&rest), "{rest}, lacks {lacks}");
     assert!(clog.rest(melt.now_s + 20.0) < 1e-3);
+}
+
+impl Clog {
+    /// As if the nozzle had been seen to need more than what is followed, or not.
+    pub(crate) fn set_beyond(&mut self, beyond: bool) {
+        self.beyond = beyond;
+    }
 }

@@ -67,6 +67,26 @@ fn a_dip_of_the_flow_is_made_up_for_by_a_slower_path() {
     assert!((later[199].speed - before.speed).abs() < 5e-3, "{:?}", later[199]);
 }
 
+/// A tenth of a second behind a corner of one status in six: the road has settled, and is not steady for long. A quarter that
+/// lacks there is a dip, an eighth may be the corner's; and none of it is one behind a nozzle that has narrowed too far.
+#[test]
+fn shortly_behind_a_short_corner_a_large_lack_alone_is_a_dip() {
+    let slowest = |width_m: f64, beyond: bool| {
+        let mut rig = Rig::new(Level::Mpc);
+        rig.run(59, |estimate| estimate);
+        rig.controller.roads = crate::roads::tests::behind_a_corner(2.9 - 0.1, 2.9);
+        rig.controller.steady_since_s = 2.8;
+        rig.controller.clog.set_beyond(beyond);
+        rig.controller.on_event(Event::Width { exposed: Seconds(2.9), width_m });
+        rig.run(20, |estimate| estimate).iter().map(|trims| trims.speed).fold(1.0, f64::min)
+    };
+    let (deep, shallow) = (slowest(0.75 * 4.8e-4, false), slowest(0.87 * 4.8e-4, false));
+    assert!((0.85..0.92).contains(&deep), "{deep}");
+    assert!(shallow > 0.98, "{shallow}");
+    let beyond = slowest(0.75 * 4.8e-4, true);
+    assert!(beyond > 0.98, "{beyond}");
+}
+
 /// Nobody vouches for the feed: it may be slip that makes the road thin, and more feed that it needs.
 #[test]
 fn without_an_encoder_a_thin_road_slows_nothing_beyond_the_gains() {
