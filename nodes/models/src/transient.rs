@@ -46,7 +46,7 @@ impl Transient {
     pub fn on_rest(&mut self, now_s: f64, error: f64, least_s: f64) {
         let (before, before_s) = self.newest;
         let since_s = now_s - self.at_s;
-        if now_s <= before_s || self.rest(now_s, least_s) < LOOKED_AT_MIN * self.error.abs() {
+        if now_s <= before_s || self.rest(now_s, least_s) <= LOOKED_AT_MIN * self.error.abs() {
             return;
         }
         self.area += 0.5 * (before + error) * (now_s - before_s);
@@ -106,5 +106,15 @@ mod tests {
         transient.on_rest(0.5, -0.3, 1.0);
         transient.on_rest(1.0, -0.3, 1.0);
         assert!((transient.rest(2.0, 1.0) - 0.3 * (-2.0_f64).exp()).abs() < 1e-12);
+    }
+
+    /// An error of nothing before any that was beyond its bound: the next one is still followed.
+    #[test]
+    fn before_the_first_error_nothing_is_read_off() {
+        let mut transient = Transient::default();
+        transient.on_rest(1.0, 0.0, 1.0);
+        assert!(transient.rest(2.0, 1.0).abs() < 1e-15);
+        transient.on_error(3.0, 0.3, 1.0);
+        assert!((transient.rest(3.0, 1.0) - 0.3).abs() < 1e-15);
     }
 }
