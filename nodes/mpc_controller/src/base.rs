@@ -6,8 +6,9 @@
 
 use crate::params::RawBase;
 
-/// Weight of the recent while there is little to learn from `[-]`: 1 is a plain mean.
-const RECENT: f64 = 2.0;
+/// Weight of the recent while there is little to learn from `[-]`: 1 is a plain mean. What is estimated of the gain is a mean
+/// already, and its first words are the prior's.
+const RECENT: f64 = 4.0;
 
 /// Spool's share of the section.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +28,11 @@ impl Base {
     /// Forgets the spool: the next print may have another one.
     pub(crate) fn clear(&mut self) {
         (self.error, self.known_s) = (0.0, 0.0);
+    }
+
+    /// Whether less has been seen of the spool than its average is over.
+    pub(crate) fn is_new(&self) -> bool {
+        self.known_s < RECENT * self.params.averaging_s
     }
 
     /// Another setting; what was learnt stays, within the new bounds.
@@ -53,7 +59,7 @@ impl Base {
             return;
         }
         self.known_s = (self.known_s + dt_s).min(RECENT * self.params.averaging_s);
-        // at first the newer half counts as much as all: what stands for the prior is soon outweighed
+        // at first the newest sixth counts for half: what stands for the prior is soon outweighed
         let mean_s = (self.known_s / RECENT).max(self.params.first_s);
         let share = 1.0 - (-dt_s / mean_s).exp();
         let most = self.params.rate_1_s * dt_s;
@@ -74,7 +80,7 @@ mod tests {
         base
     }
 
-    /// A first order lag of 4 s, then the mean of all: 1/20 of the start is left after 10 s at most.
+    /// A first order lag of 4 s, that grows from 16 s on: 1/20 of the start is left after 12 s.
     #[test]
     fn a_spool_is_known_after_ten_seconds_and_corrected_whole() {
         let base = after(12, |_| 1.023);

@@ -16,7 +16,7 @@ impl Controller {
         let vouched = self.estimate.is_some_and(|estimate| estimate.encoder_alive);
         let trims = &self.params.trims;
         let bound = if steady { trims.transient } else { trims.transient.max(trims.transient_settled) };
-        if !(told && vouched && self.is_transient(exposed.0, error, bound)) {
+        if !(told && vouched && self.is_transient(exposed.0, error - self.spool_error(), bound)) {
             return false;
         }
         if self.status.is_some_and(|status| status.host.executes_schedules()) {
@@ -24,6 +24,12 @@ impl Controller {
             self.slowing.on_section(exposed.0, road.section() * error, least, band);
         }
         true
+    }
+
+    /// What the roads are off by since the spool is not known yet: no dip `[-]`.
+    fn spool_error(&self) -> f64 {
+        let estimate = self.estimate.filter(|_| self.base.is_new());
+        estimate.map_or(0.0, |estimate| estimate.gain * self.base.feed() - 1.0)
     }
 
     /// Whether a width error beyond `bound` is of a flow that comes back by itself, or its rest is.
