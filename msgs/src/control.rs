@@ -30,7 +30,7 @@ pub struct ControlCommand {
     pub set_advance: bool,
     /// Pressure advance `[s]`. Range `[0, inf)`; invalid where set_advance is false.
     pub advance_s: f64,
-    /// Whether slip_compensation counts; false leaves the extruder loop open.
+    /// Whether slip_compensation counts, in a loop on the encoder where one is fitted; false leaves it open.
     pub close_extruder_loop: bool,
     /// Share of the motor's feed lost in the drive gear. Range `[0, 1)`; invalid where
     /// close_extruder_loop is false.

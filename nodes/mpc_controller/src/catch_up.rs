@@ -169,6 +169,7 @@ mod tests {
     use super::*;
 
     const SETTINGS: RawSlip = RawSlip {
+        encoder_fitted: true,
         low: -0.05,
         high: 0.5,
         serial_gain_1_s: 0.5,

@@ -27,6 +27,7 @@ pub fn estimate(message: &StateEstimate) -> Result<(Seconds, Event), WireError> 
         gain: read.gain,
         reference_feed_m_s: read.reference_feed_m_s,
         encoder_alive: read.encoder_alive,
+        width_alive: read.width_alive,
     };
     Ok((read.stamp, Event::Estimate(estimate)))
 }

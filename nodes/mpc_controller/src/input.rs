@@ -21,6 +21,8 @@ pub struct Estimate {
     pub reference_feed_m_s: f64,
     /// The encoder speaks: without it slip and flow are guesses.
     pub encoder_alive: bool,
+    /// Widths come.
+    pub width_alive: bool,
 }
 
 /// What the controller reacts to.

@@ -222,8 +222,10 @@ impl Simulator {
         self.toolhead.home(self.motion.homing);
         self.feel(dt);
         let trims = self.motion.trims.unwrap_or(self.in_force.trims);
+        let sensors = &self.params.simulator.sensors;
+        let fitted = sensors.encoder_period_s > 0.0;
         #[allow(clippy::cast_precision_loss, reason = "counts of a print are far below 2^52")]
-        let encoder_m = self.heard_counts() as f64 * self.params.simulator.sensors.encoder_quantum_m;
+        let encoder_m = fitted.then(|| self.heard_counts() as f64 * sensors.encoder_quantum_m);
         let goal = self.advance_goal(&trims, dt);
         let motor_m_s = self.drive.step(self.motion.feed, &trims, goal, (encoder_m, dt.0));
 

@@ -62,10 +62,11 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// States held at what is believed of them: a slip that no encoder shows.
+    /// States held at what is believed of them: a slip that neither encoder nor widths show.
     #[must_use]
     pub fn held(&self) -> [bool; state::COUNT] {
-        std::array::from_fn(|index| index == state::SLIP && !self.alive[Channel::Encoder as usize])
+        let told = [Channel::Encoder, Channel::Width].iter().any(|of| self.alive[*of as usize]);
+        std::array::from_fn(|index| index == state::SLIP && !told)
     }
 }
 
@@ -227,7 +228,8 @@ impl Estimator {
 }
 
 /// What a set of living channels tells of (model book 1.5): the nozzle by its own sensor, else only through the model of the
-/// joint, flow and slip through the encoder, the gain through widths. Without the encoder widths tell of flow and gain as one product.
+/// joint, flow and slip through the encoder, the gain through widths. Without the encoder widths tell of flow and gain as one product, and of
+/// the slip in strokes of pressure advance alone.
 fn observed([thermistor, encoder, width, nozzle]: [bool; CHANNELS]) -> [bool; state::COUNT] {
     let mut observed = [false; state::COUNT];
     observed[state::BLOCK] = thermistor;

@@ -82,10 +82,12 @@ pub struct RawProcess {
     pub flow_rel: f64,
     /// Slip that an encoder tells of `[-]`.
     pub slip: f64,
-    /// Slip that nothing tells of `[-]`.
+    /// Slip without an encoder `[-]`.
     pub slip_unseen: f64,
     /// Gain `[-]`.
     pub gain: f64,
+    /// Gain where widths alone tell of slip and gain `[-]`.
+    pub gain_unseen: f64,
     /// Uncertainty of the lag, relative: a flow off balance is known that much worse `[-]`.
     pub lag_rel: f64,
     /// Share of slip's and gain's noise that remains while nothing is extruded `[-]`.
@@ -197,6 +199,7 @@ fn check_process(raw: &RawProcess) -> Result<(), ParamError> {
     in_range("process.slip", raw.slip, "-", (1e-6, 1.0))?;
     in_range("process.slip_unseen", raw.slip_unseen, "-", (1e-6, 1.0))?;
     in_range("process.gain", raw.gain, "-", (1e-6, 1.0))?;
+    in_range("process.gain_unseen", raw.gain_unseen, "-", (1e-6, 1.0))?;
     in_range("process.lag_rel", raw.lag_rel, "-", (0.0, 2.0))?;
     in_range("process.frozen", raw.frozen, "-", (0.0, 1.0))?;
     Ok(())

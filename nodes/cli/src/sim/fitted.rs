@@ -23,6 +23,7 @@ pub(super) fn fitted(sensors: &[String], extras: &[String]) -> BTreeMap<String, 
             "encoder" => {
                 set("printer_sim", "simulator.encoder_period_s", "0.0");
                 set("safety_supervisor", "required_to_act", "[estimate]");
+                set("mpc_controller", "slip.encoder_fitted", "false");
             }
             "width" => set("printer_sim", "simulator.width_period_s", "0.0"),
             _ => set("printer_sim", "simulator.part_fan.full_1_s", "0.0"),

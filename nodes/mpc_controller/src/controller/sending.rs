@@ -42,13 +42,17 @@ impl Controller {
     }
 
     fn slip(&mut self, status: &PrinterStatus, estimate: &Estimate, dt_s: f64) -> Option<f64> {
+        let within_reach = estimate.slip.clamp(self.params.slip.low, self.params.slip.high);
         if !estimate.encoder_alive {
             self.catch_up.open();
             self.balance.open();
-            return None;
+            // A loop on an encoder that fell silent would push on and on: only where there is none is nothing closed by this.
+            // Widths put down to a slip below none what is a thick spool's.
+            let told = !self.params.slip.encoder_fitted && estimate.width_alive;
+            return told.then_some(within_reach.max(0.0));
         }
         Some(match status.host {
-            HostProfile::Native => estimate.slip.clamp(self.params.slip.low, self.params.slip.high),
+            HostProfile::Native => within_reach,
             HostProfile::Serial | HostProfile::Moonraker | HostProfile::Octoprint => {
                 let times_s = (estimate.stamp.0, dt_s);
                 self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s, times_s)

@@ -195,10 +195,18 @@ fn levels_decide_what_is_sent() {
     assert!(encoder.iter().all(|trims| *trims == expected));
 }
 
+/// A loop on an encoder that is silent would push on: it is open. Where none is fitted there is no loop, and what widths tell
+/// of the slip is fed.
 #[test]
 fn without_an_encoder_the_extruder_loop_is_open() {
-    let sent = Rig::new(Level::Mpc).run(4, |estimate| Estimate { encoder_alive: false, ..estimate });
-    assert!(sent.iter().all(|trims| trims.slip.is_none()));
+    let none_fitted = SHIPPED.replace("encoder_fitted: true ", "encoder_fitted: false ");
+    for (text, width_alive, expected) in
+        [(SHIPPED, true, None), (&none_fitted, false, None), (&none_fitted, true, Some(0.01))]
+    {
+        let silent = |estimate| Estimate { encoder_alive: false, width_alive, ..estimate };
+        let sent = Rig::of(made_of(text, Level::Mpc)).run(4, silent);
+        assert!(sent.iter().all(|trims| trims.slip == expected), "{sent:?}");
+    }
 }
 
 #[test]

@@ -48,6 +48,8 @@ pub struct RawTrims {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawSlip {
+    /// A filament encoder is fitted: without its word no slip is made up for. Where none is, what widths tell of it is.
+    pub encoder_fitted: bool,
     /// Lowest slip made up for `[-]`.
     pub low: f64,
     /// Highest slip made up for `[-]`.

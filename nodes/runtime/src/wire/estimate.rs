@@ -27,6 +27,8 @@ pub struct StateReading {
     pub reference_feed_m_s: f64,
     /// The encoder speaks.
     pub encoder_alive: bool,
+    /// Widths come.
+    pub width_alive: bool,
     /// What the estimator says of its own work.
     pub health: EstimateHealth,
 }
@@ -71,6 +73,7 @@ pub fn estimate_from_wire(wire: &StateEstimate) -> Result<StateReading, WireErro
         gain: state(wire, "gain", (1e-3, 10.0))?,
         reference_feed_m_s: within("reference_feed_m_s", wire.reference_feed_m_s, (1e-9, 1.0))?,
         encoder_alive: channel(wire, "encoder")?,
+        width_alive: channel(wire, "width")?,
         health: EstimateHealth::from_code(wire.health).ok_or(super::command::unknown(
             "health",
             wire.health,

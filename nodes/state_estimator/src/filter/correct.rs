@@ -85,7 +85,8 @@ impl Filter {
             Verdict::Diverged => false,
             Verdict::Stepped => {
                 self.steps += 1;
-                run.ukf.inflate(&self.doubt(channel));
+                let doubt = self.doubt(run, channel);
+                run.ukf.inflate(&doubt);
                 true
             }
         }

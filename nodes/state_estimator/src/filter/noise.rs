@@ -52,21 +52,26 @@ impl Filter {
             flow_std_m_s,
             if run.encoder_alive {
                 walk(process.slip, state::SLIP, self.params.prior.slip_std)
+            } else if run.width_alive && status.depositing {
+                walk(process.slip_unseen, state::SLIP, ANY_SLIP)
             } else {
                 frozen(process.slip_unseen)
             },
-            // without the encoder the gain is that of gear and road together, and wanders as both do
+            // where widths alone tell, it is the slip that wanders; with nothing that tells of it, the gain may be both
             walk(
                 learnt
-                    * if run.encoder_alive { process.gain } else { process.gain.hypot(process.slip_unseen) },
+                    * match (run.encoder_alive, run.width_alive) {
+                        (true, _) => process.gain,
+                        (false, true) => process.gain_unseen,
+                        (false, false) => process.gain.hypot(process.slip_unseen),
+                    },
                 state::GAIN,
                 self.params.prior.gain_std,
             ),
         ])
     }
 
-    /// What may have changed since there is no encoder and shows nowhere: a slip, and the flow that it takes. Widths show the
-    /// product of flow and gain alone, so that the gain seems to have changed instead (model book 1.5).
+    /// What may have changed since there is neither encoder nor width and shows nowhere: a slip, and the flow that it takes.
     pub(super) fn unseen(&self, run: &Running, x: &State) -> Covariance {
         let process = &self.params.process;
         let walked = process.slip_unseen * (run.blind_s / process.reference_period_s).sqrt();
@@ -74,12 +79,11 @@ impl Filter {
         let mut along = State::zeros();
         along[state::SLIP] = 1.0;
         along[state::FLOW] = -x[state::FLOW] / kept;
-        along[state::GAIN] = if run.width_alive { x[state::GAIN] / kept } else { 0.0 };
         along * along.transpose() * walked.min(ANY_SLIP).powi(2)
     }
 
     /// Doubt added to the states behind a channel whose innovations stand on one side.
-    pub(super) fn doubt(&self, channel: Channel) -> Covariance {
+    pub(super) fn doubt(&self, run: &Running, channel: Channel) -> Covariance {
         let mut deviations = [0.0; state::COUNT];
         match channel {
             Channel::Thermistor => {
@@ -89,7 +93,9 @@ impl Filter {
             }
             Channel::Nozzle => deviations[state::NOZZLE] = self.params.nozzle_sensor.step_std_k,
             Channel::Encoder => deviations[state::SLIP] = self.params.encoder.step_std,
-            Channel::Width => deviations[state::GAIN] = self.params.width.step_std,
+            Channel::Width if run.encoder_alive => deviations[state::GAIN] = self.params.width.step_std,
+            // a spool does not step: where nobody watches the gear, that does
+            Channel::Width => deviations[state::SLIP] = self.params.encoder.step_std,
         }
         variances(deviations)
     }

@@ -247,6 +247,7 @@ impl Printing {
             gain: estimate.x[state::GAIN],
             reference_feed_m_s: estimate.reference_feed_m_s,
             encoder_alive: estimate.alive[Channel::Encoder as usize],
+            width_alive: estimate.alive[Channel::Width as usize],
         };
         if let Some(command) = self.controller.on_event(mpc_controller::Event::Estimate(for_control)) {
             self.wish(now, command);

@@ -28,6 +28,7 @@ pub(super) fn estimate(stamp_s: f64) -> Estimate {
         gain: 1.0,
         reference_feed_m_s: FEED_M_S,
         encoder_alive: true,
+        width_alive: true,
     }
 }
 

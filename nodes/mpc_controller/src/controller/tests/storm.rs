@@ -85,6 +85,7 @@ fn every_command_is_within_bounds_and_rates() {
             gain: dice.between(0.1, 4.0),
             reference_feed_m_s: dice.between(1e-5, 0.01),
             encoder_alive: dice.unit() < 0.8,
+            width_alive: true,
         };
         let gain = dice.poisoned(seen.gain);
         if let Some(command) = controller.on_event(Event::Estimate(Estimate { gain, ..seen })) {

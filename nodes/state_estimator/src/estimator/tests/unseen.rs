@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// Without an encoder a slip of 9 % more looks like a gain of as much less. Widths hold the product alone: the stated
-/// covariance bears that, as long as the slip has had the time to walk so far.
+/// Without an encoder a slip of 9 % more looks like a gain of as much less. Widths hold the product alone, and a spool is
+/// known better than a gear: most of it is told as slip, and the stated covariance bears the rest.
 #[test]
 fn a_slip_that_nothing_shows_is_within_what_is_stated() {
     let mut rig = Rig::new();
@@ -16,6 +16,7 @@ fn a_slip_that_nothing_shows_is_within_what_is_stated() {
         let (error, std) = (value - estimate.x[index], estimate.p[(index, index)].sqrt());
         assert!(error.abs() < 2.0 * std, "{index}: {error} of {std}");
     }
+    assert!(estimate.x[state::SLIP] > 0.06 && !estimate.held()[state::SLIP], "{}", estimate.x[state::SLIP]);
     // what widths tell is known as well as before: the product
     let product = |flow_m_s: f64, gain: f64| flow_m_s * gain / FEED_M_S;
     let told = product(estimate.x[state::FLOW], estimate.x[state::GAIN]);
@@ -23,11 +24,36 @@ fn a_slip_that_nothing_shows_is_within_what_is_stated() {
     assert!(estimate.p.cholesky().is_some());
 }
 
+/// Strokes of 0.3 mm, 5 times a second: where the law is off by some per cent at their phases, widths put that down to slip and
+/// gain. A slip of 10 % more is told as such beside it.
+#[test]
+fn in_strokes_a_slip_is_told_by_widths() {
+    let mut rig = Rig::new();
+    rig.encoder = false;
+    rig.run(3000);
+    rig.stroke_m = 0.3e-3;
+    let before = rig.run(4000).x[state::SLIP];
+    rig.slip = 0.11;
+    let grown = rig.run(1500).x[state::SLIP] - before;
+    assert!((0.07..0.13).contains(&grown), "{grown}");
+}
+
+/// With neither encoder nor widths nothing tells of the slip: it is held.
+#[test]
+fn a_slip_that_nothing_tells_of_is_held() {
+    let mut rig = Rig::new();
+    rig.run(1000);
+    let known = rig.run(5).x[state::SLIP];
+    (rig.encoder, rig.width_noise_m, rig.slip) = (false, f64::NAN, 0.2);
+    let estimate = rig.run(2000);
+    assert!(estimate.held()[state::SLIP] && (estimate.x[state::SLIP] - known).abs() < 1e-3);
+}
+
 /// The encoder is back: what it tells is stated as well known as ever.
 #[test]
 fn an_encoder_that_is_back_ends_the_doubt() {
     let mut rig = Rig::new();
-    rig.encoder = false;
+    (rig.encoder, rig.width_noise_m) = (false, f64::NAN);
     let blind = rig.run(3000).p[(state::SLIP, state::SLIP)].sqrt();
     rig.encoder = true;
     let seen = rig.run(200).p[(state::SLIP, state::SLIP)].sqrt();
