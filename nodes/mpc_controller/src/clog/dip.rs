@@ -79,9 +79,14 @@ impl Dips {
             self.dip = self.begin(before, look);
             return None;
         };
-        let late = look.exposed_s - dip.first.exposed_s > self.settings.lasts_s;
-        if late || !self.belongs(dip.last, look) || self.differs(dip.first, look) {
+        if look.exposed_s - dip.first.exposed_s > self.settings.lasts_s {
             return None;
+        }
+        if !self.belongs(dip.last, look) || self.differs(dip.first, look) {
+            // what was seen of it has to do, where it was seen to fade
+            let fades = dip.rest() <= self.settings.cut_off;
+            self.passed = fades.then_some(dip).or(self.passed);
+            return fades.then(|| dip.held_m());
         }
         dip.lacked_m += lacked_m(dip.last, look);
         dip.last = look;

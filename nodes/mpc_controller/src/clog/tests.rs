@@ -7,6 +7,7 @@ pub(crate) const SETTINGS: RawClog = RawClog {
     sound: 0.08,
     begins: 0.15,
     passed: 0.4,
+    cut_off: 0.75,
     lasts_s: 12.0,
     gap_s: 3.0,
     feed_spread: 0.35,
@@ -143,6 +144,32 @@ fn what_tells_of_no_force_that_can_be_followed_changes_nothing() {
     for clog in [leak, thin, narrow] {
         assert_eq!((clog.factor(), clog.carried_m()), (1.0, 0.0), "{clog:?}");
     }
+}
+
+/// The road goes over to twice the feed in the midst of a dip: what was seen of its fading tells the force, a lack that has not
+/// faded is no dip, and a setting of 0 waits for the next one.
+#[test]
+fn a_dip_that_another_road_cuts_off_tells_what_was_seen_of_it() {
+    let cut_off_at = |force: f64, settings: RawClog| {
+        let (mut melt, mut clog) = (Melt::steady(), Clog::new(settings));
+        melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+        melt.run(&mut clog, (1.2, 0.25), force, 1.0);
+        melt.now_s += 0.4;
+        clog.on_look(Look { feed_m_s: 2.0 * FEED_M_S, ..melt.look(0.1) });
+        clog.factor()
+    };
+    for force in [1.6, 2.0] {
+        let told = cut_off_at(force, SETTINGS);
+        assert!((told / force - 1.0).abs() < 0.2, "{force}: {told}");
+    }
+    assert!((cut_off_at(2.0, RawClog { cut_off: 0.0, ..SETTINGS }) - 1.0).abs() < 1e-15);
+    let (mut leak, mut melt) = (Clog::new(SETTINGS), Melt::steady());
+    for lacking in [0.0, 0.0, 0.25, 0.25] {
+        melt.now_s += 0.5;
+        leak.on_look(melt.look(lacking));
+    }
+    leak.on_look(Look { exposed_s: melt.now_s + 0.5, feed_m_s: 2.0 * FEED_M_S, ..melt.look(0.25) });
+    assert!((leak.factor() - 1.0).abs() < 1e-15);
 }
 
 /// The dip is there until it has faded, by its own time constant.
