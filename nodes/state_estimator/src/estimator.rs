@@ -62,10 +62,11 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// States held at what is believed of them: a slip that neither encoder nor widths show.
+    /// States held at what is believed of them: a slip that neither an encoder nor, without a nozzle's sensor, widths show.
     #[must_use]
     pub fn held(&self) -> [bool; state::COUNT] {
-        let told = [Channel::Encoder, Channel::Width].iter().any(|of| self.alive[*of as usize]);
+        let alive = |of: Channel| self.alive[of as usize];
+        let told = alive(Channel::Encoder) || alive(Channel::Width) && !alive(Channel::Nozzle);
         std::array::from_fn(|index| index == state::SLIP && !told)
     }
 }

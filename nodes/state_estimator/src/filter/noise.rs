@@ -52,7 +52,7 @@ impl Filter {
             flow_std_m_s,
             if run.encoder_alive {
                 walk(process.slip, state::SLIP, self.params.prior.slip_std)
-            } else if run.width_alive && status.depositing {
+            } else if run.slip_by_widths() && status.depositing {
                 walk(process.slip_unseen, state::SLIP, ANY_SLIP)
             } else {
                 frozen(process.slip_unseen)
@@ -60,7 +60,7 @@ impl Filter {
             // where widths alone tell, it is the slip that wanders; with nothing that tells of it, the gain may be both
             walk(
                 learnt
-                    * match (run.encoder_alive, run.width_alive) {
+                    * match (run.encoder_alive, run.slip_by_widths()) {
                         (true, _) => process.gain,
                         (false, true) => process.gain_unseen,
                         (false, false) => process.gain.hypot(process.slip_unseen),
@@ -71,7 +71,8 @@ impl Filter {
         ])
     }
 
-    /// What may have changed since there is neither encoder nor width and shows nowhere: a slip, and the flow that it takes.
+    /// What may have changed since nothing tells of the slip, and shows nowhere: a slip, and the flow that it takes. Widths show
+    /// the product of flow and gain alone, so that the gain seems to have changed instead (model book 1.5).
     pub(super) fn unseen(&self, run: &Running, x: &State) -> Covariance {
         let process = &self.params.process;
         let walked = process.slip_unseen * (run.blind_s / process.reference_period_s).sqrt();
@@ -79,6 +80,7 @@ impl Filter {
         let mut along = State::zeros();
         along[state::SLIP] = 1.0;
         along[state::FLOW] = -x[state::FLOW] / kept;
+        along[state::GAIN] = if run.width_alive { x[state::GAIN] / kept } else { 0.0 };
         along * along.transpose() * walked.min(ANY_SLIP).powi(2)
     }
 
@@ -93,11 +95,23 @@ impl Filter {
             }
             Channel::Nozzle => deviations[state::NOZZLE] = self.params.nozzle_sensor.step_std_k,
             Channel::Encoder => deviations[state::SLIP] = self.params.encoder.step_std,
-            Channel::Width if run.encoder_alive => deviations[state::GAIN] = self.params.width.step_std,
             // a spool does not step: where nobody watches the gear, that does
-            Channel::Width => deviations[state::SLIP] = self.params.encoder.step_std,
+            Channel::Width if run.slip_by_widths() => deviations[state::SLIP] = self.params.encoder.step_std,
+            Channel::Width => deviations[state::GAIN] = self.params.width.step_std,
         }
         variances(deviations)
+    }
+}
+
+impl Running {
+    /// Widths stand for an encoder that is not there. Not beside a sensor in the nozzle: what the melt cools it by would tell
+    /// the flow, and with it the slip, surer than a model of the hot end is.
+    pub(super) fn slip_by_widths(&self) -> bool {
+        !self.encoder_alive && self.width_alive && !self.nozzle_alive
+    }
+
+    pub(super) fn tells_slip(&self) -> bool {
+        self.encoder_alive || self.slip_by_widths()
     }
 }
 

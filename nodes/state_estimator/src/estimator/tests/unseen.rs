@@ -38,6 +38,26 @@ fn in_strokes_a_slip_is_told_by_widths() {
     assert!((0.07..0.13).contains(&grown), "{grown}");
 }
 
+/// Beside a sensor in the nozzle the slip is held without an encoder, and its doubt and the gain's grow: what the melt cools
+/// the nozzle by is not known well enough to tell the flow.
+#[test]
+fn a_nozzles_sensor_tells_no_slip() {
+    let mut rig = Rig::new();
+    (rig.encoder, rig.nozzle, rig.slip) = (false, Some(Celsius(205.0)), 0.10);
+    let estimate = rig.run(3000);
+    assert!(estimate.held()[state::SLIP] && (estimate.x[state::SLIP] - 0.01).abs() < 1e-3);
+    for index in [state::FLOW, state::SLIP, state::GAIN] {
+        let truth = [(state::FLOW, rig.flow_m_s), (state::SLIP, 0.10), (state::GAIN, 1.0)];
+        let (_, value) = truth.into_iter().find(|(of, _)| *of == index).unwrap();
+        let std = estimate.p[(index, index)].sqrt();
+        assert!(
+            (value - estimate.x[index]).abs() < 2.0 * std,
+            "{index}: {value} {} {std}",
+            estimate.x[index]
+        );
+    }
+}
+
 /// With neither encoder nor widths nothing tells of the slip: it is held.
 #[test]
 fn a_slip_that_nothing_tells_of_is_held() {
