@@ -28,6 +28,12 @@ impl Channel {
     pub const ALL: [Self; CHANNELS] = [Self::Thermistor, Self::Encoder, Self::Width, Self::Nozzle];
 }
 
+/// Whether widths stand for an encoder that is not there: they tell of the slip. Not beside a sensor in the nozzle: what the
+/// melt cools it by would tell the flow, and with it the slip, surer than a model of the hot end is.
+pub(crate) fn widths_tell_slip([_, encoder, width, nozzle]: [bool; CHANNELS]) -> bool {
+    !encoder && width && !nozzle
+}
+
 /// Statistics of a window of [`WINDOW`] innovations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {

@@ -1,6 +1,6 @@
 //! The estimator: events in, an estimate per tick out.
 
-use crate::channel::{CHANNELS, Channel, Record, Window};
+use crate::channel::{CHANNELS, Channel, Record, Window, widths_tell_slip};
 use crate::filter::Filter;
 use crate::history::{Ring, Sample};
 use crate::input::{Event, Reason, Refusals, finite};
@@ -65,8 +65,7 @@ impl Estimate {
     /// States held at what is believed of them: a slip that neither an encoder nor, without a nozzle's sensor, widths show.
     #[must_use]
     pub fn held(&self) -> [bool; state::COUNT] {
-        let alive = |of: Channel| self.alive[of as usize];
-        let told = alive(Channel::Encoder) || alive(Channel::Width) && !alive(Channel::Nozzle);
+        let told = self.alive[Channel::Encoder as usize] || widths_tell_slip(self.alive);
         std::array::from_fn(|index| index == state::SLIP && !told)
     }
 }
@@ -229,8 +228,8 @@ impl Estimator {
 }
 
 /// What a set of living channels tells of (model book 1.5): the nozzle by its own sensor, else only through the model of the
-/// joint, flow and slip through the encoder, the gain through widths. Without the encoder widths tell of flow and gain as one product, and of
-/// the slip in strokes of pressure advance alone.
+/// joint, flow and slip through the encoder, the gain through widths. Without the encoder widths tell of flow and gain as one
+/// product, and of the slip in strokes of pressure advance alone.
 fn observed([thermistor, encoder, width, nozzle]: [bool; CHANNELS]) -> [bool; state::COUNT] {
     let mut observed = [false; state::COUNT];
     observed[state::BLOCK] = thermistor;

@@ -1,6 +1,7 @@
 //! The whole loop in one process and virtual time: the simulated printer and every brain, wired as over DDS.
 
 mod ahead;
+mod supervision;
 mod traffic;
 
 use super::bagging::Bagging;

@@ -72,7 +72,7 @@ impl Dips {
         under_way.or_else(|| self.passed.as_ref().map(left)).unwrap_or(0.0)
     }
 
-    /// How much more filament is held, once a dip has passed `[m]`.
+    /// How much more filament is held, once a dip has passed or another road has cut it off `[m]`.
     pub(crate) fn on_look(&mut self, look: Look) -> Option<f64> {
         let before = self.before.replace(look)?;
         let Some(mut dip) = self.dip.take() else {

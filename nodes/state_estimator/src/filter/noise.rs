@@ -1,7 +1,7 @@
 //! Process noise, and the doubt after a step.
 
 use super::{Covariance, Filter, Running};
-use crate::channel::Channel;
+use crate::channel::{Channel, widths_tell_slip};
 use crate::params::Params;
 use crate::printer_model::{State, state};
 use models::status::PrinterStatus;
@@ -104,10 +104,8 @@ impl Filter {
 }
 
 impl Running {
-    /// Widths stand for an encoder that is not there. Not beside a sensor in the nozzle: what the melt cools it by would tell
-    /// the flow, and with it the slip, surer than a model of the hot end is.
-    pub(super) fn slip_by_widths(&self) -> bool {
-        !self.encoder_alive && self.width_alive && !self.nozzle_alive
+    fn slip_by_widths(&self) -> bool {
+        widths_tell_slip([true, self.encoder_alive, self.width_alive, self.nozzle_alive])
     }
 
     pub(super) fn tells_slip(&self) -> bool {

@@ -4,13 +4,12 @@ use super::Printing;
 use crate::sim::bagging::as_stamped;
 use crate::sim::foresight;
 use crate::sim::message::{Content, Lane, Message};
-use crate::sim::report::Detection;
 use crate::sim::sight::Seen;
-use models::command::{Command, Mode};
+use models::command::Command;
 use models::motion::Segment;
 use models::units::{Kelvin, Seconds};
 use printer_sim::Output;
-use safety_supervisor::{Event as Safety, PrinterReport, Stream, What};
+use safety_supervisor::{Event as Safety, PrinterReport, Stream};
 use state_estimator::{Channel, state};
 
 impl Printing {
@@ -256,38 +255,6 @@ impl Printing {
 
     pub(super) fn wish(&mut self, now: Seconds, command: Command) {
         self.send(now, Message::new(now, Content::Command(command, self.controller.health())));
-    }
-
-    pub(super) fn permit(&mut self, now: Seconds) {
-        if let Some(output) = self.supervisor.on_event(now, Safety::Tick { now }) {
-            self.say(now, output);
-        }
-    }
-
-    /// What the supervisor says: a permit for the printer, its state and its decisions.
-    pub(super) fn say(&mut self, now: Seconds, output: safety_supervisor::Output) {
-        self.send(now, Message::new(now, Content::Permit(output.permit)));
-        let onset_s = self.simulator.first_onset().map(|onset| onset.0);
-        let cause = output.state.cause.map_or_else(String::new, |cause| cause.id().to_owned());
-        if let Some(bagging) = &mut self.bagging {
-            bagging.safety(now, &output);
-        }
-        self.safety = Some(output.state);
-        for event in &output.events {
-            let (fault, action) = match event.what {
-                What::Impulse => ("P8".to_owned(), "flagged".to_owned()),
-                What::PartFanSlow => ("P4".to_owned(), "flagged".to_owned()),
-                _ if event.after == Mode::Paused && self.adopts_pause(now, output.state.cause) => continue,
-                _ if event.before != event.after
-                    && (event.after >= Mode::Degraded
-                        || event.after == Mode::Observe && event.before != Mode::Init) =>
-                {
-                    (cause.clone(), format!("{:?}", event.after).to_lowercase())
-                }
-                _ => continue,
-            };
-            self.noticed.push(Detection { fault, onset_s, detected_s: now.0, action });
-        }
     }
 }
 
