@@ -88,6 +88,16 @@ mod tests {
         assert!((base.feed() * (1.0 + base.error()) - 1.0).abs() < 1e-15);
     }
 
+    /// Four times the 20 s that it is averaged over.
+    #[test]
+    fn a_spool_is_new_until_its_average_is_full() {
+        assert!(Base::new(PARAMS, 0.25).is_new() && after(79, |_| 1.023).is_new());
+        let mut base = after(81, |_| 1.023);
+        assert!(!base.is_new());
+        base.clear();
+        assert!(base.is_new());
+    }
+
     /// Noise of 0.8 % that changes sign each second leaves 0.8 % / (2 x 20) either way.
     #[test]
     fn noise_is_averaged_over_its_time() {

@@ -24,6 +24,19 @@ fn a_slip_that_widths_alone_show_is_told_within_what_is_stated() {
     assert!(estimate.p.cholesky().is_some());
 }
 
+/// A slip of 40 % at once has the widths rejected: the doubt that ends that is of the gear, and a spool is left as it was.
+#[test]
+fn a_slip_that_has_widths_rejected_is_no_gain() {
+    let mut rig = Rig::new();
+    rig.encoder = false;
+    let before = rig.run(3000);
+    rig.slip = 0.40;
+    let estimate = rig.run(2000);
+    assert!(estimate.steps > before.steps, "{}", estimate.steps);
+    assert!((estimate.x[state::SLIP] - 0.40).abs() < 0.05, "{}", estimate.x[state::SLIP]);
+    assert!((estimate.x[state::GAIN] - 1.0).abs() < 0.05, "{}", estimate.x[state::GAIN]);
+}
+
 /// Strokes of 0.3 mm, 5 times a second: where the law is off by some per cent at their phases, widths put that down to slip and
 /// gain. A slip of 10 % more is told as such beside it.
 #[test]

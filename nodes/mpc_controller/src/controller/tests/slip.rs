@@ -1,0 +1,41 @@
+//! What is fed in addition for a slip.
+
+use super::*;
+
+/// A loop on an encoder that is silent would push on: it is open. Where none is fitted there is no loop, and what widths tell
+/// of the slip is fed.
+#[test]
+fn without_an_encoder_the_extruder_loop_is_open() {
+    let none_fitted = SHIPPED.replace("encoder_fitted: true ", "encoder_fitted: false ");
+    for (text, width_alive, slip, expected) in [
+        (SHIPPED, true, 0.01, None),
+        (&none_fitted, false, 0.01, None),
+        (&none_fitted, true, 0.01, Some(0.01)),
+        (&none_fitted, true, -0.03, Some(0.0)),
+    ] {
+        let silent = |estimate| Estimate { encoder_alive: false, width_alive, slip, ..estimate };
+        let sent = Rig::of(made_of(text, Level::Mpc)).run(4, silent);
+        assert!(sent.iter().all(|trims| trims.slip == expected), "{sent:?}");
+    }
+}
+
+#[test]
+fn a_host_without_a_loop_gets_the_shortfall_as_slip() {
+    let mut controller = controller(Level::Encoder);
+    let mut last = None;
+    for step in 1..200 {
+        let now_s = f64::from(step) * 0.05;
+        let status =
+            PrinterStatus { host: HostProfile::Serial, ..status(now_s, FEED_M_S * now_s, Trims::NEUTRAL) };
+        controller.on_event(Event::Printer(status));
+        // the filament falls behind by 2 % after 5 s
+        let lost_m = 0.02 * FEED_M_S * (now_s - 5.0).max(0.0);
+        controller.on_event(Event::Encoder { stamp: Seconds(now_s), position_m: FEED_M_S * now_s - lost_m });
+        last = controller.on_event(Event::Estimate(estimate(now_s))).and_then(|command| command.trims.slip);
+    }
+    // 1/(1-s) = 1/0.99 + k e/v; at rest as much fades as falls behind: e = kept + 0.02 v tau
+    let slip = controller.params.slip;
+    let owed_s = slip.serial_kept_m / FEED_M_S + 0.02 * slip.serial_fades_s;
+    let expected = 1.0 - 1.0 / (1.0 / 0.99 + slip.serial_gain_1_s * owed_s);
+    assert!((last.unwrap() - expected).abs() < 2e-3, "{last:?} {expected}");
+}
