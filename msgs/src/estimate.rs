@@ -15,6 +15,10 @@ pub struct StateEstimate {
     pub x: Vec<f64>,
     /// Row-major, names x names `[products of the units]`.
     pub covariance: Vec<f64>,
+    /// One per name: a living sensor tells of the state itself, not only the model.
+    pub observed: Vec<bool>,
+    /// One per name: nothing tells of the state, which is frozen while its variance grows.
+    pub held: Vec<bool>,
     /// Slow mean of the slicer's feed: the scale of the flow `[m/s]`. Range `(0, inf)`.
     pub reference_feed_m_s: f64,
     /// Names of the measurement channels.

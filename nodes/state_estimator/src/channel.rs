@@ -28,10 +28,9 @@ impl Channel {
     pub const ALL: [Self; CHANNELS] = [Self::Thermistor, Self::Encoder, Self::Width, Self::Nozzle];
 }
 
-/// Whether widths stand for an encoder that is not there: they tell of the slip. Not beside a sensor in the nozzle: what the
-/// melt cools it by would tell the flow, and with it the slip, surer than a model of the hot end is.
-pub(crate) fn widths_tell_slip([_, encoder, width, nozzle]: [bool; CHANNELS]) -> bool {
-    !encoder && width && !nozzle
+/// Whether widths stand for an encoder that is not there: they tell of the slip.
+pub(crate) fn widths_tell_slip([_, encoder, width, _]: [bool; CHANNELS]) -> bool {
+    !encoder && width
 }
 
 /// Statistics of a window of [`WINDOW`] innovations.
@@ -53,6 +52,17 @@ pub(crate) enum Verdict {
     Stepped,
     /// Numerically impossible, or too many innovations speak against the filter.
     Diverged,
+}
+
+/// What tells that the state behind a channel has stepped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Step {
+    /// Newest innovations looked at, [`WINDOW`] at most.
+    pub(crate) samples: usize,
+    /// Their normalised mean `sum(r / sqrt(S)) / sqrt(N)` above which they tell it `[-]`.
+    pub(crate) threshold: f64,
+    /// Share of their older half's mean below which the newer half's tells of a transient instead `[-]`.
+    pub(crate) fade: f64,
 }
 
 /// Record of one channel.
@@ -86,7 +96,7 @@ impl Record {
             resets,
             against: 0,
             normalised: Ring::new(WINDOW),
-            recent: Ring::new(trust.step_samples as usize),
+            recent: Ring::new(WINDOW),
             sum_nis: 0.0,
             rejected: false,
             seen_s: None,
@@ -98,8 +108,14 @@ impl Record {
         }
     }
 
+    /// What tells of a step where nothing else is asked for.
+    pub(crate) fn step(&self) -> Step {
+        let RawTrust { step_samples, step_threshold, step_fade, .. } = self.trust;
+        Step { samples: step_samples as usize, threshold: step_threshold, fade: step_fade }
+    }
+
     /// Takes an innovation whose variance has a part that a passing transient adds.
-    pub(crate) fn note(&mut self, update: &Update<1>, passing: f64) -> Verdict {
+    pub(crate) fn note(&mut self, update: &Update<1>, passing: f64, step: Step) -> Verdict {
         let (innovation, sound) = match update {
             Update::Applied(innovation) => (innovation, Verdict::Consistent),
             Update::Rejected(innovation) => (innovation, Verdict::Rejected),
@@ -108,7 +124,7 @@ impl Record {
         self.gated += u64::from(sound == Verdict::Rejected);
         if innovation.nis > self.health.row_bound {
             self.against += 1;
-        } else if self.recent.iter().len() == self.trust.step_samples as usize {
+        } else if self.recent.iter().len() >= step.samples {
             // right after a step the doubt just added makes everything consistent: that speaks for nothing
             self.against = self.against.saturating_sub(1);
         }
@@ -122,9 +138,8 @@ impl Record {
         self.normalised.push(normalised);
         self.recent.push(innovation.residual.x / innovation.covariance.x.sqrt());
         self.rejected = sound == Verdict::Rejected;
-        let stepped = !self.fades()
-            && mean_of(&self.recent, self.trust.step_samples as usize)
-                .is_some_and(|mean| mean.abs() > self.trust.step_threshold);
+        let stepped = !self.fades(step)
+            && mean_of(&self.recent, step.samples).is_some_and(|mean| mean.abs() > step.threshold);
         if self.resets && self.against >= self.health.row {
             Verdict::Diverged
         } else if stepped {
@@ -165,12 +180,12 @@ impl Record {
     }
 
     /// Whether the recent innovations fade: a transient, not a step.
-    fn fades(&self) -> bool {
-        let half = self.trust.step_samples as usize / 2;
+    fn fades(&self, step: Step) -> bool {
+        let half = step.samples / 2;
         let sum = |values: &mut dyn Iterator<Item = &f64>| values.sum::<f64>().abs();
-        let older = sum(&mut self.recent.iter().take(half));
+        let older = sum(&mut self.recent.iter().rev().take(step.samples).rev().take(half));
         let newer = sum(&mut self.recent.iter().rev().take(half));
-        newer < self.trust.step_fade * older
+        newer < step.fade * older
     }
 
     /// Mean of all normalised innovations squared, rejected ones included.
@@ -186,9 +201,9 @@ impl Record {
     }
 }
 
-/// `sum / sqrt(N)` of a full ring.
-fn mean_of(ring: &Ring<f64>, full: usize) -> Option<f64> {
+/// `sum / sqrt(N)` of the newest `count`, where there are so many.
+fn mean_of(ring: &Ring<f64>, count: usize) -> Option<f64> {
     #[expect(clippy::cast_precision_loss, reason = "at most the length of a window")]
-    let root = (full as f64).sqrt();
-    (ring.iter().len() == full).then(|| ring.iter().sum::<f64>() / root)
+    let root = (count as f64).sqrt();
+    (ring.iter().len() >= count).then(|| ring.iter().rev().take(count).sum::<f64>() / root)
 }

@@ -54,6 +54,8 @@ pub fn estimate(estimate: &Estimate) -> StateEstimate {
         x: estimate.x.iter().copied().collect(),
         // Row by row; nalgebra keeps columns.
         covariance: estimate.p.transpose().iter().copied().collect(),
+        observed: estimate.observed.to_vec(),
+        held: estimate.held().to_vec(),
         reference_feed_m_s: estimate.reference_feed_m_s,
         channels: wire::CHANNELS.map(str::to_owned).to_vec(),
         alive: estimate.alive.to_vec(),

@@ -62,7 +62,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// States held at what is believed of them: a slip that neither an encoder nor, without a nozzle's sensor, widths show.
+    /// States held at what is believed of them: a slip that neither an encoder nor widths show.
     #[must_use]
     pub fn held(&self) -> [bool; state::COUNT] {
         let told = self.alive[Channel::Encoder as usize] || widths_tell_slip(self.alive);
@@ -228,15 +228,15 @@ impl Estimator {
 }
 
 /// What a set of living channels tells of (model book 1.5): the nozzle by its own sensor, else only through the model of the
-/// joint, flow and slip through the encoder, the gain through widths. Without the encoder widths tell of flow and gain as one
-/// product, and of the slip in strokes of pressure advance alone.
+/// joint, flow and slip through the encoder, the gain through widths. Without the encoder widths tell of all three: of flow and
+/// gain as one product, of the slip by what strokes of pressure advance lose, or as what changes faster than a spool.
 fn observed([thermistor, encoder, width, nozzle]: [bool; CHANNELS]) -> [bool; state::COUNT] {
     let mut observed = [false; state::COUNT];
     observed[state::BLOCK] = thermistor;
     observed[state::NOZZLE] = nozzle;
     observed[state::SENSOR] = thermistor;
-    observed[state::FLOW] = encoder;
-    observed[state::SLIP] = encoder;
+    observed[state::FLOW] = encoder || width;
+    observed[state::SLIP] = encoder || width;
     observed[state::GAIN] = width;
     observed
 }

@@ -52,7 +52,7 @@ struct Running {
     encoder_alive: bool,
     /// Widths come: they tell flow and gain as one product, and the slip by what strokes of pressure advance lose.
     width_alive: bool,
-    /// Time in which nothing told of the slip `[s]`.
+    /// Time in which no encoder told of the slip `[s]`.
     blind_s: f64,
     /// A sensor in the nozzle speaks.
     nozzle_alive: bool,
@@ -156,9 +156,7 @@ impl Filter {
             belief.mean = self.model.step_along(&belief.mean, &drive, &course, ahead_s);
             belief.covariance += self.noise(run, status, ahead_s);
         }
-        if !run.tells_slip() {
-            belief.covariance += self.unseen(run, &belief.mean);
-        }
+        belief.covariance += self.unseen(run, &belief.mean);
         // below zero the state is a stroke, not a flow
         belief.mean[state::FLOW] = belief.mean[state::FLOW].max(0.0);
         Some(belief)
@@ -249,11 +247,9 @@ impl Filter {
             // what comes next is more like the mean than like the last stroke
             run.drive.motor_speed_m_s = motor_speed_m_s;
         }
-        if run.tells_slip() {
-            run.blind_s = 0.0;
-        } else {
+        run.blind_s = if run.encoder_alive { 0.0 } else { run.blind_s + run.at_s - from_s };
+        if !run.tells_slip() {
             run.ukf.freeze(state::SLIP);
-            run.blind_s += run.at_s - from_s;
         }
         Health::Sound
     }

@@ -138,13 +138,15 @@ pub(crate) fn filament_between(inbox: &Inbox, (from_s, to_s): (f64, f64)) -> Opt
     Some((inbox.positions.value_at(to_s)? - inbox.positions.value_at(from_s)?) / (to_s - from_s))
 }
 
-/// What the filter remembers for a late frame.
+/// What the filter remembers for a late frame, and asks of it.
 pub(crate) struct Past<'a> {
     pub(crate) flows: &'a Ring<(f64, f64)>,
     pub(crate) flow_m_s: f64,
     pub(crate) at_s: f64,
-    /// Recent distance of flow and feed, relative to the reference feed.
+    /// Share by which a width may be off behind the recent distance of flow and feed.
     pub(crate) imbalance: f64,
+    /// How long before an exposure the path must be steady `[s]`.
+    pub(crate) steady_s: f64,
     /// Rest of a dip that passes by itself `[m]`.
     pub(crate) transient_m: f64,
 }
@@ -160,7 +162,7 @@ pub(crate) fn width(
 ) -> Option<Observation> {
     let sensor = &params.width;
     let smear_s = sensor.smear_m / sensor.path_speed_min_m_s;
-    let from_s = frame.exposed_s - sensor.steady_s.max(smear_s);
+    let from_s = frame.exposed_s - past.steady_s.max(smear_s);
     let (path_speed_m_s, height_m) =
         samples.steady_road((from_s, frame.exposed_s), sensor.path_speed_spread)?;
     if path_speed_m_s < sensor.path_speed_min_m_s {
@@ -168,7 +170,7 @@ pub(crate) fn width(
     }
     let then_m_s =
         if frame.exposed_s >= past.at_s { past.flow_m_s } else { past.flows.value_at(frame.exposed_s)? };
-    let unbalanced_m = sensor.imbalance * past.imbalance * frame.width_m;
+    let unbalanced_m = past.imbalance * frame.width_m;
     let sigma_m = frame.sigma_m.max(sensor.sigma_min_m);
     let passing = (sensor.transient_doubt * past.transient_m).powi(2);
     Some(Observation {

@@ -42,6 +42,8 @@ pub struct RawParams {
     pub encoder: RawEncoder,
     /// Road width from vision.
     pub width: RawWidth,
+    /// What holds instead where widths alone tell of the slip.
+    pub widths_alone: RawWidthsAlone,
     /// The printer's own telemetry.
     pub telemetry: RawTelemetry,
     /// States outside of these bounds reset the filter.
@@ -86,8 +88,6 @@ pub struct RawProcess {
     pub slip_unseen: f64,
     /// Gain `[-]`.
     pub gain: f64,
-    /// Gain where widths alone tell of slip and gain `[-]`.
-    pub gain_unseen: f64,
     /// Uncertainty of the lag, relative: a flow off balance is known that much worse `[-]`.
     pub lag_rel: f64,
     /// Share of slip's and gain's noise that remains while nothing is extruded `[-]`.
@@ -177,6 +177,7 @@ impl TryFrom<RawParams> for Params {
         check_nozzle_sensor(&raw.nozzle_sensor)?;
         check_encoder(&raw.encoder)?;
         check_width(&raw.width)?;
+        raw.widths_alone.check()?;
         in_range("telemetry.age_limit_s", raw.telemetry.age_limit_s, "s", (0.02, 5.0))?;
         in_range("telemetry.restart_s", raw.telemetry.restart_s, "s", (0.1, 60.0))?;
         in_range("telemetry.lead_limit_s", raw.telemetry.lead_limit_s, "s", (0.0, 5.0))?;
@@ -199,7 +200,6 @@ fn check_process(raw: &RawProcess) -> Result<(), ParamError> {
     in_range("process.slip", raw.slip, "-", (1e-6, 1.0))?;
     in_range("process.slip_unseen", raw.slip_unseen, "-", (1e-6, 1.0))?;
     in_range("process.gain", raw.gain, "-", (1e-6, 1.0))?;
-    in_range("process.gain_unseen", raw.gain_unseen, "-", (1e-6, 1.0))?;
     in_range("process.lag_rel", raw.lag_rel, "-", (0.0, 2.0))?;
     in_range("process.frozen", raw.frozen, "-", (0.0, 1.0))?;
     Ok(())
@@ -217,8 +217,10 @@ fn check_prior(raw: &RawPrior) -> Result<(), ParamError> {
 }
 
 mod adaptive;
+mod alone;
 mod channel;
 
 pub use adaptive::{RawAdaptation, RawHealth};
+pub use alone::RawWidthsAlone;
 pub use channel::{RawEncoder, RawThermistor, RawTrust, RawWidth};
 use channel::{check_bounds, check_encoder, check_nozzle_sensor, check_thermistor, check_width};

@@ -193,6 +193,8 @@ impl Print {
             names,
             x,
             covariance,
+            observed: vec![true; 6],
+            held: vec![false; 6],
             reference_feed_m_s: 1e-3,
             channels: runtime::wire::CHANNELS.map(str::to_owned).to_vec(),
             alive: vec![true; 4],

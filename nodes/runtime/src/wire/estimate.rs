@@ -43,6 +43,8 @@ pub fn estimate_from_wire(wire: &StateEstimate) -> Result<StateReading, WireErro
     let lengths = [
         ("x", wire.x.len(), states),
         ("covariance", wire.covariance.len(), states * states),
+        ("observed", wire.observed.len(), states),
+        ("held", wire.held.len(), states),
         ("alive", wire.alive.len(), channels),
         ("measured", wire.measured.len(), channels),
         ("nis", wire.nis.len(), channels),
@@ -107,6 +109,8 @@ mod tests {
             names: STATES.map(str::to_owned).to_vec(),
             x: vec![483.0, 475.0, 483.0, 2e-3, 0.01, 1.0],
             covariance,
+            observed: vec![true; 6],
+            held: vec![false; 6],
             reference_feed_m_s: 2e-3,
             channels: CHANNELS.map(str::to_owned).to_vec(),
             alive: vec![true, false, true, false],
@@ -128,13 +132,15 @@ mod tests {
     #[test]
     fn what_cannot_be_is_refused_by_name() {
         type Poison = fn(&mut StateEstimate);
-        let poisons: [(&str, Poison); 7] = [
+        let poisons: [(&str, Poison); 9] = [
             ("nozzle_k is not finite", |wire| wire.x[1] = f64::NAN),
             ("covariance is not finite", |wire| wire.covariance[3] = f64::NAN),
             ("covariance = -1: must be in", |wire| wire.covariance[7] = -1.0),
             ("nozzle_k = -1: must be in", |wire| wire.x[1] = -1.0),
             ("slip is missing", |wire| wire.names[4] = "x".into()),
             ("alive is missing", |wire| wire.alive = vec![]),
+            ("observed is missing", |wire| wire.observed.truncate(5)),
+            ("held is missing", |wire| wire.held.clear()),
             ("nis = -1: must be in", |wire| wire.nis[0] = -1.0),
         ];
         for (text, poison) in poisons {

@@ -197,6 +197,8 @@ fn estimates() {
         names: wire::STATES.map(str::to_owned).to_vec(),
         x: vec![483.0, 475.0, 483.0, 2e-3, 0.01, 1.0],
         covariance,
+        observed: vec![true; 6],
+        held: vec![false; 6],
         reference_feed_m_s: 2e-3,
         channels: wire::CHANNELS.map(str::to_owned).to_vec(),
         alive: vec![true, false, true, false],

@@ -33,12 +33,19 @@ impl Filter {
                 return false;
             }
         }
+        let (alone, width) = (&self.params.widths_alone, &self.params.width);
+        let (imbalance, steady_s) = if run.slip_by_widths() {
+            (alone.imbalance, alone.steady_s)
+        } else {
+            (width.imbalance, width.steady_s)
+        };
         for frame in inbox.frames.iter() {
             let past = measurement::Past {
                 flows: &run.flows,
                 flow_m_s: run.ukf.belief().mean[state::FLOW],
                 at_s: run.at_s,
-                imbalance: run.imbalance_m_s / self.reference_feed_m_s,
+                imbalance: imbalance * run.imbalance_m_s / self.reference_feed_m_s,
+                steady_s,
                 transient_m: run.transient.rest(run.at_s, self.fade_s()),
             };
             let scale = self.width_noise.scale();
@@ -62,9 +69,13 @@ impl Filter {
         record: &mut Record,
     ) -> bool {
         let model = self.model;
-        let update = run.ukf.update(&observation.measurement(record.gate(run.encoder_alive)), |x| {
-            observation.predicted(&model, x)
-        });
+        let alone = &self.params.widths_alone;
+        let (gate, step) = if channel == Channel::Width && run.slip_by_widths() {
+            (alone.gate, alone.step())
+        } else {
+            (record.gate(run.encoder_alive), record.step())
+        };
+        let update = run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x));
         record.used_s = Some(run.at_s);
         if channel == Channel::Width && self.opens(run, observation, &update) {
             // whether it fades can be told of what comes from now on
@@ -73,7 +84,7 @@ impl Filter {
         if let (Channel::Width, Update::Applied(seen) | Update::Rejected(seen)) = (channel, &update) {
             run.transient.on_rest(run.at_s, seen.residual.x, self.fade_s());
         }
-        let verdict = record.note(&update, observation.passing());
+        let verdict = record.note(&update, observation.passing(), step);
         if verdict == Verdict::Stepped && channel == Channel::Width {
             run.transient = Transient::default();
         }

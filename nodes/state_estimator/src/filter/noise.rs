@@ -22,7 +22,9 @@ impl Filter {
     /// Process noise over `dt_s`: a random walk, and the flow's own share where the lag is at work. What stands behind a
     /// width, flow and gain, is scaled as the widths' innovations have taught.
     pub(super) fn noise(&self, run: &Running, status: &PrinterStatus, dt_s: f64) -> Covariance {
-        let process = &self.params.process;
+        let (process, alone) = (&self.params.process, &self.params.widths_alone);
+        let by_widths = run.slip_by_widths();
+        let lag_rel = if by_widths { alone.lag_rel } else { process.lag_rel };
         let root = (dt_s / process.reference_period_s).sqrt();
         let belief = run.ukf.belief();
         let filament_m_s = self.model.filament_speed(&belief.mean, run.drive.motor_speed_m_s);
@@ -30,7 +32,7 @@ impl Filter {
         let off_m_s = off_m_s * (dt_s * process.reference_period_s).sqrt();
         let learnt = self.width_noise.scale().sqrt();
         let flow_std_m_s =
-            learnt * (process.flow_rel * self.reference_feed_m_s * root).hypot(process.lag_rel * off_m_s);
+            learnt * (process.flow_rel * self.reference_feed_m_s * root).hypot(lag_rel * off_m_s);
         // nothing can be learned of slip and gain at rest: forget slowly, and never more than the prior knew
         let walk = |std: f64, index: usize, bound: f64| {
             let known = belief.covariance[(index, index)] < bound * bound;
@@ -47,22 +49,24 @@ impl Filter {
         };
         variances([
             process.block_k * root,
-            if run.nozzle_alive { process.nozzle_seen_k } else { process.nozzle_k } * root,
+            // Without an encoder what the melt cools the nozzle by would tell the flow, surer than a model of the hot end is.
+            if run.nozzle_alive && run.encoder_alive { process.nozzle_seen_k } else { process.nozzle_k }
+                * root,
             process.sensor_k * root,
             flow_std_m_s,
             if run.encoder_alive {
                 walk(process.slip, state::SLIP, self.params.prior.slip_std)
-            } else if run.slip_by_widths() && status.depositing {
-                walk(process.slip_unseen, state::SLIP, ANY_SLIP)
+            } else if by_widths && status.depositing {
+                walk(alone.slip, state::SLIP, ANY_SLIP)
             } else {
                 frozen(process.slip_unseen)
             },
             // where widths alone tell, it is the slip that wanders; with nothing that tells of it, the gain may be both
             walk(
                 learnt
-                    * match (run.encoder_alive, run.slip_by_widths()) {
+                    * match (run.encoder_alive, by_widths) {
                         (true, _) => process.gain,
-                        (false, true) => process.gain_unseen,
+                        (false, true) => alone.gain,
                         (false, false) => process.gain.hypot(process.slip_unseen),
                     },
                 state::GAIN,
@@ -71,17 +75,23 @@ impl Filter {
         ])
     }
 
-    /// What may have changed since nothing tells of the slip, and shows nowhere: a slip, and the flow that it takes. Widths show
-    /// the product of flow and gain alone, so that the gain seems to have changed instead (model book 1.5).
+    /// What may have changed since no encoder tells of the slip, and shows nowhere: a slip, and the flow that it takes. Widths show
+    /// the product of flow and gain alone, so that the gain seems to have changed instead (model book 1.5), or, where the slip is
+    /// told by them, what is a spool's is put down to the gear.
     pub(super) fn unseen(&self, run: &Running, x: &State) -> Covariance {
         let process = &self.params.process;
-        let walked = process.slip_unseen * (run.blind_s / process.reference_period_s).sqrt();
+        let (walk, most) = if run.slip_by_widths() {
+            (process.gain, self.params.widths_alone.parted_std)
+        } else {
+            (process.slip_unseen, ANY_SLIP)
+        };
+        let walked = walk * (run.blind_s / process.reference_period_s).sqrt();
         let kept = (1.0 - x[state::SLIP]).max(LEAST_KEPT);
         let mut along = State::zeros();
         along[state::SLIP] = 1.0;
         along[state::FLOW] = -x[state::FLOW] / kept;
         along[state::GAIN] = if run.width_alive { x[state::GAIN] / kept } else { 0.0 };
-        along * along.transpose() * walked.min(ANY_SLIP).powi(2)
+        along * along.transpose() * walked.min(most).powi(2)
     }
 
     /// Doubt added to the states behind a channel whose innovations stand on one side.
@@ -104,7 +114,7 @@ impl Filter {
 }
 
 impl Running {
-    fn slip_by_widths(&self) -> bool {
+    pub(super) fn slip_by_widths(&self) -> bool {
         widths_tell_slip([true, self.encoder_alive, self.width_alive, self.nozzle_alive])
     }
 
