@@ -84,6 +84,8 @@ pub(crate) struct Inbox {
     pub(crate) status: Option<PrinterStatus>,
     pub(crate) samples: Ring<Sample>,
     pub(crate) positions: Ring<(f64, f64)>,
+    /// Position up to which the encoder's speeds have been looked at; none of another count.
+    pub(crate) position_used: Option<(f64, f64)>,
     /// With its stamp `[s]`.
     pub(crate) temperature: Option<(f64, Kelvin)>,
     /// With its stamp `[s]`.
@@ -119,6 +121,7 @@ impl Estimator {
                 status: None,
                 samples: Ring::new(SAMPLES),
                 positions: Ring::new(POSITIONS),
+                position_used: None,
                 temperature: None,
                 nozzle: None,
                 frames: Ring::new(FRAMES),

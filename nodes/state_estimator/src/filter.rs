@@ -62,7 +62,6 @@ struct Running {
     imbalance_m_s: f64,
     /// A width that was rejected although the encoder vouches for the flow `[m]`.
     transient: Transient,
-    encoder_used: Option<(f64, f64)>,
 }
 
 impl Filter {
@@ -113,7 +112,7 @@ impl Filter {
         self.watch.on_fit(now_s, status.depositing.then_some(!unfit));
     }
 
-    /// Brings the filter to the newest status; `None` before the first temperature.
+    /// Brings the filter to the newest status; `None` before the first temperature that is recent.
     pub(crate) fn cycle(
         &mut self,
         now_s: f64,
@@ -126,7 +125,11 @@ impl Filter {
         }
         let mut run = match self.running.take() {
             Some(run) => run,
-            None => self.start(status, inbox.temperature?.1),
+            None => {
+                let limit_s = self.params.thermistor.trust.age_limit_s;
+                let (_, temperature) = inbox.temperature.filter(|(stamp_s, _)| now_s - stamp_s <= limit_s)?;
+                self.start(status, temperature)
+            }
         };
         [run.encoder_alive, run.width_alive, run.nozzle_alive] =
             [Channel::Encoder, Channel::Width, Channel::Nozzle].map(|of| records[of as usize].alive(now_s));
@@ -203,7 +206,6 @@ impl Filter {
             flows: Ring::new(FLOWS),
             imbalance_m_s: flow_std_m_s,
             transient: Transient::default(),
-            encoder_used: None,
         }
     }
 

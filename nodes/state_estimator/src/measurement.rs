@@ -76,26 +76,21 @@ pub(crate) fn temperature(
 /// Mean speed over the interval from the last used position to the newest that a status covers.
 ///
 /// Motor and encoder are compared over the same interval by their own stamps. The encoder tells the strokes back, which do
-/// not slip and which the reports of a slow host hide: what the motor went forth is the rest. `used` moves on even where the
-/// interval is not looked at, so that no later one reaches back into it.
-pub(crate) fn encoder(
-    params: &Params,
-    reference_feed_m_s: f64,
-    inbox: &Inbox,
-    used: &mut Option<(f64, f64)>,
-) -> Option<Observation> {
+/// not slip and which the reports of a slow host hide: what the motor went forth is the rest. The used position moves on even
+/// where the interval is not looked at, so that no later one reaches back into it.
+pub(crate) fn encoder(params: &Params, reference_feed_m_s: f64, inbox: &mut Inbox) -> Option<Observation> {
     let encoder = &params.encoder;
     let covered_s = inbox.samples.newest()?.stamp_s;
     let end = inbox.positions.newest_until(covered_s)?;
-    let Some(start) = *used else {
-        *used = Some(end);
+    let Some(start) = inbox.position_used else {
+        inbox.position_used = Some(end);
         return None;
     };
     let span_s = end.0 - start.0;
     if span_s < encoder.interval_min_s {
         return None;
     }
-    *used = Some(end);
+    inbox.position_used = Some(end);
     if span_s > encoder.interval_max_s {
         return None;
     }

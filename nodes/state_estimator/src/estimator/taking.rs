@@ -38,6 +38,7 @@ impl Estimator {
         self.records[Channel::Encoder as usize].seen_s = Some(stamp_s);
         if jump {
             self.inbox.positions.clear();
+            self.inbox.position_used = None;
         }
         self.inbox.positions.push((stamp_s, position_m));
         if jump { Err(Reason::OutOfRange) } else { Ok(()) }

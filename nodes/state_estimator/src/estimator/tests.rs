@@ -20,6 +20,7 @@ struct Node {
     parameters: Params,
 }
 
+mod counts;
 mod health;
 mod live;
 mod nozzle;
@@ -107,8 +108,8 @@ struct Rig {
     encoder: bool,
     /// What a sensor in the nozzle reads, where one is fitted.
     nozzle: Option<Celsius>,
-    /// Duty of the part fan, and what a tachometer says of it.
-    fan: (f64, Option<f64>),
+    /// What the host tells otherwise.
+    host: Box<dyn Fn(&mut PrinterStatus)>,
     /// The motor goes back and forth by so much, 5 times a second, as with pressure advance in an infill.
     stroke_m: f64,
     /// Scatter of the widths beside what the road is, evenly over plus and minus so much.
@@ -118,6 +119,15 @@ struct Rig {
 impl Rig {
     fn new() -> Self {
         Self::of(estimator(SHIPPED, nominal_hotend().heater_power_w))
+    }
+
+    /// Made of the shipped file with some lines changed.
+    fn with(changes: &[(&str, &str)]) -> Self {
+        let text = changes.iter().fold(SHIPPED.to_owned(), |text, (from, to)| {
+            assert!(text.contains(from), "{from}");
+            text.replace(from, to)
+        });
+        Self::of(estimator(&text, nominal_hotend().heater_power_w))
     }
 
     fn of(estimator: Estimator) -> Self {
@@ -139,7 +149,7 @@ impl Rig {
             status_steps: 2,
             encoder: true,
             nozzle: None,
-            fan: (1.0, None),
+            host: Box::new(|_| ()),
             stroke_m: 0.0,
             width_noise_m: 0.0,
         }
@@ -169,8 +179,8 @@ impl Rig {
             self.flow_m_s = self.law.flow_after(self.flow_m_s, fed_m_s, Seconds(0.01), Seconds(0.63));
             let stamp = Seconds(now_s);
             if self.step.is_multiple_of(self.status_steps) {
-                let (fan, part_fan_speed_1_s) = self.fan;
-                let status = PrinterStatus { fan, part_fan_speed_1_s, ..status(now_s, self.motor_m) };
+                let mut status = status(now_s, self.motor_m);
+                (self.host)(&mut status);
                 self.estimator.on_event(Event::Printer(status));
             }
             let position_m = (self.fed_m / 1e-5).floor() * 1e-5;

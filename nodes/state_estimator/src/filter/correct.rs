@@ -25,8 +25,7 @@ impl Filter {
             let what = (state::NOZZLE, self.params.nozzle_sensor.sigma_k);
             (Channel::Nozzle, measurement::temperature(what, reading, now))
         });
-        let encoder =
-            measurement::encoder(&self.params, self.reference_feed_m_s, inbox, &mut run.encoder_used);
+        let encoder = measurement::encoder(&self.params, self.reference_feed_m_s, inbox);
         let encoder = encoder.map(|observation| (Channel::Encoder, observation));
         for (channel, observation) in [block, nozzle, encoder].into_iter().flatten() {
             if !self.apply(run, channel, &observation, &mut records[channel as usize]) {

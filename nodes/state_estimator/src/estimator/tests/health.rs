@@ -3,15 +3,6 @@
 use super::*;
 use models::command::EstimateHealth;
 
-/// An estimator made of the shipped file with some lines changed.
-fn rig(changes: &[(&str, &str)]) -> Rig {
-    let text = changes.iter().fold(SHIPPED.to_owned(), |text, (from, to)| {
-        assert!(text.contains(from), "{from}");
-        text.replace(from, to)
-    });
-    Rig::of(estimator(&text, nominal_hotend().heater_power_w))
-}
-
 /// Runs in steps of 50 ms until this is told; `None` after so many seconds without it.
 fn told_after(rig: &mut Rig, health: EstimateHealth, within_s: u32) -> Option<f64> {
     let told = |rig: &mut Rig| rig.try_run(5).is_some_and(|estimate| estimate.health == health);
@@ -38,7 +29,7 @@ fn k4_a_noise_stated_a_hundred_times_too_small_resets_and_then_distrusts() {
         ("quantum_m: 1.0e-5 ", "quantum_m: 1.0e-6 "),
         ("skew_s: 0.002 ", "skew_s: 0.0 "),
     ];
-    let mut rig = self::rig(&wrong);
+    let mut rig = Rig::with(&wrong);
     // a second of encoder speeds, and a quarter of one until the first
     let first_s = told_after(&mut rig, EstimateHealth::Reset, 60).unwrap();
     let second_s = told_after(&mut rig, EstimateHealth::Diverging, 60).unwrap();

@@ -61,7 +61,7 @@ fn a_sensor_that_reads_what_cannot_be_is_told() {
 fn a_fan_cools_as_it_turns_not_as_it_is_driven() {
     let settled_c = |fan| {
         let mut rig = Rig::new();
-        rig.fan = fan;
+        rig.host = Box::new(move |status| (status.fan, status.part_fan_speed_1_s) = fan);
         nozzle_c(&rig.run(6000))
     };
     let (driven_c, weak_c) = (settled_c((1.0, None)), settled_c((0.3, None)));
