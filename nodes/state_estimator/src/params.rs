@@ -20,7 +20,7 @@ impl std::ops::Deref for Params {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawParams {
-    /// Period of the shell's tick `[s]`.
+    /// Period of the shell's tick `[s]`, below `encoder.interval_max_s`.
     pub period_s: f64,
     /// Form of the filter.
     pub filter: Form,
@@ -106,7 +106,7 @@ pub struct RawPrior {
     pub sensor_std_k: f64,
     /// Deviation of the flow relative to the reference feed `[-]`.
     pub flow_std_rel: f64,
-    /// Mean slip `[-]`.
+    /// Mean slip `[-]`, within the bounds.
     pub slip: f64,
     /// Its deviation, also the bound of what is forgotten while nothing is extruded `[-]`.
     pub slip_std: f64,
@@ -140,7 +140,7 @@ pub struct RawTelemetry {
     pub fan_full_1_s: f64,
 }
 
-/// States outside of these bounds reset the filter.
+/// States outside of these bounds reset the filter. Room, `prior.slip` and a gain of 1 are within all of them.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawBounds {
@@ -164,8 +164,8 @@ impl TryFrom<RawParams> for Params {
     type Error = ParamError;
 
     fn try_from(raw: RawParams) -> Result<Self, ParamError> {
-        in_range("period_s", raw.period_s, "s", (0.01, 0.5))?;
-        in_range("ambient_k", raw.ambient_k, "K", (200.0, 400.0))?;
+        in_range("period_s", raw.period_s, "s", (0.01, 0.1))?;
+        in_range("ambient_k", raw.ambient_k, "K", (250.0, 400.0))?;
         in_range("spread.alpha", raw.spread.alpha, "-", (1e-3, 1.0))?;
         in_range("spread.beta", raw.spread.beta, "-", (0.0, 10.0))?;
         in_range("spread.kappa", raw.spread.kappa, "-", (0.0, 10.0))?;
@@ -210,7 +210,7 @@ fn check_prior(raw: &RawPrior) -> Result<(), ParamError> {
     in_range("prior.nozzle_std_k", raw.nozzle_std_k, "K", (0.001, 1000.0))?;
     in_range("prior.sensor_std_k", raw.sensor_std_k, "K", (0.001, 1000.0))?;
     in_range("prior.flow_std_rel", raw.flow_std_rel, "-", (1e-4, 2.0))?;
-    in_range("prior.slip", raw.slip, "-", (-0.5, 0.9))?;
+    in_range("prior.slip", raw.slip, "-", (-0.05, 0.9))?;
     in_range("prior.slip_std", raw.slip_std, "-", (1e-4, 1.0))?;
     in_range("prior.gain_std", raw.gain_std, "-", (1e-4, 1.0))?;
     Ok(())

@@ -24,6 +24,7 @@ mod counts;
 mod health;
 mod live;
 mod nozzle;
+mod ranges;
 mod strokes;
 mod unseen;
 

@@ -38,14 +38,14 @@ impl Filter {
             let known = belief.covariance[(index, index)] < bound * bound;
             match (status.depositing, known) {
                 (true, _) => std * root,
-                (false, true) => std * root * process.frozen,
+                (false, true) => (std * root * process.frozen).max(FLOOR),
                 (false, false) => FLOOR,
             }
         };
         // what nothing is known of grows to what the prior knew; a variance of zero has no root
         let frozen = |std: f64| {
             let known = belief.covariance[(state::SLIP, state::SLIP)] < self.params.prior.slip_std.powi(2);
-            if known { std * root * process.frozen } else { FLOOR }
+            if known { (std * root * process.frozen).max(FLOOR) } else { FLOOR }
         };
         variances([
             process.block_k * root,

@@ -41,18 +41,13 @@ pub struct RawHealth {
 
 impl RawAdaptation {
     pub(super) fn check(&self) -> Result<(), ParamError> {
-        in_range("adaptation.low", self.low, "-", (1e-3, 1.0))?;
-        in_range("adaptation.high", self.high, "-", (1.0, 1e3))?;
-        in_range("adaptation.aim", self.aim, "-", (0.3, 1.5))?;
-        in_range("adaptation.rate", self.rate, "-", (0.0, 0.5))?;
-        in_range("adaptation.samples", f64::from(self.samples), "samples", (2.0, 100.0))?;
+        in_range("width.adaptation.low", self.low, "-", (1e-3, 1.0))?;
+        in_range("width.adaptation.high", self.high, "-", (1.0, 1e3))?;
+        in_range("width.adaptation.aim", self.aim, "-", (0.3, 1.5))?;
+        in_range("width.adaptation.rate", self.rate, "-", (0.0, 0.5))?;
+        in_range("width.adaptation.samples", f64::from(self.samples), "samples", (2.0, 100.0))?;
         // integral action behind a window: the rate has to leave it time
-        in_range(
-            "adaptation.rate * adaptation.samples",
-            self.rate * f64::from(self.samples),
-            "-",
-            (0.0, 1.0),
-        )?;
+        in_range("width.adaptation.rate", self.rate, "-", (0.0, 1.0 / f64::from(self.samples)))?;
         Ok(())
     }
 }
