@@ -13,6 +13,9 @@ use crate::params::RawAdaptation;
 /// Smallest windowed mean that is followed `[-]`: twenty innovations of zero are no reason for a jump.
 const MEAN_MIN: f64 = 0.05;
 
+/// Most innovations that a window has: `samples` is 100 at most.
+const WINDOW_MAX: usize = 100;
+
 /// Scale of a channel's variances.
 #[derive(Debug, Clone)]
 pub(crate) struct NoiseScale {
@@ -23,7 +26,12 @@ pub(crate) struct NoiseScale {
 
 impl NoiseScale {
     pub(crate) fn new(params: RawAdaptation) -> Self {
-        Self { params, recent: Ring::new(params.samples as usize), scale: 1.0 }
+        Self { params, recent: Ring::new(WINDOW_MAX), scale: 1.0 }
+    }
+
+    /// Other window, bounds and rate from now on; what was learnt stays.
+    pub(crate) fn retune(&mut self, params: RawAdaptation) {
+        self.params = params;
     }
 
     /// Variance over the configured one `[-]`.
@@ -39,8 +47,9 @@ impl NoiseScale {
     /// Takes an innovation that passed the gate.
     pub(crate) fn on_accepted(&mut self, nis: f64) {
         self.recent.push(nis);
-        if self.recent.iter().len() == self.params.samples as usize {
-            let mean = self.recent.iter().sum::<f64>() / f64::from(self.params.samples);
+        let samples = self.params.samples as usize;
+        if self.recent.iter().len() >= samples {
+            let mean = self.recent.iter().rev().take(samples).sum::<f64>() / f64::from(self.params.samples);
             let followed = self.scale * (mean.max(MEAN_MIN) / self.params.aim).powf(self.params.rate);
             self.scale = followed.clamp(self.params.low, self.params.high);
         }

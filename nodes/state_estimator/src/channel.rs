@@ -108,6 +108,11 @@ impl Record {
         }
     }
 
+    /// Other limits from now on; what was seen stays.
+    pub(crate) fn retune(&mut self, trust: RawTrust, health: RawHealth) {
+        (self.trust, self.health) = (trust, health);
+    }
+
     /// What tells of a step where nothing else is asked for.
     pub(crate) fn step(&self) -> Step {
         let RawTrust { step_samples, step_threshold, step_fade, .. } = self.trust;

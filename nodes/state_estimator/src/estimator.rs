@@ -128,13 +128,8 @@ impl Estimator {
             },
             // widths, or a nozzle's sensor, that never fit tell of another printer, not of a broken filter
             records: Channel::ALL.map(|channel| {
-                let (trust, resets) = match channel {
-                    Channel::Thermistor => (params.thermistor.trust, true),
-                    Channel::Encoder => (params.encoder.trust, true),
-                    Channel::Width => (params.width.trust, false),
-                    Channel::Nozzle => (params.nozzle_sensor.trust, false),
-                };
-                Record::new(trust, params.health, resets)
+                let resets = matches!(channel, Channel::Thermistor | Channel::Encoder);
+                Record::new(params.trust(channel), params.health, resets)
             }),
             refusals: Refusals::default(),
             now_s: None,
@@ -147,10 +142,14 @@ impl Estimator {
         &self.refusals
     }
 
-    /// Other noises of model and sensors from now on. What is known, and how well, stays.
+    /// Other noises of model and sensors, gates, ages and windows from now on. What is known, and how well, stays, and so does
+    /// what was seen. Form, spread and prior count where the filter starts next; room and substep stay the model's own.
     pub fn retune(&mut self, params: Params) {
         self.params = params;
         self.filter.retune(params);
+        for (record, channel) in self.records.iter_mut().zip(Channel::ALL) {
+            record.retune(params.trust(channel), params.health);
+        }
     }
 
     /// Takes one event in; a tick yields an estimate once a status and a temperature are known.

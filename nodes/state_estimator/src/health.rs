@@ -19,6 +19,11 @@ impl Watch {
         Self { params, diverged_s: [None; 2], unfit_s: 0.0, before_s: None }
     }
 
+    /// Other limits from now on; what was seen stays.
+    pub(crate) fn retune(&mut self, params: RawHealth) {
+        self.params = params;
+    }
+
     /// The filter broke and starts anew.
     pub(crate) fn on_divergence(&mut self, now_s: f64) {
         self.diverged_s = [Some(now_s), self.diverged_s[0]];

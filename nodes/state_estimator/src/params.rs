@@ -1,5 +1,6 @@
 //! Parameters of the estimator, checked once: `config/state_estimator.param.yaml`.
 
+use crate::channel::Channel;
 use crate::engine::Form;
 use models::params::{ParamError, in_range};
 use serde::Deserialize;
@@ -158,6 +159,18 @@ pub struct RawBounds {
     pub gain_low: f64,
     /// `[-]`.
     pub gain_high: f64,
+}
+
+impl Params {
+    /// When a channel is believed.
+    pub(crate) fn trust(&self, channel: Channel) -> RawTrust {
+        match channel {
+            Channel::Thermistor => self.thermistor.trust,
+            Channel::Encoder => self.encoder.trust,
+            Channel::Width => self.width.trust,
+            Channel::Nozzle => self.nozzle_sensor.trust,
+        }
+    }
 }
 
 impl TryFrom<RawParams> for Params {

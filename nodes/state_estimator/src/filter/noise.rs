@@ -14,9 +14,11 @@ const ANY_SLIP: f64 = 0.289;
 const LEAST_KEPT: f64 = 0.1;
 
 impl Filter {
-    /// Other noises from now on; what is known stays as well known as it is.
+    /// Other noises and limits from now on; what is known stays as well known as it is.
     pub(crate) fn retune(&mut self, params: Params) {
         self.params = params;
+        self.width_noise.retune(params.width.adaptation);
+        self.watch.retune(params.health);
     }
 
     /// Process noise over `dt_s`: a random walk, and the flow's own share where the lag is at work. What stands behind a
