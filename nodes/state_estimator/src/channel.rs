@@ -212,3 +212,6 @@ fn mean_of(ring: &Ring<f64>, count: usize) -> Option<f64> {
     let root = (count as f64).sqrt();
     (ring.iter().len() >= count).then(|| ring.iter().rev().take(count).sum::<f64>() / root)
 }
+
+#[cfg(test)]
+mod tests;

@@ -20,8 +20,12 @@ struct Node {
     parameters: Params,
 }
 
+mod alone;
 mod counts;
+mod cycle;
+mod gates;
 mod health;
+mod late;
 mod live;
 mod nozzle;
 mod ranges;
@@ -275,24 +279,4 @@ fn nan_range_order_and_age_are_refused_and_counted() {
     assert_eq!(refused.tick, crate::Refused { not_finite: 1, disordered: 1, ..Default::default() });
     let estimate = rig.run(10);
     assert!(estimate.x.iter().all(|value| value.is_finite()));
-}
-
-#[test]
-fn without_a_status_there_is_no_estimate_and_a_silent_channel_is_out() {
-    let mut rig = Rig::new();
-    rig.run(200);
-    for step in 1..=20 {
-        let now_s = 2.0 + f64::from(step) * 0.05;
-        rig.motor_m += FEED_M_S * 0.05;
-        rig.estimator.on_event(Event::Printer(status(now_s, rig.motor_m)));
-        let estimate = rig.estimator.on_event(Event::Tick { now: Seconds(now_s) }).unwrap();
-        if step == 20 {
-            assert!(!estimate.alive[Channel::Encoder as usize]);
-            assert!(!estimate.alive[Channel::Thermistor as usize]);
-            assert!(estimate.alive[Channel::Width as usize]);
-        }
-    }
-    // age limit 0.25 s
-    assert!(rig.estimator.on_event(Event::Tick { now: Seconds(3.2) }).is_some());
-    assert!(rig.estimator.on_event(Event::Tick { now: Seconds(3.3) }).is_none());
 }

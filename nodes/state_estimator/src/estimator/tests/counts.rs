@@ -1,4 +1,4 @@
-//! Counts that start anew, and what is too old to begin with.
+//! Counts that start anew, and samples that are too old or do not come.
 
 use super::*;
 
@@ -44,4 +44,24 @@ fn no_filter_starts_from_an_old_temperature() {
     // not older than the limit of 0.5 s
     let started = tick(10.5, Some(226.0)).unwrap();
     assert!((Celsius::from(Kelvin(started.x[state::BLOCK])).0 - 226.0).abs() < 1.0);
+}
+
+#[test]
+fn without_a_status_there_is_no_estimate_and_a_silent_channel_is_out() {
+    let mut rig = Rig::new();
+    rig.run(200);
+    for step in 1..=20 {
+        let now_s = 2.0 + f64::from(step) * 0.05;
+        rig.motor_m += FEED_M_S * 0.05;
+        rig.estimator.on_event(Event::Printer(status(now_s, rig.motor_m)));
+        let estimate = rig.estimator.on_event(Event::Tick { now: Seconds(now_s) }).unwrap();
+        if step == 20 {
+            assert!(!estimate.alive[Channel::Encoder as usize]);
+            assert!(!estimate.alive[Channel::Thermistor as usize]);
+            assert!(estimate.alive[Channel::Width as usize]);
+        }
+    }
+    // age limit 0.25 s
+    assert!(rig.estimator.on_event(Event::Tick { now: Seconds(3.2) }).is_some());
+    assert!(rig.estimator.on_event(Event::Tick { now: Seconds(3.3) }).is_none());
 }

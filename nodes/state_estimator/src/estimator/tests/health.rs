@@ -37,6 +37,19 @@ fn k4_a_noise_stated_a_hundred_times_too_small_resets_and_then_distrusts() {
     assert!(rig.run(20).resets >= 2);
 }
 
+/// The noise is put right after the first reset: what spoke against the filter before it is over.
+#[test]
+fn a_filter_that_starts_anew_is_judged_anew() {
+    let mut rig = Rig::with(&[
+        ("relative: 0.004 ", "relative: 0.0 "),
+        ("skew_s: 0.002 ", "skew_s: 0.0 "),
+        ("quantum_m: 1.0e-5 ", "quantum_m: 1.0e-6 "),
+    ]);
+    told_after(&mut rig, EstimateHealth::Reset, 60).unwrap();
+    rig.estimator.retune(serde_saphyr::from_str::<File>(SHIPPED).unwrap().node.parameters);
+    assert_eq!(rig.run(500).resets, 1);
+}
+
 /// K8 with a heater three times as strong in the model as it is: no single reading is impossible, all are off. The bound
 /// is that of a consistent channel: the shipped one bears a sensor of twice its noise, and this much of a wrong heater.
 #[test]

@@ -1,0 +1,59 @@
+use super::*;
+use crate::ukf::Innovation;
+use nalgebra::{Matrix1, Vector1};
+
+const TRUST: RawTrust = RawTrust {
+    age_limit_s: 0.5,
+    gate: 16.0,
+    step_samples: 8,
+    step_fade: 0.6,
+    gate_again: 4.0,
+    step_threshold: 4.5,
+};
+const HEALTH: RawHealth = RawHealth {
+    row_bound: 10.83,
+    row: 10,
+    hold_s: 2.0,
+    again_s: 60.0,
+    mismatch_s: 30.0,
+    gain_error: 0.15,
+    window_bound: 45.3,
+};
+
+/// An innovation of so many sigma, behind the gate of [`TRUST`].
+fn update(sigmas: f64) -> Update<1> {
+    let nis = sigmas * sigmas;
+    let innovation = Innovation { residual: Vector1::new(sigmas), covariance: Matrix1::new(1.0), nis };
+    if nis > TRUST.gate { Update::Rejected(innovation) } else { Update::Applied(innovation) }
+}
+
+/// Another rule than the channel's own: 2 * 3.8 / sqrt 2 = 5.4.
+#[test]
+fn a_step_is_looked_for_by_the_rule_that_is_asked_for() {
+    let step = Step { samples: 2, threshold: 5.0, fade: 0.0 };
+    let mut record = Record::new(TRUST, HEALTH, false);
+    assert_eq!(record.note(&update(3.8), 0.0, step), Verdict::Consistent);
+    assert_eq!(record.note(&update(3.8), 0.0, step), Verdict::Stepped);
+    let mut record = Record::new(TRUST, HEALTH, false);
+    let own = record.step();
+    for _ in 0..7 {
+        assert_eq!(record.note(&update(3.8), 0.0, own), Verdict::Consistent);
+    }
+    assert_eq!(record.note(&update(3.8), 0.0, own), Verdict::Stepped);
+}
+
+/// Ten against it are a divergence, the eleventh after a restart is the first of new ones.
+#[test]
+fn what_spoke_against_a_filter_is_over_when_it_starts_anew() {
+    let mut record = Record::new(TRUST, HEALTH, true);
+    let own = record.step();
+    let note = |record: &mut Record, count: usize| {
+        record.note(&update(if count.is_multiple_of(2) { 5.0 } else { -5.0 }), 0.0, own)
+    };
+    for count in 0..9 {
+        assert_eq!(note(&mut record, count), Verdict::Rejected);
+    }
+    assert_eq!(note(&mut record, 9), Verdict::Diverged);
+    record.restart();
+    assert_eq!(note(&mut record, 10), Verdict::Rejected);
+}

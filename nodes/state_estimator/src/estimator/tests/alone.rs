@@ -1,0 +1,55 @@
+//! What holds where widths alone tell: each number of `widths_alone` acts.
+
+use super::*;
+
+/// Without an encoder, half of the feed from 30 s on, and half a second later.
+fn off_balance(changes: &[(&str, &str)]) -> Estimate {
+    let mut rig = Rig::with(changes);
+    rig.encoder = false;
+    rig.run(3000);
+    rig.feed_m_s = 0.5 * FEED_M_S;
+    rig.run(55)
+}
+
+/// A width of a flow off balance is known worse where the lag is, or where widths themselves are.
+#[test]
+fn a_flow_off_balance_is_judged_as_they_say() {
+    let nis = |changes: &[(&str, &str)]| off_balance(changes).nis[Channel::Width as usize].unwrap();
+    let shipped = nis(&[]);
+    for change in [("lag_rel: 0.05 ", "lag_rel: 2.0 "), ("imbalance: 0.005 ", "imbalance: 5.0 ")] {
+        let changed = nis(&[change]);
+        assert!(changed < 0.2 * shipped, "{}: {changed} of {shipped}", change.1);
+    }
+}
+
+/// A path that changes its speed each second is steady for 0.05 s before most exposures, and before none for 2 s.
+#[test]
+fn a_width_is_looked_at_where_the_path_was_steady_for_so_long() {
+    let measured = |changes: &[(&str, &str)]| {
+        let mut rig = Rig::with(changes);
+        rig.encoder = false;
+        rig.host = Box::new(|status| {
+            status.path_speed_m_s = if status.stamp.0 % 1.0 < 0.3 { 0.5 * SPEED_M_S } else { SPEED_M_S };
+        });
+        rig.run(1000).measured[Channel::Width as usize]
+    };
+    assert!(measured(&[]) > 8);
+    assert_eq!(measured(&[("steady_s: 0.05 ", "steady_s: 2.0 ")]), 0);
+}
+
+/// What slip and gain are taken for one another by: the walk of a gain, 0.0007 a tick, 0.014 after 20 s, no more than said.
+#[test]
+fn slip_and_gain_are_stated_to_be_parted_as_far_as_they_say() {
+    let stated = |std: &str| {
+        let mut rig = Rig::with(&[("parted_std: 0.035 ", &format!("parted_std: {std} "))]);
+        rig.encoder = false;
+        rig.run(2000).p
+    };
+    let none = stated("0.0");
+    for (std, wanted) in [("0.035", 0.0007 * 400.0_f64.sqrt()), ("0.005", 0.005)] {
+        let added = stated(std) - none;
+        let told = added[(state::SLIP, state::SLIP)].sqrt();
+        assert!((told / wanted - 1.0).abs() < 0.01, "{told} for {wanted}");
+        assert!(added[(state::SLIP, state::GAIN)] > 0.0 && added[(state::SLIP, state::FLOW)] < 0.0);
+    }
+}
