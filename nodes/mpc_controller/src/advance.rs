@@ -197,12 +197,14 @@ impl Advance {
         high_s / advance_s
     }
 
-    /// The advance to send at `now_s`; `nominal_s` is the material's constant.
+    /// The advance to send at `now_s`, from `low_s` to `high_s`; `nominal_s` is the material's constant.
     pub(crate) fn command(&mut self, now_s: f64, status: &PrinterStatus, nominal_s: f64) -> Option<f64> {
         self.report.sent_s = match self.settings.source.behind(status.host) {
             AdvanceSource::None => Some(0.0),
             AdvanceSource::File => None,
-            AdvanceSource::Material | AdvanceSource::Planned => Some(nominal_s),
+            AdvanceSource::Material | AdvanceSource::Planned => {
+                Some(nominal_s.clamp(self.settings.low_s, self.settings.high_s))
+            }
             AdvanceSource::Predicted => self.predicted(now_s, status),
         };
         self.report.sent_s

@@ -15,7 +15,7 @@ pub(crate) enum Course {
     Baseline,
 }
 
-/// Solves in a row that have failed.
+/// Solves that have failed since the last solution, of each kind.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ladder {
     late_max: u32,
@@ -36,22 +36,21 @@ impl Ladder {
 
     /// One cycle is held without a solution, `late_max` go on with a shifted plan, and none with what is not finite.
     pub(crate) fn on_outcome(&mut self, outcome: Outcome) -> Course {
-        let before = *self;
-        self.clear();
+        self.not_finite = outcome == Outcome::NotFinite;
         match outcome {
-            Outcome::Solved { .. } => Course::Plan,
+            Outcome::Solved { .. } => {
+                self.clear();
+                Course::Plan
+            }
             Outcome::Infeasible => {
-                self.infeasible = before.infeasible.saturating_add(1);
+                self.infeasible = self.infeasible.saturating_add(1);
                 if self.infeasible == 1 { Course::Hold } else { Course::Baseline }
             }
             Outcome::Fallback(_) => {
-                self.late = before.late.saturating_add(1);
+                self.late = self.late.saturating_add(1);
                 if self.late <= self.late_max { Course::Plan } else { Course::Baseline }
             }
-            Outcome::NotFinite => {
-                self.not_finite = true;
-                Course::Baseline
-            }
+            Outcome::NotFinite => Course::Baseline,
         }
     }
 
@@ -104,6 +103,17 @@ mod tests {
         use Course::{Baseline, Plan};
         assert_eq!(courses, [Plan, Plan, Plan, Baseline, Plan, Plan]);
         assert_eq!(told, [false, false, true, true, false, false]);
+    }
+
+    /// Failures of two kinds in turn are failures in a row.
+    #[test]
+    fn one_failure_does_not_excuse_another() {
+        let seen = run(&[Outcome::Infeasible, LATE, Outcome::Infeasible, LATE, LATE, LATE, SOLVED]);
+        let told: Vec<ControlHealth> = seen.iter().map(|step| step.1).collect();
+        assert_eq!(seen[2].0, Course::Baseline);
+        assert_eq!(seen[5].0, Course::Baseline);
+        assert_eq!(told[1..3], [ControlHealth::Sound, ControlHealth::Infeasible]);
+        assert_eq!(seen[6], (Course::Plan, ControlHealth::Sound));
     }
 
     #[test]

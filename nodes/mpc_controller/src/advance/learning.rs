@@ -17,14 +17,18 @@ use std::collections::VecDeque;
 
 /// A smaller relative change from status to status is none.
 const CALM: f64 = 0.01;
+/// Advances that differ by less are one `[s]`.
+const SAME_S: f64 = 1e-6;
 /// Slower feeds count as this one where the law is steep `[m/s]`: a tenth of what a slow road takes.
 pub(super) const SLOW_M_S: f64 = 1e-4;
 /// Statuses kept to meet a frame: 1.6 s at 50 Hz.
 const STATUSES: usize = 80;
 
-/// Whether laws attached to moves are executed: a permit lets them act, and the host attaches them.
+/// Whether laws attached to moves are executed: the host attaches them, a permit lets them act, and nothing is being handed
+/// over, during which the printer tells another advance than the permit's.
 fn is_ahead(status: &PrinterStatus) -> bool {
-    attaches(status.host) && status.trims.advance_s.is_some()
+    let handed_over = |permitted_s: f64| (status.advance_s - permitted_s).abs() <= SAME_S;
+    attaches(status.host) && status.trims.advance_s.is_some_and(handed_over)
 }
 
 /// A moment at which a road was laid.

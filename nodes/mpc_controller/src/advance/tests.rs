@@ -100,6 +100,17 @@ fn without_a_word_the_files_own_advance_stays() {
     assert_eq!(advance.report().without, 1);
 }
 
+/// The material's constant is held to what may be sent, as a foretold one is.
+#[test]
+fn the_materials_constant_is_within_its_bounds() {
+    for source in [AdvanceSource::Material, AdvanceSource::Planned] {
+        for (nominal_s, expected_s) in [(0.63, 0.63), (2.0, SETTINGS.high_s)] {
+            let mut advance = Advance::new(RawAdvance { source, ..SETTINGS }, Level::Mpc);
+            assert_eq!(advance.command(0.0, &status(0.0, 2e-3), nominal_s), Some(expected_s));
+        }
+    }
+}
+
 /// Silence is neutral: 5 s after the last word the file's own advance is back.
 #[test]
 fn a_stale_word_is_not_used() {

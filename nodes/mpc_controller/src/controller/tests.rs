@@ -25,6 +25,7 @@ mod frames;
 mod health;
 mod narrowing;
 mod preview;
+mod rest;
 mod rig;
 mod slip;
 mod storm;

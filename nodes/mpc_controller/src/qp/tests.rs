@@ -111,7 +111,15 @@ fn a_solve_that_ends_early_falls_back_on_the_shifted_plan() {
     let mut qp = Qp::new(COST, LIMITS, lags, RawSolver { iterations: 1, time_limit_s: 1.0 }).unwrap();
     let (got, outcome) = qp.solve(&Start { gain: 0.1, ..REST });
     assert_eq!(outcome, Outcome::Fallback(Cause::Iterations));
-    assert!(got.iter().all(|part| part.abs() < 1e-12));
+    assert!(got.iter().all(|part| part.abs() < 1e-12), "the plan so far: none");
+    for (step, planned) in qp.plan.iter_mut().enumerate() {
+        *planned = [0.01 * f64::from(u8::try_from(step).unwrap()), 0.0, 0.0];
+    }
+    for shifted in [0.01, 0.02, 0.03] {
+        let (got, outcome) = qp.solve(&Start { gain: 0.1, ..REST });
+        assert_eq!(outcome, Outcome::Fallback(Cause::Iterations));
+        assert!((got[input::FEED] - shifted).abs() < 1e-12, "{got:?}");
+    }
 }
 
 proptest! {

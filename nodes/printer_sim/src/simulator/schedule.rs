@@ -109,7 +109,10 @@ impl Simulator {
             self.handover.step(of, sliced_s, self.handover_time(), dt);
         }
         let handed_s = self.handover.advance_s(feed_m_s);
-        self.advance_s = if self.scheduled { trims.advance_s.unwrap_or(sliced_s) } else { handed_s };
+        self.advance_s = match trims.advance_s {
+            permitted_s if self.scheduled && self.handover.is_settled() => permitted_s.unwrap_or(sliced_s),
+            _ => handed_s,
+        };
         let carried_m = self.handover.scheduled() * self.carried_m;
         match ahead {
             Ahead::Advance(held_m, _) if self.scheduled && self.handover.is_settled() => {

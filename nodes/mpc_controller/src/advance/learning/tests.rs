@@ -23,6 +23,18 @@ fn feed_m_s(at_s: f64) -> f64 {
     1e-3 + 2e-3 * (6.0 * (0.5 - (2.0 * place - 1.0).abs()) + 0.5).clamp(0.0, 1.0)
 }
 
+/// While an advance is handed over, the printer tells another one than the permit's: no law of coming moves is executed yet,
+/// and what widths show is not of it.
+#[test]
+fn a_law_that_is_handed_over_is_not_yet_executed() {
+    let learning = Learning::new(LEARNING);
+    let permitted = Trims { advance_s: Some(FORETOLD_S), ..Trims::NEUTRAL };
+    for (advance_s, expected) in [(FORETOLD_S, 1.0), (0.25 * FORETOLD_S, 0.25)] {
+        let told = PrinterStatus { trims: permitted, advance_s, ..status(1.0, 1e-3) };
+        assert!((learning.executed(&told, &foretold()).1 - expected).abs() < 1e-12, "{advance_s}");
+    }
+}
+
 /// Factor after so long on a printer of `lag_s`, with a constant error of the width on top.
 fn learnt(reach: f64, lag_s: f64, (offset, for_s): (f64, f64)) -> f64 {
     let mut learning = Learning::new(RawLearning { reach, ..LEARNING });

@@ -86,7 +86,8 @@ fn what_a_spool_that_is_not_known_explains_is_no_dip() {
 }
 
 /// A tenth of a second behind a corner of one status in six: the road has settled, and is not steady for long. A quarter that
-/// lacks there is a dip, an eighth may be the corner's; and none of it is one behind a nozzle that has narrowed too far.
+/// lacks there is a dip, an eighth may be the corner's and moves nothing; and none of it is one behind a nozzle that has
+/// narrowed too far.
 #[test]
 fn shortly_behind_a_short_corner_a_large_lack_alone_is_a_dip() {
     let slowest = |width_m: f64, beyond: bool| {
@@ -100,7 +101,7 @@ fn shortly_behind_a_short_corner_a_large_lack_alone_is_a_dip() {
     };
     let (deep, shallow) = (slowest(0.75 * 4.8e-4, false), slowest(0.87 * 4.8e-4, false));
     assert!((0.85..0.92).contains(&deep), "{deep}");
-    assert!(shallow > 0.98, "{shallow}");
+    assert!(shallow > 1.0 - 1e-9, "{shallow}");
     let beyond = slowest(0.75 * 4.8e-4, true);
     assert!(beyond > 0.98, "{beyond}");
 }

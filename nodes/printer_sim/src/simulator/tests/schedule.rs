@@ -69,6 +69,28 @@ fn a_scheduled_advance_is_executed_beside_permits_to_act_of_the_same_supervisor(
     }
 }
 
+/// While a schedule takes the advance over, what is told is what the motor does: a half of it after half of the time.
+#[test]
+fn an_advance_that_is_handed_over_is_told_as_it_is() {
+    let mut simulator = warm(straight_job(26), &Scenario::default());
+    let (mut permits, mut sequence) = (0, 0);
+    while simulator.truth().integrals.deposit_s < 14.0 {
+        permits += 1;
+        simulator.on_permit(permit(permits, Mode::Act)).unwrap();
+        simulator.step(Seconds(1e-3));
+        while let Some(output) = simulator.poll() {
+            let Output::Coming { sequence: number, .. } = output else { continue };
+            // later than at the begin of a road, where it is there at once
+            if simulator.truth().integrals.deposit_s > 3.0 {
+                sequence += 1;
+                _ = simulator.on_scheduled(&scheduled(sequence, number));
+            }
+        }
+    }
+    let told_s = simulator.status().advance_s;
+    assert!((told_s / ADVANCE_S - 0.5).abs() < 0.1, "{told_s}");
+}
+
 /// What is held already without an advance that pushed it is taken off along a road, in a pause, and behind the last road, where
 /// it is drawn back. Without permits it fades with the share of the schedule.
 #[test]
