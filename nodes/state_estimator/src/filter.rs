@@ -60,6 +60,7 @@ struct Running {
     drive: Drive,
     flows: Ring<(f64, f64)>,
     imbalance_m_s: f64,
+    wander: Wander,
     /// A width that was rejected although the encoder vouches for the flow `[m]`.
     transient: Transient,
 }
@@ -148,23 +149,6 @@ impl Filter {
         Some(())
     }
 
-    /// Belief carried from the newest status to `now_s`, as if motor and heater stayed what they were.
-    pub(crate) fn outlook(&self, now_s: f64, status: &PrinterStatus) -> Option<Gaussian<{ state::COUNT }>> {
-        let run = self.running.as_ref()?;
-        let ahead_s = (now_s - run.at_s).max(0.0);
-        let mut belief = *run.ukf.belief();
-        if ahead_s > 0.0 {
-            let drive = Drive { filament_speed_m_s: None, ..run.drive };
-            let course = self.model.course(&belief.mean, &drive, self.law(&belief.mean).as_ref(), ahead_s);
-            belief.mean = self.model.step_along(&belief.mean, &drive, &course, ahead_s);
-            belief.covariance += self.noise(run, status, ahead_s);
-        }
-        belief.covariance += self.unseen(run, &belief.mean);
-        // below zero the state is a stroke, not a flow
-        belief.mean[state::FLOW] = belief.mean[state::FLOW].max(0.0);
-        Some(belief)
-    }
-
     /// Law of the nominal outlet at the nozzle that is believed; `None` where the melt is frozen.
     fn law(&self, x: &State) -> Option<StaticLaw> {
         let temperatures = (Kelvin(x[state::NOZZLE]), Kelvin(self.params.ambient_k));
@@ -205,6 +189,7 @@ impl Filter {
             drive: self.drive(status, 0.0, None),
             flows: Ring::new(FLOWS),
             imbalance_m_s: flow_std_m_s,
+            wander: Wander::default(),
             transient: Transient::default(),
         }
     }
@@ -232,6 +217,7 @@ impl Filter {
             let motor_speed_m_s =
                 motor_m.map_or(status.planned_feed_m_s, |before_m| (sample.motor_m - before_m) / dt_s);
             motor_m = Some(sample.motor_m);
+            run.wander.on_report(motor_speed_m_s, dt_s);
             let strokes = run.encoder_alive
                 && measurement::is_stroking(&self.params.encoder, inbox, (run.at_s, sample.stamp_s));
             let pieces = if strokes { (dt_s / self.params.period_s - ROUNDING).ceil().max(1.0) } else { 1.0 };
@@ -295,4 +281,6 @@ impl Filter {
 
 mod correct;
 mod noise;
+mod outlook;
 use noise::variances;
+use outlook::Wander;

@@ -70,3 +70,21 @@ fn a_filament_that_is_unloaded_is_no_divergence() {
     rig.feed_m_s = 0.025;
     assert_eq!(rig.run(390).resets, 0);
 }
+
+/// Five reports a second of a feed that swings by a half: what the motor has done since the newest is stated as doubt of the
+/// flow, and a steady feed leaves none.
+#[test]
+fn what_a_slow_host_has_not_told_yet_is_stated() {
+    let std_m_s = |swing: f64| {
+        let mut rig = Rig::new();
+        rig.status_steps = 20;
+        for report in 0..40 {
+            let sign = if report % 2 == 0 { 1.0 } else { -1.0 };
+            rig.feed_m_s = FEED_M_S * (1.0 + sign * swing);
+            rig.run(20);
+        }
+        rig.run(15).p[(state::FLOW, state::FLOW)].sqrt()
+    };
+    let (steady_m_s, swinging_m_s) = (std_m_s(0.0), std_m_s(0.5));
+    assert!(steady_m_s < 0.02 * FEED_M_S && swinging_m_s > 0.15 * FEED_M_S, "{steady_m_s} {swinging_m_s}");
+}
