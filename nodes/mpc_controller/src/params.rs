@@ -5,18 +5,6 @@ use models::params::{ParamError, in_range, ordered};
 use models::units::Seconds;
 use serde::Deserialize;
 
-/// What is corrected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Level {
-    /// Nothing: the slicer's own values.
-    Off,
-    /// Slip and pressure advance.
-    Encoder,
-    /// Feed, speed and set-point too.
-    Mpc,
-}
-
 /// Parameters of [`crate::Controller`], built only from a valid file.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "RawParams")]
@@ -261,10 +249,12 @@ mod advance;
 mod check;
 mod clog;
 mod health;
+mod level;
 mod loops;
 
 pub use clog::RawClog;
 pub use health::RawHealth;
+pub use level::Level;
 pub use loops::{RawBase, RawBumpless, RawSlip, RawTrims};
 
 pub use advance::{AdvanceSource, RawAdvance, RawLearning};

@@ -106,6 +106,8 @@ impl Print {
             if *name == "filament" {
                 self.diameter_m = value.parse().ok().filter(|m: &f64| (1e-4..1e-2).contains(m));
             } else {
+                // A bare `off` is recorded as the boolean that YAML reads it as.
+                let value = if *name == "control" && value == "false" { "off" } else { value };
                 self.configured.insert(name, short(value, TEXT_MAX));
             }
         }

@@ -1,0 +1,69 @@
+//! What is found, and what is read of it.
+
+use super::*;
+use crate::up::recipes::NODES;
+use std::collections::BTreeSet;
+
+/// A folder of changed files alone is no configuration: what to do with it is said, not to give one.
+#[test]
+fn a_folder_that_lacks_files_is_refused_with_what_to_do() {
+    let folder = std::env::temp_dir().join(format!("fdm_config_{}", std::process::id()));
+    let refused = ConfigDir::find(Some(&folder)).unwrap_err().to_string();
+    let says = [
+        &format!("--config {}: no printer_sim.param.yaml in it", folder.display()),
+        "copy the folder config/",
+    ];
+    assert!(says.iter().all(|part| refused.contains(part)), "{refused}");
+}
+
+/// YAML 1.1 reads a bare `off` as a boolean.
+#[test]
+fn corrections_are_off_where_the_file_says_so_without_quotes() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+    let config = ConfigDir::find(Some(&root)).unwrap();
+    let with = |value: &str| {
+        let path = NodePath { qualified: "/printer/mpc_controller".into(), base: "mpc_controller".into() };
+        let files = config.files_of("mpc_controller", "PLA");
+        let read = Parameters::read(&files, &[("control".into(), value.into())], &path).unwrap();
+        let parsed = read.without(&["printer", "material"]).parse::<mpc_controller::Params>();
+        parsed.map(|params| params.control).map_err(|error| error.to_string())
+    };
+    for (value, level) in
+        [("off", Level::Off), ("\"off\"", Level::Off), ("false", Level::Off), ("mpc", Level::Mpc)]
+    {
+        assert_eq!(with(value), Ok(level), "{value}");
+    }
+    assert!(with("on").unwrap_err().contains("expected off, encoder or mpc"), "{:?}", with("on"));
+    assert!(
+        with("some").unwrap_err().contains("expected one of `off`, `encoder`, `mpc`"),
+        "{:?}",
+        with("some")
+    );
+}
+
+/// What `ros2 param describe` says: something of every parameter of every node, whatever material and host.
+#[test]
+fn every_parameter_of_every_node_is_described() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+    let config = ConfigDir::find(Some(&root)).unwrap();
+    let (mut named, mut undescribed) = (0, BTreeSet::new());
+    let mut look = |node: &str, files: &[PathBuf]| {
+        let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
+        let parameters = Parameters::read(files, &[], &path).unwrap();
+        named += parameters.text().lines().count();
+        undescribed.extend(parameters.undescribed().into_iter().map(|name| format!("{node}: {name}")));
+    };
+    for material in ["PLA", "PETG", "ABS"] {
+        for node in NODES.into_iter().chain(["printer_bridge"]) {
+            look(node, &config.files_of(node, material));
+        }
+    }
+    for host in config.names_in("hosts") {
+        look("printer_sim", &[config.file(&format!("hosts/{host}.yaml"))]);
+    }
+    for (node, files) in crate::wire::up::FILES {
+        look(node, &files.iter().map(|file| config.file(file)).collect::<Vec<_>>());
+    }
+    assert!(named > 2500, "{named}");
+    assert_eq!(undescribed, BTreeSet::new());
+}
