@@ -79,7 +79,7 @@ enum Command {
     Install(install::InstallArgs),
     /// Make an HTML page out of a bag: plots, events, pictures, layers.
     Report(report::ReportArgs),
-    /// Measure: the recorder, the graph.
+    /// Measure: recorder, graph, estimator, controller, simulator, advance predictor.
     Bench(bench::BenchArgs),
     /// What is in a bag.
     Bag(bag::BagArgs),

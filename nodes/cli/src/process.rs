@@ -20,15 +20,15 @@ pub fn block<T: DeserializeOwned>(config: &ConfigDir, file: &str, name: &str) ->
     Ok(Parameters::read(&[config.file(file)], &[], &path)?.block(name)?)
 }
 
-/// Seeds from `A..B`, both included.
+/// Seeds from `A..B`, both included, as the option `option` gives them.
 ///
 /// # Errors
 /// Says what the form is.
-pub fn seeds(range: &str) -> anyhow::Result<Vec<u64>> {
+pub fn seeds(option: &str, range: &str) -> anyhow::Result<Vec<u64>> {
     let bounds = range.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
     match bounds {
         Some((first, last)) if first <= last && last - first < 10_000 => Ok((first..=last).collect()),
-        _ => bail!("--seeds {range}: must be A..B with A <= B, both included, at most 10000 of them"),
+        _ => bail!("{option} {range}: must be A..B with A <= B, both included, at most 10000 of them"),
     }
 }
 
@@ -81,5 +81,19 @@ impl Picture {
             svg
         };
         std::fs::write(&self.path, text).with_context(|| self.path.display().to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_that_is_none_is_named_by_its_option() {
+        assert_eq!(seeds("--trial", "2..4").unwrap(), [2, 3, 4]);
+        for range in ["1..0", "1", "0..10000", "a..b"] {
+            let refused = seeds("--trial", range).unwrap_err().to_string();
+            assert!(refused.starts_with(&format!("--trial {range}: must be A..B")), "{refused}");
+        }
     }
 }

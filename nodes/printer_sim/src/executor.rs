@@ -264,6 +264,7 @@ impl Executor {
         if segment.length_m > 0.0 {
             motion.path_speed_m_s += covered_m;
             motion.planned_speed_m_s = at.speed_m_s * planned;
+            motion.sliced_speed_m_s = at.speed_m_s * self.sliced.speed_factor;
         }
         self.fed_m += filament_m.max(0.0);
         let along = if path_m > 0.0 { (at.distance_m / path_m).min(1.0) } else { 1.0 };

@@ -211,12 +211,18 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
     }
     json.write(&figures)?;
     match figures.benchmarks.iter().find(|benchmark| benchmark.is_missed()) {
-        Some(Benchmark { name, ours, unit, target, at_least, .. }) => {
-            let (target, side) = (target.unwrap_or_default(), if *at_least { "less" } else { "more" });
-            Err(Failed(format!("{name}: {ours} {unit}, {side} than {target}")).into())
-        }
+        Some(missed) => Err(Failed(miss(missed)).into()),
         None => Ok(()),
     }
+}
+
+/// A missed target, with as many digits of the figure as it takes to see that it is missed.
+fn miss(Benchmark { name, ours, unit, target, at_least, .. }: &Benchmark) -> String {
+    let (target, side) = (target.unwrap_or_default(), if *at_least { "less" } else { "more" });
+    let shown = |digits| crate::options::significant(*ours, digits);
+    let apart = |text: &String| text.parse::<f64>().is_ok_and(|value| (value - target).abs() > 0.0);
+    let ours = (3..17).map(shown).find(apart).unwrap_or_else(|| shown(17));
+    format!("{name}: {ours} {unit}, {side} than {target}")
 }
 
 fn page(benchmarks: &[Benchmark]) -> String {
@@ -257,6 +263,13 @@ fn summary(benchmarks: &[Benchmark]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_miss_is_told_with_the_digits_that_show_it() {
+        let told = |ours| miss(&Benchmark::new("answer", "us", ours).target(5.0));
+        assert_eq!(told(8.684_361_999_999_998), "answer: 8.68 us, more than 5");
+        assert_eq!(told(5.000_4), "answer: 5.0004 us, more than 5");
+    }
 
     /// Who reads the last line alone knows whether a limit is missed, which one and by how much.
     #[test]

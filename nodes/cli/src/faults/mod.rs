@@ -77,7 +77,7 @@ struct Prepared<'a> {
 /// One line that says what is wrong and where; [`Failed`] where a limit was missed or something tripped without a cause.
 pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
     let seeds = args.seeds.as_deref().unwrap_or(if args.process { "1..1" } else { "1..20" });
-    let seeds = sim::seed_range(seeds)?;
+    let seeds = crate::process::seeds("--seeds", seeds)?;
     if !(0.0..=1e4).contains(&args.hours) {
         bail!("--hours {}: must be in [0, 10000] h", args.hours);
     }

@@ -37,7 +37,7 @@ pub struct IdentifyArgs {
     /// Folder of the bag, or one .mcap file.
     #[arg(required_unless_present = "trial", conflicts_with = "trial")]
     bag: Option<PathBuf>,
-    /// Write a new printer file, in the form of config/printers/.
+    /// Write a new printer file: it takes the place of printers/ender3.yaml in a copy of the configuration folder.
     #[arg(long, conflicts_with = "trial")]
     out: Option<PathBuf>,
     /// Replace the printer file if it is there.
@@ -52,7 +52,8 @@ pub struct IdentifyArgs {
     /// Namespace of the printer; the first one in the bag by default.
     #[arg(long)]
     namespace: Option<String>,
-    /// Instead of a bag: simulated printers with numbers drawn by seeds A..B, what is learned beside the truth.
+    /// Instead of a bag: simulated printers with numbers drawn by seeds A..B, what is learned beside the truth: of how many
+    /// it lies in the stated interval (about 95 of 100, where the interval is true), of how many within 5 %, of how many in either.
     #[arg(long, value_name = "A..B")]
     trial: Option<String>,
     /// What they print.
@@ -130,6 +131,9 @@ pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
     };
     if !json.is_stdout() {
         output::line(&text::page(&figures))?;
+        if let Some(out) = &args.out {
+            output::line(&text::written(out, &config.file("")))?;
+        }
     }
     json.write(&figures)
 }

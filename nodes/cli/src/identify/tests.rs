@@ -151,6 +151,13 @@ fn a_hot_end_is_learned_within_its_intervals() {
         .map(|(found, truth)| format!("{} {} in [{}, {}]", found.name, truth, found.low, found.high))
         .collect();
     assert!(outside.len() <= 2, "{outside:?}");
+    // Errors over stated deviations, squared: about one each where the intervals are true, a hundredth ten times too wide.
+    let squares = learned.quantities.iter().zip(truths).map(|(found, truth)| {
+        let deviation = 0.5 * (found.high - found.low) / 1.96;
+        ((found.value - truth) / deviation).powi(2)
+    });
+    let mean = squares.sum::<f64>() / 11.0;
+    assert!((0.1..10.0).contains(&mean), "{mean}");
     // What heater and thermistor alone show is known to a few percent.
     for (found, truth) in learned.quantities.iter().zip(truths).take(1) {
         assert!((found.value / truth - 1.0).abs() < 0.03, "{found:?} {truth}");
@@ -168,12 +175,26 @@ fn the_file_is_the_nominal_one_with_the_learned_numbers() {
     std::fs::write(&path, &text).unwrap();
     let node = runtime::params::NodePath { qualified: "/printer/fdm".into(), base: "fdm".into() };
     let read = runtime::params::Parameters::read(std::slice::from_ref(&path), &[], &node).unwrap();
-    std::fs::remove_file(&path).unwrap();
     let printer: models::printer::Printer = read.block("printer").unwrap();
+    // In the place of the nominal file it counts for the estimator whole, its noise too.
+    let node = runtime::params::NodePath {
+        qualified: "/printer/state_estimator".into(),
+        base: "state_estimator".into(),
+    };
+    let (mut files, is_printer) = (config.files_of("state_estimator", "PLA"), |file: &std::path::PathBuf| {
+        file.ends_with("printers/ender3.yaml")
+    });
+    *files.iter_mut().find(|file| is_printer(file)).unwrap() = path.clone();
+    let read_all =
+        runtime::params::Parameters::read(&files, &[], &node).unwrap().without(&["printer", "material"]);
+    let estimator: state_estimator::Params = read_all.parse().unwrap();
+    let sigma_k = learned.quantities.iter().find(|found| found.name == "thermistor.sigma_k").unwrap().value;
+    assert!((estimator.thermistor.sigma_k / sigma_k - 1.0).abs() < 1e-4, "{sigma_k} is in force");
     let block_j_k = learned.quantities[0].value;
     assert!((printer.hotend.block_capacity_j_k / block_j_k - 1.0).abs() < 1e-4);
     assert_eq!(printer.extruder, setup.printer.extruder, "what was not learned stays");
     assert!((printer.hotend.heater_power_w - setup.printer.hotend.heater_power_w).abs() < 1e-12);
+    std::fs::remove_file(&path).unwrap();
     assert!(text.contains("[J/K] [0.1, 1e4] C_e; bag a_bag, 95 % ["), "{text}");
     assert!(
         text.contains("state_estimator:\n  ros__parameters:\n    thermistor:\n      sigma_k: 0.1"),

@@ -4,9 +4,30 @@ use super::Figures;
 use super::learn::Quantity;
 use super::trial;
 use crate::options::significant;
+use std::path::Path;
+
+/// Below this the zeros of a plain number are more than its digits.
+const SMALL: f64 = 1e-3;
 
 fn digits(value: f64) -> String {
-    if value.is_nan() { "-".to_owned() } else { significant(value, 4) }
+    if value.is_nan() {
+        "-".to_owned()
+    } else if value.abs() > 0.0 && value.abs() < SMALL {
+        format!("{value:.3e}")
+    } else {
+        significant(value, 4)
+    }
+}
+
+/// Where the printer file is, and how it is used.
+pub(super) fn written(out: &Path, config: &Path) -> String {
+    let (out, config) = (out.display(), config.display());
+    format!(
+        "\nwritten to {out}. It takes the place of printers/ender3.yaml in a copy of the configuration:\n  \
+         cp -r {config} my_config && cp {out} my_config/printers/ender3.yaml\n  \
+         fdm sim FILE.gcode --config my_config\n\
+         Its section state_estimator, the noise of the sensors, counts there too."
+    )
 }
 
 /// What was learned from a bag.
@@ -64,5 +85,45 @@ pub(super) fn trial(figures: &trial::Figures) -> String {
             "{name:<32} {runs:>8} {inside:>8} {near:>9} {either:>8} {error:>10.2} {half:>14.2}\n"
         ));
     }
+    page.push_str(COLUMNS);
     page
+}
+
+/// What the columns of the last table count.
+const COLUMNS: &str = "\ninside: printers whose truth lies in the stated 95 % interval, about 95 of 100 where the interval is true; \
+    within 5%: those\nwhose learned value is no more than 5 % off the truth; either: one or the other; half width: of the interval, \
+    against the truth.";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_numbers_are_told_with_an_exponent() {
+        let told = [9.888e-6, -0.000_5, 0.001, 0.15, 0.0, f64::NAN].map(digits);
+        assert_eq!(told, ["9.888e-6", "-5.000e-4", "0.001000", "0.1500", "0", "-"]);
+    }
+
+    #[test]
+    fn a_trial_says_what_its_columns_count() {
+        let none = trial::Figures {
+            gcode: String::new(),
+            material: String::new(),
+            verdicts: Vec::new(),
+            runs: Vec::new(),
+        };
+        let page = super::trial(&none);
+        for column in ["inside: ", "within 5%: ", "either: ", "about 95 of 100"] {
+            assert!(page.contains(column), "{column} in {page}");
+        }
+    }
+
+    #[test]
+    fn what_can_be_done_with_the_file_is_told() {
+        let told = written(Path::new("mine.yaml"), Path::new("config"));
+        assert!(
+            told.contains("cp -r config my_config && cp mine.yaml my_config/printers/ender3.yaml"),
+            "{told}"
+        );
+    }
 }

@@ -63,7 +63,7 @@ pub(super) struct Figures {
 
 /// Prints with every printer, learns it from its bag and compares.
 pub(super) fn run(args: &IdentifyArgs, range: &str, config: &ConfigDir) -> anyhow::Result<Figures> {
-    let seeds = crate::process::seeds(range)?;
+    let seeds = crate::process::seeds("--trial", range)?;
     let params = IdentifyParams::load(config)?;
     let material = args.material.clone().unwrap_or_else(|| "PLA".to_owned());
     let choice = Choice { advance: AdvanceSource::None, ..Choice::of(material.clone(), Level::Off) };

@@ -13,7 +13,7 @@ mod timeline;
 mod view;
 
 use crate::output;
-use anyhow::bail;
+use anyhow::{Context, bail};
 use bag::Bag;
 use clap::Args;
 use record::Record;
@@ -79,6 +79,9 @@ pub fn page_against(path: &Path, namespace: Option<&str>, other: Option<&Path>) 
     if let Some(empty) = beside.as_ref().filter(|beside| beside.record.tally.messages == 0) {
         bail!("{}: no message could be read", empty.bag.name);
     }
+    if let Some(unlike) = beside.as_ref().and_then(|beside| gathered.unlike(beside)) {
+        output::note(&unlike);
+    }
     let beside =
         beside.as_ref().map(|beside| view::against::Other { bag: &beside.bag, record: &beside.record });
     Ok(view::page(&gathered.bag, &gathered.record, &gathered.torn, beside.as_ref()))
@@ -117,7 +120,7 @@ impl Gathered {
             );
         }
         if let Some(namespace) = namespace.filter(|_| record.tally.messages > 0) {
-            record.check_namespace(&namespace)?;
+            record.check_namespace(&namespace).with_context(|| path.display().to_string())?;
         }
         if record.tally.messages == 0 {
             torn.push("no message could be read".to_owned());
@@ -131,6 +134,18 @@ impl Gathered {
         record.pictures.finish();
         Ok(Self { bag, record, torn })
     }
+
+    /// What makes figures of the two prints no comparison: they are of different files, as far as both say.
+    fn unlike(&self, other: &Self) -> Option<String> {
+        let both = [self, other].map(|print| &print.record.print);
+        let [mine, theirs] =
+            both.map(|print| print.described.get("gcode_file").filter(|file| !file.is_empty()));
+        let (mine, theirs) = mine.zip(theirs).filter(|(mine, theirs)| mine != theirs)?;
+        Some(format!(
+            "--against {}: a print of {theirs}, {} one of {mine}: figures side by side are no comparison",
+            other.bag.name, self.bag.name
+        ))
+    }
 }
 
 /// `<bag>.html` beside the bag.
@@ -139,4 +154,36 @@ fn beside(bag: &Path) -> PathBuf {
     let mut name = whole.file_name().map(ToOwned::to_owned).unwrap_or_else(|| "report".into());
     name.push(".html");
     whole.with_file_name(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn print_of(file: &str) -> Gathered {
+        let bag = Bag {
+            name: format!("bags/{file}"),
+            files: Vec::new(),
+            counts: None,
+            stated: None,
+            broken: Vec::new(),
+        };
+        let mut record = Record::default();
+        record.print.described.insert("gcode_file", file.to_owned());
+        Gathered { bag, record, torn: Vec::new() }
+    }
+
+    /// Of a print that does not say its file nothing is said.
+    #[test]
+    fn prints_of_different_files_are_told() {
+        let (cube, ring) = (print_of("cube.gcode"), print_of("ring.gcode"));
+        let told = cube.unlike(&ring).unwrap();
+        assert!(
+            told.starts_with(
+                "--against bags/ring.gcode: a print of ring.gcode, bags/cube.gcode one of cube.gcode"
+            ),
+            "{told}"
+        );
+        assert_eq!((cube.unlike(&print_of("cube.gcode")), cube.unlike(&print_of(""))), (None, None));
+    }
 }

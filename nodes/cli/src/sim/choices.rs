@@ -1,20 +1,9 @@
-//! What is chosen by name: seeds, control levels, sources of the pressure advance.
+//! What is chosen by name: control levels, sources of the pressure advance, forms of the filter.
 
 use super::ADVANCES;
 use anyhow::bail;
 use mpc_controller::params::{AdvanceSource, Level};
-
-/// Seeds from `A..B`, both included.
-///
-/// # Errors
-/// Anything else.
-pub fn seed_range(range: &str) -> anyhow::Result<Vec<u64>> {
-    let bounds = range.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
-    match bounds {
-        Some((first, last)) if first <= last && last - first < 10_000 => Ok((first..=last).collect()),
-        _ => bail!("--seeds {range}: must be A..B with A <= B, both included, at most 10000 of them"),
-    }
-}
+use state_estimator::engine::Form;
 
 /// A control level by name.
 ///
@@ -61,5 +50,14 @@ pub(super) fn name_of(level: Level) -> &'static str {
         Level::Off => "off",
         Level::Encoder => "encoder",
         Level::Mpc => "mpc",
+    }
+}
+
+/// The name of a form of the filter, as the configuration has it.
+pub(super) fn filter_name(form: Form) -> &'static str {
+    match form {
+        Form::SquareRoot => "square_root",
+        Form::Unscented => "unscented",
+        Form::Extended => "extended",
     }
 }

@@ -82,7 +82,10 @@ impl Consistency {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use state_estimator::state;
+    use models::command::EstimateHealth;
+    use models::units::Seconds;
+    use nalgebra::SMatrix;
+    use state_estimator::{CHANNELS, Channel, Refusals, state};
 
     /// The names stand where the estimator's indices point.
     #[test]
@@ -98,6 +101,91 @@ mod tests {
         for (index, name) in named {
             assert_eq!(STATE_NAMES[index], name);
         }
+    }
+
+    /// A block at this many kelvin, of which the estimator is sure to 2 K; the other states are known and right.
+    fn estimated(block_k: f64) -> Estimate {
+        let mut p = SMatrix::identity();
+        p[(state::BLOCK, state::BLOCK)] = 4.0;
+        let x = SVector::from([block_k, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        Estimate {
+            stamp: Seconds(0.0),
+            x,
+            p,
+            nis: [None; CHANNELS],
+            nis_mean: [None; CHANNELS],
+            innovations: [None; CHANNELS],
+            measured: [0; CHANNELS],
+            gated: [0; CHANNELS],
+            alive: [false; CHANNELS],
+            observed: [false; STATES],
+            window: [None; CHANNELS],
+            reference_feed_m_s: 0.0,
+            steps: 0,
+            resets: 0,
+            noise_scale: [1.0; CHANNELS],
+            health: EstimateHealth::Sound,
+            refusals: Refusals::default(),
+        }
+    }
+
+    fn of(estimates: &[Estimate]) -> Consistency {
+        let laid = Truth { depositing: true, ..Truth::default() };
+        let mut consistency = Consistency::default();
+        estimates.iter().for_each(|estimate| consistency.add(estimate, &laid));
+        consistency
+    }
+
+    /// 1.96 times 2 K are 3.92 K, to either side.
+    #[test]
+    fn an_interval_covers_what_is_within_its_stated_deviations() {
+        let errors_k = [3.9, -3.9, 3.95, -3.95];
+        let [block, others @ ..] = of(&errors_k.map(estimated)).coverage().unwrap();
+        assert_eq!((block, others), (0.5, [1.0; 5]));
+    }
+
+    /// (2 K / 2 K)^2 = 1, (4 / 2)^2 = 4, (6 / 2)^2 = 9: the one between is told, in whatever order they come.
+    #[test]
+    fn the_error_is_squared_over_the_stated_variance() {
+        assert_eq!(of(&[6.0, 2.0, -4.0].map(estimated)).median(), Some(4.0));
+    }
+
+    /// Errors of 2 and 2 with variances of 4 and a covariance of 2: (2, 2) P^-1 (2, 2) = 16 / 12.
+    #[test]
+    fn states_that_err_together_are_weighed_together() {
+        let mut estimate = estimated(2.0);
+        estimate.x[state::NOZZLE] = 2.0;
+        estimate.p[(state::NOZZLE, state::NOZZLE)] = 4.0;
+        estimate.p[(state::BLOCK, state::NOZZLE)] = 2.0;
+        estimate.p[(state::NOZZLE, state::BLOCK)] = 2.0;
+        let median = of(&[estimate]).median().unwrap();
+        assert!((median - 4.0 / 3.0).abs() < 1e-12, "{median}");
+    }
+
+    #[test]
+    fn a_covariance_that_is_none_vouches_for_nothing() {
+        let mut estimate = estimated(0.0);
+        estimate.p[(state::GAIN, state::GAIN)] = -1.0;
+        assert_eq!(of(&[estimate]).median(), Some(f64::INFINITY));
+    }
+
+    #[test]
+    fn only_what_is_laid_counts() {
+        let mut consistency = Consistency::default();
+        consistency.add(&estimated(100.0), &Truth::default());
+        assert_eq!((consistency.coverage(), consistency.median()), (None, None));
+        assert_eq!(consistency.blind().map(|names| names.len()), [0, 0]);
+    }
+
+    /// One moment is enough to be told of, or to move; slip is held where neither encoder nor widths live.
+    #[test]
+    fn blind_is_what_was_never_observed_and_held_what_never_moved() {
+        let mut seen = estimated(0.0);
+        (seen.observed[state::BLOCK], seen.observed[state::FLOW]) = (true, true);
+        let blind = of(&[estimated(0.0), seen]).blind();
+        assert_eq!(blind, [vec!["nozzle", "thermistor", "slip", "gain"], vec!["slip"]]);
+        seen.alive[Channel::Encoder as usize] = true;
+        assert_eq!(of(&[estimated(0.0), seen]).blind()[1], Vec::<&str>::new());
     }
 
     /// Wilson and Hilferty: the cube root of a chi-square over its degrees is about normal, with mean and median

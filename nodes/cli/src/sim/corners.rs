@@ -1,11 +1,14 @@
-//! Width error where the speed changes: the part of a print that pressure advance can help.
+//! Width error where the file's speed changes: the part of a print that pressure advance can help.
+//!
+//! What a trim of the speed adds is none of it: the same deposits count, however a print is corrected.
 
 use std::collections::VecDeque;
 
 /// Deposits this near to a change of speed, before or after it, count as a corner `[s]`.
 pub const CORNER_S: f64 = 0.2;
-/// A path acceleration above this is a change of speed `[m/s2]`: planners use 0.1 and more, trims of the speed less.
-const ACCELERATION_M_S2: f64 = 0.1;
+/// An acceleration of the file's path above this is a change of speed `[m/s2]`: planners use 0.1 and more, and what rounding
+/// makes of a constant speed over a step of 1 ms is below 1e-12.
+const ACCELERATION_M_S2: f64 = 0.01;
 
 /// Squared width errors near changes of speed, weighted by time.
 #[derive(Debug, Clone, Default)]
@@ -24,7 +27,7 @@ impl Corners {
         self.before_m_s = None;
     }
 
-    /// A step of a road at `now_s`: speed of the tool, and relative error of the width.
+    /// A step of a road at `now_s`: the file's speed of the tool, without any trim, and relative error of the width.
     pub fn add(&mut self, now_s: f64, speed_m_s: f64, error: f64, dt_s: f64) {
         let before_m_s = self.before_m_s.replace(speed_m_s);
         if before_m_s.is_some_and(|before_m_s| (speed_m_s - before_m_s).abs() > ACCELERATION_M_S2 * dt_s) {
@@ -82,6 +85,17 @@ mod tests {
         // 0.1^2 over half of the time: 0.0707; a step more or less at each end is 1 % of it.
         assert!((corners.rms().unwrap() - 0.0707).abs() < 1e-3, "{:?}", corners.rms());
         assert!((corners.time_s() - 0.4).abs() < 5e-3);
+    }
+
+    /// `M204 S100`: a planner that ramps at 0.1 m/s2.
+    #[test]
+    fn the_slowest_ramp_of_a_planner_is_a_change() {
+        let mut corners = Corners::default();
+        for step in 0..100_u32 {
+            let now_s = f64::from(step) * 1e-3;
+            corners.add(now_s, 0.02 + 0.1 * now_s, 1.0, 1e-3);
+        }
+        assert!((corners.time_s() - 0.1).abs() < 1e-9, "{}", corners.time_s());
     }
 
     #[test]

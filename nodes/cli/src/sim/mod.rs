@@ -20,9 +20,10 @@ pub mod width_trace;
 use crate::config::{Choice, ConfigDir};
 use crate::job::GcodeFile;
 use crate::output::{self, Json};
+use crate::process;
 use anyhow::bail;
 use choices::name_of;
-pub use choices::{advance, level, seed_range};
+pub use choices::{advance, level};
 use clap::Args;
 use fdm_loop_msgs::PrintInfo;
 use fitted::{EXTRAS, HOSTS, SENSORS, fitted};
@@ -186,5 +187,6 @@ fn publish(args: &SimArgs, groups: Vec<Group>) -> anyhow::Result<()> {
 }
 
 fn seeds(args: &SimArgs) -> anyhow::Result<Vec<u64>> {
-    args.seeds.as_deref().map_or_else(|| Ok(vec![args.seed]), seed_range)
+    let range = args.seeds.as_deref();
+    range.map_or_else(|| Ok(vec![args.seed]), |range| process::seeds("--seeds", range))
 }

@@ -264,7 +264,8 @@ impl Printing {
         if truth.depositing && truth.target_width_m > 0.0 {
             let error = truth.width_m / truth.target_width_m - 1.0;
             self.width.add(truth.path_time_s, error, STEP_S);
-            self.foresight.corners.add(truth.stamp_s, truth.path_speed_m_s, error, STEP_S);
+            let sliced_m_s = self.simulator.sliced_speed_m_s();
+            self.foresight.corners.add(truth.stamp_s, sliced_m_s, error, STEP_S);
         } else {
             self.foresight.corners.pass();
         }

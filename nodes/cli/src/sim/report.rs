@@ -85,6 +85,8 @@ pub struct Run {
     pub states_not_observed: Vec<&'static str>,
     /// Those of them that it held at what it believed.
     pub states_held: Vec<&'static str>,
+    /// Form of the estimator's filter.
+    pub filter: &'static str,
     /// Seed of all noise.
     pub seed: u64,
     /// How the job ended.
@@ -99,7 +101,7 @@ pub struct Run {
     pub quality_mean: Option<f64>,
     /// RMS of the relative width error.
     pub width_rms_rel: Option<f64>,
-    /// The same over deposits no more than 0.2 s before or after a change of the tool's speed.
+    /// The same over deposits no more than 0.2 s before or after a change of the tool's speed in the file.
     pub corner_width_rms_rel: Option<f64>,
     /// Time of those deposits `[s]`.
     pub corner_time_s: f64,

@@ -1,7 +1,7 @@
 //! One simulated print after another.
 
 use super::bagging::Bagging;
-use super::choices::{advance_name, name_of};
+use super::choices::{advance_name, filter_name, name_of};
 use super::consistency::STATE_NAMES;
 use super::printing::Printing;
 use super::report::Run;
@@ -120,6 +120,7 @@ impl Task {
             with: self.names.with.clone(),
             states_not_observed,
             states_held,
+            filter: filter_name(self.setup.estimator.filter),
             seed,
             ended,
             print_time_s: truth.stamp_s,

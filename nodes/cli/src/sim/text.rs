@@ -1,16 +1,20 @@
 //! The figures of `fdm sim` for people.
 
 mod corrected;
+mod stated;
 
-use super::consistency::TRUE_MEDIAN;
 use super::group::Group;
 use super::report::{AdvanceFigures, Run};
 use corrected::corrected;
+use stated::{blind, covered};
 use std::fmt::Write;
 
 const COLUMNS: usize = 9;
 const HEADINGS: [&str; COLUMNS] =
     ["control", "done", "Q", "width RMS %", "feed error %", "after 2 s %", "back for 5 s", "NEES", "x real"];
+
+/// Form of the filter that is shipped, of which nothing is told.
+const USUAL_FILTER: &str = "square_root";
 
 /// One row a control level, mean and spread over the seeds.
 #[must_use]
@@ -22,11 +26,17 @@ pub fn table(groups: &[Group]) -> String {
         if sensors.is_empty() { String::new() } else { format!(", {word} {}", sensors.join(", ")) }
     };
     let sensors = listed("without", &run.without) + &listed("with", &run.with);
+    let filter = if run.filter == USUAL_FILTER { String::new() } else { format!(", filter {}", run.filter) };
+    let spread = if seeds > 1 {
+        format!("; mean +- standard deviation, (n of {seeds}) where fewer have it")
+    } else {
+        String::new()
+    };
     // Writing to a string cannot fail.
     _ = writeln!(
         text,
-        "Simulated: {} in {}, scenario {}, host {}{sensors}, {} seed(s); mean +- standard deviation, (n of {}) where fewer have it",
-        run.gcode, run.material, run.scenario, run.host, seeds, seeds,
+        "Simulated: {} in {}, scenario {}, host {}{sensors}{filter}, {seeds} seed(s){spread}",
+        run.gcode, run.material, run.scenario, run.host,
     );
     let rows: Vec<[String; COLUMNS]> =
         std::iter::once(HEADINGS.map(str::to_owned)).chain(groups.iter().map(row)).collect();
@@ -55,11 +65,13 @@ pub fn table(groups: &[Group]) -> String {
 
 /// Figures of one control level, each with the number of runs that have it where that is not all.
 fn row(group: &Group) -> [String; COLUMNS] {
-    let cell = |name: &str, scale: f64| match (group.mean.get(name), group.spread.get(name)) {
-        (Some(mean), Some(spread)) => {
-            format!("{:.3} +- {:.3}{}", mean * scale, spread * scale, group.share(name))
-        }
-        _ => "-".to_owned(),
+    // One value deviates from nothing.
+    let spread =
+        |name: &str| group.spread.get(name).filter(|_| group.count.get(name).is_some_and(|count| *count > 1));
+    let cell = |name: &str, scale: f64| {
+        let Some(mean) = group.mean.get(name) else { return "-".to_owned() };
+        let spread = spread(name).map_or_else(String::new, |spread| format!(" +- {:.3}", spread * scale));
+        format!("{:.3}{spread}{}", mean * scale, group.share(name))
     };
     let plain = |name: &str| {
         group.mean.get(name).map_or("-".to_owned(), |mean| format!("{mean:.1}{}", group.share(name)))
@@ -142,40 +154,6 @@ fn nis(runs: &[Run]) -> String {
     parts.join(", ")
 }
 
-/// How often the stated 95 % intervals held, over the runs in which a road was laid.
-fn covered(text: &mut String, group: &Group) {
-    let shares: Vec<_> =
-        group.runs.iter().filter_map(|run| Some((run.coverage_states, run.coverage?))).collect();
-    let Some((names, _)) = shares.first() else { return };
-    #[allow(clippy::cast_precision_loss, reason = "seeds are few")]
-    let count = shares.len() as f64;
-    let mean = |state: usize| shares.iter().map(|(_, coverage)| coverage[state]).sum::<f64>() / count;
-    let parts: Vec<String> =
-        names.iter().enumerate().map(|(state, name)| format!("{name} {:.1} %", 1e2 * mean(state))).collect();
-    let list = parts.join(", ");
-    _ = writeln!(
-        text,
-        "{:<9} within the stated 95 % interval: {list}; NEES of a true one {TRUE_MEDIAN}",
-        group.control
-    );
-}
-
-/// What no sensor told of, where that is more than the nozzle's temperature, which few printers show.
-fn blind(text: &mut String, group: &Group) {
-    let Some(run) =
-        group.runs.iter().find(|run| run.states_not_observed.iter().any(|name| *name != "nozzle"))
-    else {
-        return;
-    };
-    let held = if run.states_held.is_empty() {
-        String::new()
-    } else {
-        format!("; held at what is believed: {}", run.states_held.join(", "))
-    };
-    let list = run.states_not_observed.join(", ");
-    _ = writeln!(text, "{:<9} no sensor tells of: {list}{held}", group.control);
-}
-
 /// What the camera saw, one line a seed.
 fn seen(text: &mut String, group: &Group) {
     for (run, seen) in group.runs.iter().filter_map(|run| Some((run, run.camera?))) {
@@ -232,10 +210,28 @@ fn noticed(text: &mut String, group: &Group) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::consistency::STATE_NAMES;
 
     fn told(run: Run) -> String {
         table(&[Group::of("off".to_owned(), vec![run])])
+    }
+
+    /// A single seed has no deviation, nor has a figure that a single one of several seeds has.
+    #[test]
+    fn a_deviation_is_told_of_several_values_alone() {
+        let run = |quality_mean| Run { quality_mean, ..Run::default() };
+        let one = told(run(Some(1.25)));
+        assert!(one.contains("  1.250  ") && !one.contains("+-") && !one.contains("deviation"), "{one}");
+        let two = table(&[Group::of("off".to_owned(), vec![run(Some(1.0)), run(Some(3.0))])]);
+        assert!(two.contains("2.000 +- 1.414") && two.contains("; mean +- standard deviation"), "{two}");
+        let lone = table(&[Group::of("off".to_owned(), vec![run(Some(1.0)), run(None)])]);
+        assert!(lone.contains("1.000 (1 of 2)"), "{lone}");
+    }
+
+    #[test]
+    fn a_filter_that_is_not_the_shipped_one_is_told() {
+        let with = |filter| told(Run { filter, ..Run::default() });
+        assert!(with("extended").contains(", filter extended, 1 seed(s)"), "{}", with("extended"));
+        assert!(!with("square_root").contains("filter"));
     }
 
     #[test]
@@ -254,39 +250,5 @@ mod tests {
         );
         assert!(told(run("planned", "planned")).contains("advance planned, look-ahead"));
         assert!(told(run("file", "file")).contains("advance the file's own, look-ahead"));
-    }
-
-    /// Over the two runs that laid something.
-    #[test]
-    fn the_coverage_is_told_state_by_state() {
-        let run = |share: f64| Run {
-            coverage: Some(std::array::from_fn(|state| if state == 4 { share } else { 1.0 })),
-            coverage_states: STATE_NAMES,
-            ..Run::default()
-        };
-        let told = table(&[Group::of("mpc".to_owned(), vec![run(0.5), run(0.25), Run::default()])]);
-        assert!(told.contains("within the stated 95 % interval: block 100.0 %, "), "{told}");
-        assert!(told.contains("slip 37.5 %, gain 100.0 %"), "{told}");
-        assert!(!table(&[Group::of("mpc".to_owned(), vec![Run::default()])]).contains("interval"));
-    }
-
-    #[test]
-    fn sensors_that_are_not_fitted_are_told_and_what_nothing_shows() {
-        let without = vec!["encoder".to_owned()];
-        let blind = told(Run {
-            without,
-            states_not_observed: vec!["nozzle", "flow", "slip"],
-            states_held: vec!["slip"],
-            ..Run::default()
-        });
-        assert!(blind.contains(", without encoder, 1 seed(s)"), "{blind}");
-        assert!(
-            blind.contains("no sensor tells of: nozzle, flow, slip; held at what is believed: slip"),
-            "{blind}"
-        );
-        let tip = told(Run { with: vec!["nozzle".to_owned()], ..Run::default() });
-        assert!(tip.contains(", with nozzle, 1 seed(s)"), "{tip}");
-        let whole = told(Run { states_not_observed: vec!["nozzle"], ..Run::default() });
-        assert!(!whole.contains("no sensor") && !whole.contains("without"), "{whole}");
     }
 }

@@ -36,7 +36,9 @@ impl Trimmed {
         let beyond = |flow: f64| (flow - 1.0).abs() > SMALL || (trims.speed - 1.0).abs() > SMALL;
         self.all += 1.0;
         self.trimmed += one(beyond(trims.flow));
-        self.fed_back += one(beyond(trims.flow * (1.0 + base)));
+        // The slicer's own values correct nothing, whatever is known of the spool.
+        let corrects = (trims.flow, trims.speed) != (1.0, 1.0);
+        self.fed_back += one(corrects && beyond(trims.flow * (1.0 + base)));
         self.slowed += one((pace - 1.0).abs() > SMALL);
     }
 
@@ -54,6 +56,14 @@ impl Trimmed {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// In observe the spool is calibrated, 4 % too thick, and the slicer's own values are printed.
+    #[test]
+    fn what_is_not_in_force_is_no_feedback() {
+        let mut trimmed = Trimmed::default();
+        trimmed.add(&Trims::NEUTRAL, 0.04, 1.0);
+        assert_eq!(trimmed.shares(), Some(Shares { trimmed: 0.0, fed_back: 0.0, slowed: 0.0 }));
+    }
 
     /// A spool 4 % too thick, fed 4 % less: no feedback. A move planned slower is none either, a speed trim is.
     #[test]

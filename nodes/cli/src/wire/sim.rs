@@ -113,7 +113,7 @@ pub struct Figures {
 /// # Errors
 /// One line that says what is wrong and where.
 pub fn run(args: &SimArgs) -> anyhow::Result<()> {
-    let seeds = process::seeds(&args.seeds)?;
+    let seeds = process::seeds("--seeds", &args.seeds)?;
     let json = Json::new(args.json.as_deref());
     json.check()?;
     let picture = args.picture.as_deref().map(Picture::new).transpose()?;

@@ -89,6 +89,8 @@ pub struct Motion {
     pub velocity_m_s: [f64; 3],
     /// Axes X, Y, Z that begin to home in this step.
     pub homing: [bool; 3],
-    /// The slicer's own speed at this point `[m/s]`.
+    /// Speed at this point as it is planned, by the move's own trim too `[m/s]`.
     pub planned_speed_m_s: f64,
+    /// The file's own speed at this point, without any trim `[m/s]`.
+    pub sliced_speed_m_s: f64,
 }

@@ -10,6 +10,12 @@ impl Simulator {
         self.executor.paused_by_line()
     }
 
+    /// The file's own speed of the tool here, without any trim `[m/s]`.
+    #[must_use]
+    pub fn sliced_speed_m_s(&self) -> f64 {
+        self.motion.sliced_speed_m_s
+    }
+
     /// The mains relay feeds the heaters.
     #[must_use]
     pub fn mains_on(&self) -> bool {

@@ -222,8 +222,9 @@ fn lay(
     }
 }
 
-/// How far along the plan a printer is after 10 s of road, whose moves are planned at a speed each; and what it says then.
-fn planned_at(mode: Mode, speed: f64, host: HostProfile) -> (f64, PrinterStatus) {
+/// How far along the plan a printer is after 10 s of road, whose moves are planned at a speed each; the file's speed there, and
+/// what it says then.
+fn planned_at(mode: Mode, speed: f64, host: HostProfile) -> (f64, f64, PrinterStatus) {
     let mut params = params();
     params.simulator.executor.host = host;
     let mut simulator = warm_of(params, straight_job(26), &Scenario::default());
@@ -232,7 +233,7 @@ fn planned_at(mode: Mode, speed: f64, host: HostProfile) -> (f64, PrinterStatus)
         _ = simulator.on_scheduled(&sent);
     });
     let status = simulator.status();
-    (status.path_time_s, status)
+    (status.path_time_s, simulator.sliced_speed_m_s(), status)
 }
 
 /// The first line of 1 s begins before it can have a trim, the 9 s after it take 0.8 of a second each of the plan. What is
@@ -247,10 +248,11 @@ fn a_move_is_laid_at_the_speed_that_it_is_planned_at() {
             (Mode::Act, 1e-9, 6.85, 0.65),
             (Mode::Degraded, 0.8, 10.0, 1.0),
         ] {
-            let (along_s, status) = planned_at(mode, speed, host);
+            let (along_s, sliced_m_s, status) = planned_at(mode, speed, host);
             assert!((along_s - path_s).abs() < 0.02, "{host:?} {mode:?} {speed}: {along_s} s along the plan");
             assert!((status.planned_speed_m_s / SPEED_M_S - pace).abs() < 1e-9, "{status:?}");
             assert!((status.path_speed_m_s / SPEED_M_S - pace).abs() < 1e-6, "{status:?}");
+            assert!((sliced_m_s / SPEED_M_S - 1.0).abs() < 1e-9, "the file's: {sliced_m_s}");
             assert!(
                 (status.trims.speed - 1.0).abs() < 1e-15,
                 "the trim in force is the permit's: {status:?}"

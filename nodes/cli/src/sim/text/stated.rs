@@ -1,0 +1,99 @@
+//! What the estimator states of itself, beside what is so.
+
+use crate::sim::consistency::TRUE_MEDIAN;
+use crate::sim::group::Group;
+use std::fmt::Write;
+
+/// Least share of the time that a stated 95 % interval has to hold for `[-]`: below it is marked, as the NEES of six states
+/// hides a single one's.
+const HOLDS: f64 = 0.9;
+
+/// How often the stated 95 % intervals held, over the runs in which a road was laid.
+pub(super) fn covered(text: &mut String, group: &Group) {
+    let shares: Vec<_> =
+        group.runs.iter().filter_map(|run| Some((run.coverage_states, run.coverage?))).collect();
+    let Some((names, _)) = shares.first() else { return };
+    #[allow(clippy::cast_precision_loss, reason = "seeds are few")]
+    let count = shares.len() as f64;
+    let mean = |state: usize| shares.iter().map(|(_, coverage)| coverage[state]).sum::<f64>() / count;
+    let parts: Vec<String> = names.iter().enumerate().map(|(state, name)| told(name, mean(state))).collect();
+    let list = parts.join(", ");
+    _ = writeln!(
+        text,
+        "{:<9} within the stated 95 % interval: {list}; NEES of a true one {TRUE_MEDIAN}",
+        group.control
+    );
+}
+
+fn told(name: &str, share: f64) -> String {
+    let mark = if share < HOLDS { " LOW" } else { "" };
+    format!("{name} {:.1} %{mark}", 1e2 * share)
+}
+
+/// What no sensor told of, where that is more than the nozzle's temperature, which few printers show.
+pub(super) fn blind(text: &mut String, group: &Group) {
+    let Some(run) =
+        group.runs.iter().find(|run| run.states_not_observed.iter().any(|name| *name != "nozzle"))
+    else {
+        return;
+    };
+    let held = if run.states_held.is_empty() {
+        String::new()
+    } else {
+        format!("; held at what is believed: {}", run.states_held.join(", "))
+    };
+    let list = run.states_not_observed.join(", ");
+    _ = writeln!(text, "{:<9} no sensor tells of: {list}{held}", group.control);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sim::consistency::STATE_NAMES;
+    use crate::sim::report::Run;
+    use crate::sim::text::table;
+
+    fn one(run: Run) -> String {
+        table(&[Group::of("off".to_owned(), vec![Run { filter: "square_root", ..run }])])
+    }
+
+    /// Over the two runs that laid something.
+    #[test]
+    fn the_coverage_is_told_state_by_state() {
+        let run = |share: f64| Run {
+            coverage: Some(std::array::from_fn(|state| if state == 4 { share } else { 1.0 })),
+            coverage_states: STATE_NAMES,
+            ..Run::default()
+        };
+        let told = table(&[Group::of("mpc".to_owned(), vec![run(0.5), run(0.25), Run::default()])]);
+        assert!(told.contains("within the stated 95 % interval: block 100.0 %, "), "{told}");
+        assert!(told.contains("slip 37.5 % LOW, gain 100.0 %;"), "{told}");
+        assert!(!table(&[Group::of("mpc".to_owned(), vec![Run::default()])]).contains("interval"));
+    }
+
+    /// A share of 90 % holds.
+    #[test]
+    fn an_interval_that_held_for_less_than_nine_tenths_is_marked() {
+        assert_eq!([0.9, 0.899].map(|share| told("flow", share)), ["flow 90.0 %", "flow 89.9 % LOW"]);
+    }
+
+    #[test]
+    fn sensors_that_are_not_fitted_are_told_and_what_nothing_shows() {
+        let without = vec!["encoder".to_owned()];
+        let blind = one(Run {
+            without,
+            states_not_observed: vec!["nozzle", "flow", "slip"],
+            states_held: vec!["slip"],
+            ..Run::default()
+        });
+        assert!(blind.contains(", without encoder, 1 seed(s)"), "{blind}");
+        assert!(
+            blind.contains("no sensor tells of: nozzle, flow, slip; held at what is believed: slip"),
+            "{blind}"
+        );
+        let tip = one(Run { with: vec!["nozzle".to_owned()], ..Run::default() });
+        assert!(tip.contains(", with nozzle, 1 seed(s)"), "{tip}");
+        let whole = one(Run { states_not_observed: vec!["nozzle"], ..Run::default() });
+        assert!(!whole.contains("no sensor") && !whole.contains("without"), "{whole}");
+    }
+}
