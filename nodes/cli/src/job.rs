@@ -68,10 +68,13 @@ impl GcodeFile {
     /// The same, and says on standard error what is odd in it: a print of what was meant otherwise misleads.
     ///
     /// # Errors
-    /// As [`Self::read`]; a file that lays no road.
+    /// As [`Self::read`]; a file that lays no road, or waits for days.
     pub fn read_telling(path: &Path, motion: &MotionParams, layers: Option<u32>) -> anyhow::Result<Self> {
         let mut file = Self::read(path, motion, layers)?;
-        let totals = file.tell(path, motion);
+        let (totals, wait) = file.look_through(path, motion);
+        if let Some(wait) = wait.filter(slow::Wait::is_endless) {
+            bail!("{}: {wait}", path.display());
+        }
         if totals.deposit_m <= 0.0 {
             bail!(
                 "{}: none of its {} moves lays a road (moves the tool while filament is pushed): nothing to print",
@@ -83,9 +86,15 @@ impl GcodeFile {
     }
 
     /// Says on standard error what is odd in it, and a line at which the print stands for minutes.
-    pub fn tell(&mut self, path: &Path, motion: &MotionParams) -> Totals {
+    pub fn tell(&mut self, path: &Path, motion: &MotionParams) {
+        self.look_through(path, motion);
+    }
+
+    /// The same, with what the file holds, and its longest wait.
+    fn look_through(&mut self, path: &Path, motion: &MotionParams) -> (Totals, Option<slow::Wait>) {
         let mut job = Job::new(Cursor::new(Arc::clone(&self.bytes)), &self.header, motion);
-        let slowest = slow::slowest(&mut job);
+        let mut wait = None;
+        let slowest = slow::slowest(job.by_ref().inspect(|step| slow::Wait::note(&mut wait, step)));
         self.oddities = job.oddities().total();
         if let Some(first) = first_of_each(job.oddities().kept()) {
             let (name, count) = (path.display(), self.oddities);
@@ -94,7 +103,7 @@ impl GcodeFile {
         if let Some(slow) = slowest.filter(slow::Line::is_long) {
             output::note(&format!("{}: {slow}", path.display()));
         }
-        *job.totals()
+        (*job.totals(), wait)
     }
 
     /// How much is odd, where that was counted.
@@ -174,6 +183,22 @@ mod tests {
         let all = [odd(4, "a"), odd(5, "a"), odd(6, "b"), odd(7, "a"), odd(8, "c"), odd(9, "d")];
         assert_eq!(first_of_each(&all).unwrap(), "line 4: a, line 6: b, line 8: c");
         assert_eq!(first_of_each(&[]), None);
+    }
+
+    /// 100 000 000 s of virtual time are hours of the processor's, in which nothing is printed.
+    #[test]
+    fn a_file_that_waits_for_days_is_refused_with_its_line() {
+        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config"));
+        let motion = crate::config::ConfigDir::find(Some(folder)).unwrap().motion().unwrap();
+        let path = std::env::temp_dir().join(format!("fdm_waits_{}.gcode", std::process::id()));
+        let read = |seconds: u32| {
+            std::fs::write(&path, format!("G1 X10 E1 F1800\nG4 S1\nG4 S{seconds}\nG1 X0 E2\n")).unwrap();
+            GcodeFile::read_telling(&path, &motion, None).map_err(|error| error.to_string())
+        };
+        let refused = read(100_000_000).unwrap_err();
+        assert!(refused.ends_with("line 3 waits 100000000 s, longer than a day: not printed"), "{refused}");
+        assert!(read(86_400).is_ok());
+        std::fs::remove_file(&path).unwrap();
     }
 
     #[test]

@@ -1,10 +1,40 @@
 //! The line of a file at which a print stands longest: a slip of the pen there looks like a printer that hangs.
 
-use models::motion::Step;
+use models::motion::{Action, Step};
 use std::fmt;
 
 /// From here on it is told `[s]`.
 const LONG_S: f64 = 300.0;
+
+/// A print that waits longer is taken for a slip of the pen `[s]`.
+const ENDLESS_S: f64 = 86_400.0;
+
+/// A line at which the print waits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Wait {
+    line: u64,
+    time_s: f64,
+}
+
+impl Wait {
+    pub(super) fn is_endless(&self) -> bool {
+        self.time_s > ENDLESS_S
+    }
+
+    /// Keeps the longest.
+    pub(super) fn note(longest: &mut Option<Self>, step: &Step) {
+        let Step::Action(Action::Dwell(time), line) = step else { return };
+        if longest.is_none_or(|longest| time.0 > longest.time_s) {
+            *longest = Some(Self { line: *line, time_s: time.0 });
+        }
+    }
+}
+
+impl fmt::Display for Wait {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {} waits {} s, longer than a day: not printed", self.line, self.time_s)
+    }
+}
 
 /// What one line moves, all chords of an arc together.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -121,7 +121,7 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
         let processes: Vec<_> = plans.iter().map(Plan::processes).collect::<anyhow::Result<_>>()?;
         return output::line(&serde_json::to_string_pretty(&processes)?);
     }
-    _ = file.tell(&args.gcode, &config.motion()?);
+    file.tell(&args.gcode, &config.motion()?);
     let executor = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let mut prints = Vec::new();
     for plan in &plans {

@@ -115,7 +115,19 @@ impl Interpreter {
         if value.is_finite() && (low..=high).contains(&value) {
             return Some(value);
         }
-        let rule = format!("in [{low}, {high}]");
+        self.out_of_range(field, value, format!("in [{low}, {high}]"))
+    }
+
+    /// A value of at least `low`, without an upper end, or nothing and a refusal; both in `unit`.
+    pub(super) fn at_least(&mut self, field: u8, value: f64, low: f64, unit: &str) -> Option<f64> {
+        if value.is_finite() && value >= low {
+            return Some(value);
+        }
+        // Without the last bits that a change of unit leaves.
+        self.out_of_range(field, value, format!("at least {} {unit}", (low * 1e9).round() / 1e9))
+    }
+
+    fn out_of_range(&mut self, field: u8, value: f64, rule: String) -> Option<f64> {
         self.odd.push(Oddity::OutOfRange { field: char::from(field), value, rule });
         None
     }

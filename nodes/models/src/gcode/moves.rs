@@ -36,7 +36,8 @@ impl Interpreter {
         if let Some(value) = self.words.get(b'F') {
             let feed_m_s = value * unit_mm * MM_MIN;
             // the upper end is the printer's own limit: the planner's business
-            self.within(b'F', value, (self.read.feed_min_m_s / (unit_mm * MM_MIN), f64::MAX))?;
+            let unit = if unit_mm > 1.0 { "in/min" } else { "mm/min" };
+            self.at_least(b'F', value, self.read.feed_min_m_s / (unit_mm * MM_MIN), unit)?;
             self.modal.feed_m_s = feed_m_s;
         }
         self.modal.e_mm = e_mm;

@@ -126,6 +126,12 @@ pub enum Oddity {
         /// Largest `[mm]`.
         high: f64,
     },
+    /// `G4 S100000000`.
+    #[error("the print waits {time_s} s, longer than an hour: executed as written")]
+    LongDwell {
+        /// As written `[s]`.
+        time_s: f64,
+    },
     /// `/`.
     #[error("block delete: line skipped")]
     BlockDelete,

@@ -2,8 +2,12 @@
 
 use super::interpret::{Interpreter, LimitChange};
 use super::modal::{MM, MM_MIN};
+use super::oddity::Oddity;
 use crate::motion::Action;
 use crate::units::{Celsius, Seconds};
+
+/// A longer dwell is told: milliseconds given as seconds, say `[s]`.
+const LONG_DWELL_S: f64 = 3600.0;
 
 impl Interpreter {
     pub(super) fn dwell(&mut self) {
@@ -11,7 +15,10 @@ impl Interpreter {
             return;
         }
         let seconds = self.words.get(b'S').or(self.words.get(b'P').map(|ms| ms * 1e-3));
-        if let Some(value_s) = seconds.and_then(|value| self.within(b'S', value, (0.0, f64::MAX))) {
+        if let Some(value_s) = seconds.and_then(|value| self.at_least(b'S', value, 0.0, "s")) {
+            if value_s > LONG_DWELL_S {
+                self.odd.push(Oddity::LongDwell { time_s: value_s });
+            }
             self.act(Action::Dwell(Seconds(value_s)));
         }
     }

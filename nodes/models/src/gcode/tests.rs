@@ -70,6 +70,21 @@ fn an_odd_pressure_advance_is_refused_and_told() {
     assert!(survey_of(text).warnings_total > 0);
 }
 
+/// What has no upper end is refused without one; a wait that nobody meant is told.
+#[test]
+fn feeds_and_waits_without_a_sense_are_told_by_line() {
+    for (line, reason) in [
+        ("G1 X20 F0", "F = 0: must be at least 0.06 mm/min: refused"),
+        ("G4 S-1", "S = -1: must be at least 0 s: refused"),
+        ("G4 S100000000", "the print waits 100000000 s, longer than an hour: executed as written"),
+        ("G4 P3600001", "the print waits 3600.001 s, longer than an hour: executed as written"),
+    ] {
+        let found = survey_of(format!("G1 X10 E1\n{line}\nG4 S3600\n").as_bytes());
+        let told: Vec<_> = found.warnings.iter().map(|odd| (odd.line, odd.reason.as_str())).collect();
+        assert_eq!(told, [(2, reason)], "{line}");
+    }
+}
+
 /// Micrometres where millimetres are meant: told by line, value and range, not used. A width of the next comment is.
 #[test]
 fn a_width_or_a_height_that_no_road_has_is_told_and_not_used() {
