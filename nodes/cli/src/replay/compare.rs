@@ -1,12 +1,8 @@
 //! Outputs of two runs beside each other.
 
 use super::events::{ALONE_MAX, Alone, unplaced};
+use super::fields::{Found, differences, is_round_off, value};
 use super::schedule::{seconds, stamp_ns};
-use crate::report::decode::decode;
-use fdm_loop_msgs::{
-    AdvancePrediction, BeadWidth, ControlCommand, DefectReport, LayerQuality, MotionTrim, PrintEvent,
-    RosType, StateEstimate,
-};
 use runtime::topics;
 use serde::Serialize;
 use serde_json::Value;
@@ -30,6 +26,7 @@ pub(crate) struct Output {
     pub(crate) identical: u64,
     /// SHA-256 of all messages after.
     pub(crate) sha256: String,
+    /// The first that is more than round-off.
     pub(crate) first_difference: Option<Difference>,
     /// Fields that differ anywhere.
     pub(crate) fields: BTreeMap<String, Field>,
@@ -148,11 +145,14 @@ impl Output {
         };
         let mut differing = BTreeMap::new();
         differences("", &left_value, &right_value, &mut differing);
-        for (name, (size, values)) in differing {
+        for (name, Found { size, values }) in differing {
             let field = self.fields.entry(name.clone()).or_default();
             field.differing += 1;
             field.squares += size * size;
             field.max = field.max.max(size);
+            if is_round_off(&values) {
+                continue;
+            }
             self.first_difference.get_or_insert_with(|| Difference {
                 stamp_s: seconds(stamp_ns(left).unwrap_or(0)).0,
                 field: name,
@@ -163,64 +163,11 @@ impl Output {
     }
 }
 
-/// A message as a tree of values.
-fn value(topic: &str, payload: &[u8]) -> Option<Value> {
-    fn of<T: RosType>(payload: &[u8]) -> Option<Value> {
-        serde_json::to_value(decode::<T>(payload)?).ok()
-    }
-    match topic {
-        name if name == topics::ESTIMATE.name() => of::<StateEstimate>(payload),
-        name if name == topics::CONTROL_SCHEDULE.name() || name == topics::SAFETY_SCHEDULE.name() => {
-            of::<MotionTrim>(payload)
-        }
-        name if name == topics::EVENTS.name() => of::<PrintEvent>(payload),
-        name if name == topics::ADVANCE_PREDICTION.name() => of::<AdvancePrediction>(payload),
-        name if name == topics::DEFECTS.name() => of::<DefectReport>(payload),
-        name if name == topics::BEAD_WIDTH.name() => of::<BeadWidth>(payload),
-        name if name == topics::LAYER_QUALITY.name() => of::<LayerQuality>(payload),
-        _ => of::<ControlCommand>(payload),
-    }
-}
-
-/// Size of a difference, and both values.
-type Found = (f64, (Value, Value));
-
-/// Fields in which two messages differ; elements of a list count as one field, the largest of them.
-fn differences(path: &str, left: &Value, right: &Value, found: &mut BTreeMap<String, Found>) {
-    let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
-    match (left, right) {
-        (Value::Object(one), Value::Object(other)) => {
-            for (name, value) in one {
-                if let Some(counterpart) = other.get(name) {
-                    differences(&below(name), value, counterpart, found);
-                }
-            }
-        }
-        (Value::Array(one), Value::Array(other)) if one.len() == other.len() => {
-            for (value, counterpart) in one.iter().zip(other) {
-                differences(path, value, counterpart, found);
-            }
-        }
-        _ if left == right => {}
-        _ => {
-            let size = match (left.as_f64(), right.as_f64()) {
-                (Some(one), Some(other)) => (one - other).abs(),
-                // What is no number differs or does not.
-                _ => 1.0,
-            };
-            let known = found.entry(path.to_owned()).or_insert_with(|| (0.0, (left.clone(), right.clone())));
-            if size > known.0 {
-                *known = (size, (left.clone(), right.clone()));
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::brains::encode;
     use super::*;
-    use fdm_loop_msgs::Header;
+    use fdm_loop_msgs::{ControlCommand, Header};
 
     fn command(at_s: f64, flow_factor: f64) -> Vec<u8> {
         let header = Header::at(at_s);
@@ -245,6 +192,18 @@ mod tests {
         assert!((field.rms - 0.1).abs() < 1e-12 && (field.max - 0.2).abs() < 1e-12, "{field:?}");
         let first = output.first_difference.unwrap();
         assert_eq!((first.field.as_str(), first.stamp_s.to_bits()), ("flow_factor", 3.0_f64.to_bits()));
+    }
+
+    /// A bit of the first pair differs, and 20 % of the third: the latter is where the runs part, both are counted.
+    #[test]
+    fn the_first_difference_is_more_than_round_off() {
+        let before: Vec<_> = [1.0, 2.0, 3.0].map(|at| command(at, 1.0)).into();
+        let bit = command(1.0, 1.0 + f64::EPSILON);
+        let parted = compared(&before, &[bit.clone(), before[1].clone(), command(3.0, 1.2)], true);
+        assert_eq!(parted.first_difference.unwrap().stamp_s.to_bits(), 3.0_f64.to_bits());
+        assert_eq!(parted.fields["flow_factor"].differing, 2);
+        let rounded = compared(&before, &[bit, before[1].clone(), before[2].clone()], true);
+        assert!(rounded.first_difference.is_none() && !rounded.is_identical());
     }
 
     #[test]

@@ -7,6 +7,7 @@
 mod brains;
 mod compare;
 mod events;
+mod fields;
 mod record;
 mod schedule;
 mod set;
@@ -35,7 +36,8 @@ use std::path::PathBuf;
 pub struct ReplayArgs {
     /// Folder of the bag, or one .mcap or .mcap.active file.
     bag: PathBuf,
-    /// Parameter in place of the recorded one: node.parameter=value. As often as wanted.
+    /// Parameter in place of the recorded one: node.parameter=value. As often as wanted. The loop is open: what the sensors
+    /// measured stays as it was recorded.
     #[arg(long = "set", value_name = "NODE.PARAM=VALUE")]
     set: Vec<String>,
     /// Namespace of the printer; the first one in the bag by default.

@@ -25,6 +25,11 @@ pub(crate) fn page(figures: &Figures) -> String {
     for set in &figures.set {
         page.push_str(&format!("set {set}\n"));
     }
+    if !figures.set.is_empty() {
+        page.push_str(
+            "open loop: what the sensors measured stays as recorded, whatever the brains say now\n",
+        );
+    }
     let (before, after) = match figures.baseline {
         "recorded" => ("recorded", "replayed"),
         _ => ("as recorded", "with it set"),
@@ -57,6 +62,8 @@ fn differing(output: &Output) -> String {
             }
             _ => format!(": first at {stamp_s:.3} s, {field} {} -> {}", both.0, both.1),
         });
+    } else {
+        text.push_str(": round-off alone");
     }
     text.push('\n');
     let mut fields: Vec<_> = output.fields.iter().collect();
@@ -96,6 +103,30 @@ fn short(value: &Value, digits: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn with_a_parameter_set_it_is_told_that_the_loop_is_open() {
+        let told = |set: &[&str]| {
+            page(&Figures {
+                bag: "bags/x".to_owned(),
+                namespace: "/printer".to_owned(),
+                clock: "virtual".to_owned(),
+                messages: 1,
+                span_s: 1.0,
+                parameters: "bag",
+                other_build: Vec::new(),
+                set: set.iter().map(|set| (*set).to_owned()).collect(),
+                baseline: "replayed",
+                outputs: Vec::new(),
+                identical: true,
+            })
+        };
+        assert!(
+            told(&["mpc_controller.control=off"])
+                .contains("open loop: what the sensors measured stays as recorded")
+        );
+        assert!(!told(&[]).contains("open loop"));
+    }
 
     #[test]
     fn two_values_that_differ_do_not_read_alike() {
