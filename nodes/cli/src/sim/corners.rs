@@ -87,13 +87,13 @@ mod tests {
         assert!((corners.time_s() - 0.4).abs() < 5e-3);
     }
 
-    /// `M204 S100`: a planner that ramps at 0.1 m/s2.
+    /// `M204 S100` under `M220 S50`: a planner that ramps at 0.1 m/s2, at half of the speed and in twice the time.
     #[test]
     fn the_slowest_ramp_of_a_planner_is_a_change() {
         let mut corners = Corners::default();
         for step in 0..100_u32 {
             let now_s = f64::from(step) * 1e-3;
-            corners.add(now_s, 0.02 + 0.1 * now_s, 1.0, 1e-3);
+            corners.add(now_s, 0.02 + 0.025 * now_s, 1.0, 1e-3);
         }
         assert!((corners.time_s() - 0.1).abs() < 1e-9, "{}", corners.time_s());
     }
