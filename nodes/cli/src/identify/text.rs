@@ -4,7 +4,7 @@ use super::Figures;
 use super::learn::Quantity;
 use super::trial;
 use crate::options::significant;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Below this the zeros of a plain number are more than its digits.
 const SMALL: f64 = 1e-3;
@@ -21,6 +21,8 @@ fn digits(value: f64) -> String {
 
 /// Where the printer file is, and how it is used.
 pub(super) fn written(out: &Path, config: &Path) -> String {
+    // Without the slash at the end.
+    let config: PathBuf = config.components().collect();
     let (out, config) = (out.display(), config.display());
     format!(
         "\nwritten to {out}. It takes the place of printers/ender3.yaml in a copy of the configuration:\n  \
@@ -120,7 +122,7 @@ mod tests {
 
     #[test]
     fn what_can_be_done_with_the_file_is_told() {
-        let told = written(Path::new("mine.yaml"), Path::new("config"));
+        let told = written(Path::new("mine.yaml"), Path::new("config/"));
         assert!(
             told.contains("cp -r config my_config && cp mine.yaml my_config/printers/ender3.yaml"),
             "{told}"

@@ -106,7 +106,9 @@ mod tests {
         let mut found = BTreeMap::new();
         differences("", &one, &other, &mut found);
         assert_eq!(found.keys().collect::<Vec<_>>(), ["covariance", "x.block_k", "x.flow_m_s"]);
-        assert!((found["x.flow_m_s"].size - 1e-6).abs() < 1e-12 && found["x.block_k"].size == 2.0);
+        assert!(
+            (found["x.flow_m_s"].size - 1e-6).abs() < 1e-12 && (found["x.block_k"].size - 2.0).abs() < 1e-12
+        );
     }
 
     #[test]
