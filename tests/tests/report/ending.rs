@@ -140,8 +140,9 @@ fn a_changed_reading_does_not_fit_the_checksum() {
 #[test]
 fn a_namespace_that_is_not_there_is_refused_with_those_there_are() {
     let folder = bag("namespace", &Print { duration_s: 5.0, ..USUAL });
-    let said = page(&folder, Some("/nosuch")).unwrap_err().to_string();
-    assert!(said.starts_with("--namespace /nosuch") && said.ends_with("there are /printer"), "{said}");
+    let said = format!("{:#}", page(&folder, Some("/nosuch")).unwrap_err());
+    let wanted = format!("{}: --namespace /nosuch", folder.display());
+    assert!(said.starts_with(&wanted) && said.ends_with("there are /printer"), "{said}");
     assert!(page(&folder, Some("/printer/")).unwrap().contains("square.gcode"));
 }
 
