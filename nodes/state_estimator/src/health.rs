@@ -58,10 +58,10 @@ impl Watch {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    const PARAMS: RawHealth = RawHealth {
+    pub(crate) const PARAMS: RawHealth = RawHealth {
         row_bound: 10.83,
         row: 10,
         hold_s: 2.0,

@@ -75,9 +75,9 @@ pub struct RawProcess {
     pub substep_s: f64,
     /// Block `[K]`.
     pub block_k: f64,
-    /// Nozzle of which only the model tells `[K]`.
+    /// Nozzle of which only the model tells, or a sensor without an encoder `[K]`.
     pub nozzle_k: f64,
-    /// Nozzle of which a sensor tells `[K]`.
+    /// Nozzle of which a sensor tells beside an encoder `[K]`.
     pub nozzle_seen_k: f64,
     /// Thermistor `[K]`.
     pub sensor_k: f64,
@@ -85,7 +85,7 @@ pub struct RawProcess {
     pub flow_rel: f64,
     /// Slip that an encoder tells of `[-]`.
     pub slip: f64,
-    /// Slip without an encoder `[-]`.
+    /// Slip of which nothing tells `[-]`.
     pub slip_unseen: f64,
     /// Gain `[-]`.
     pub gain: f64,

@@ -1,4 +1,5 @@
 use super::*;
+use crate::health::tests::PARAMS as HEALTH;
 use crate::ukf::Innovation;
 use nalgebra::{Matrix1, Vector1};
 
@@ -9,15 +10,6 @@ const TRUST: RawTrust = RawTrust {
     step_fade: 0.6,
     gate_again: 4.0,
     step_threshold: 4.5,
-};
-const HEALTH: RawHealth = RawHealth {
-    row_bound: 10.83,
-    row: 10,
-    hold_s: 2.0,
-    again_s: 60.0,
-    mismatch_s: 30.0,
-    gain_error: 0.15,
-    window_bound: 45.3,
 };
 
 /// An innovation of so many sigma, behind the gate of [`TRUST`].
