@@ -33,6 +33,7 @@ pub mod node;
 mod pace;
 pub mod params;
 pub mod printer_model;
+mod small;
 pub mod square_root;
 pub mod ukf;
 

@@ -1,11 +1,15 @@
 //! The unscented filter in square-root form: it carries the Cholesky factor of the covariance, which therefore cannot
 //! lose its symmetry or its sign to rounding (van der Merwe and Wan 2001).
 //!
-//! The factor of a sum of squares is built by rank-one updates; what is subtracted (the centre's negative weight, the
-//! gain of a measurement) is a downdate, and a downdate that fails is a divergence, told as such.
+//! A prediction turns the deviations of all points into the factor by reflections (Householder). A measurement takes
+//! `L W Wᵀ Lᵀ` away: the factor becomes `L` times that of `I - W Wᵀ` (Andrews 1968). That can fail, and a failure is a
+//! divergence, told as such.
 
-use crate::ukf::{Gaussian, Health, Innovation, Measurement, Spread, Transformed, Update, Weights, nis};
-use nalgebra::{Cholesky, SMatrix, SVector};
+use crate::small::{add_square, cholesky, product, root_of_noise};
+use crate::ukf::{
+    Gaussian, Health, Measurement, Spread, Told, Transformed, Update, Weights, is_finite, symmetric,
+};
+use nalgebra::{SMatrix, SVector};
 
 /// The filter: mean, root of the covariance, and the covariance for who reads it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +23,7 @@ impl<const N: usize> SquareRootUkf<N> {
     /// Starts from a prior; one that is not positive definite diverges at the first step.
     #[must_use]
     pub fn new(prior: Gaussian<N>, spread: Spread) -> Self {
-        let root = Cholesky::new(prior.covariance).map_or(SMatrix::repeat(f64::NAN), Cholesky::unpack);
+        let root = cholesky(&prior.covariance).unwrap_or(SMatrix::repeat(f64::NAN));
         Self { belief: prior, root, weights: Weights::of::<N>(spread) }
     }
 
@@ -31,9 +35,9 @@ impl<const N: usize> SquareRootUkf<N> {
 
     /// Replaces the covariance; nothing changes where it is not positive definite.
     pub fn set_covariance(&mut self, covariance: SMatrix<f64, N, N>) {
-        if let Some(factor) = Cholesky::new(covariance) {
-            self.root = factor.unpack();
-            self.belief.covariance = covariance;
+        let covariance = symmetric(covariance);
+        if let Some(root) = cholesky(&covariance) {
+            (self.root, self.belief.covariance) = (root, covariance);
         }
     }
 
@@ -43,20 +47,11 @@ impl<const N: usize> SquareRootUkf<N> {
         noise: &SMatrix<f64, N, N>,
         process: impl FnMut(&SVector<f64, N>) -> SVector<f64, N>,
     ) -> Health {
-        let points = Transformed::new(&self.belief, &(self.root * self.weights.scale), process);
-        let shift = points.mean_shift(self.weights);
-        let Some(factor) = Cholesky::new(*noise) else { return Health::Diverged };
-        let mut root = factor.unpack();
-        for deviation in points.deviations(self.weights, &shift) {
-            if rank_one(&mut root, deviation, 1.0) == Health::Diverged {
-                return Health::Diverged;
-            }
-        }
-        let centre = self.weights.covariance_centre;
-        if rank_one(&mut root, shift * centre.abs().sqrt(), centre.signum()) == Health::Diverged {
-            return Health::Diverged;
-        }
-        self.accept(points.centre() + shift, root)
+        let Some(mut root) = root_of_noise(noise) else { return Health::Diverged };
+        let mut points = Transformed::new(&self.belief.mean, &self.root, self.weights, process);
+        let shift = points.shift * self.weights.shift.sqrt();
+        fold_in(&mut root, points.deviations(), shift);
+        self.accept(points.mean, &root)
     }
 
     /// Takes a measurement in, unless its normalised innovation exceeds the gate.
@@ -65,62 +60,68 @@ impl<const N: usize> SquareRootUkf<N> {
         measurement: &Measurement<M>,
         observe: impl FnMut(&SVector<f64, N>) -> SVector<f64, M>,
     ) -> Update<M> {
-        let offsets = self.root * self.weights.scale;
-        let points = Transformed::new(&self.belief, &offsets, observe);
-        let shift = points.mean_shift(self.weights);
-        let covariance = points.covariance(self.weights, &shift) + measurement.noise;
-        let residual = measurement.value - points.centre() - shift;
-        let Some(factor) = Cholesky::new(covariance) else { return Update::Diverged };
-        let Some(nis) = nis(&residual, &covariance) else { return Update::Diverged };
-        let innovation = Innovation { residual, covariance, nis };
-        if nis > measurement.gate {
-            return Update::Rejected(innovation);
+        let points = Transformed::new(&self.belief.mean, &self.root, self.weights, observe);
+        let Some(told) = Told::of(&points, measurement) else { return Update::Diverged };
+        if told.innovation.nis > measurement.gate {
+            return Update::Rejected(told.innovation);
         }
-        let cross = points.cross(self.weights, &offsets);
-        let gain = factor.solve(&cross.transpose()).transpose();
-        // P - K S K' = P - U U' with U = K chol(S)
-        let mut root = self.root;
-        let taken = gain * factor.l();
-        for column in taken.column_iter() {
-            if rank_one(&mut root, column.into_owned(), -1.0) == Health::Diverged {
-                return Update::Diverged;
-            }
-        }
-        match self.accept(self.belief.mean + gain * residual, root) {
-            Health::Sound => Update::Applied(innovation),
+        let mut kept = SMatrix::identity();
+        add_square(&mut kept, &told.taken, -1.0);
+        let Some(kept) = cholesky(&kept) else { return Update::Diverged };
+        let mean = self.belief.mean + product(&self.root, &told.moved);
+        match self.accept(mean, &product(&self.root, &kept)) {
+            Health::Sound => Update::Applied(told.innovation),
             Health::Diverged => Update::Diverged,
         }
     }
 
-    fn accept(&mut self, mean: SVector<f64, N>, root: SMatrix<f64, N, N>) -> Health {
-        let covariance = root * root.transpose();
-        let finite = mean.iter().chain(covariance.iter()).all(|value| value.is_finite());
-        if !finite {
+    fn accept(&mut self, mean: SVector<f64, N>, root: &SMatrix<f64, N, N>) -> Health {
+        if !is_finite(&mean, root) {
             return Health::Diverged;
         }
-        self.root = root;
-        self.belief = Gaussian { mean, covariance };
+        self.root.copy_from(root);
+        self.belief.mean = mean;
+        self.belief.covariance.fill(0.0);
+        add_square(&mut self.belief.covariance, root, 1.0);
         Health::Sound
     }
 }
 
-/// Factor of `L L' + sign v v'` in place.
-fn rank_one<const N: usize>(root: &mut SMatrix<f64, N, N>, mut vector: SVector<f64, N>, sign: f64) -> Health {
-    for k in 0..N {
-        let (diagonal, entry) = (root[(k, k)], vector[k]);
-        let square = diagonal * diagonal + sign * entry * entry;
-        if square.is_nan() || square <= 0.0 {
-            return Health::Diverged;
+/// Factor of `L Lᵀ + D Dᵀ + E Eᵀ + s sᵀ` in place, by a reflection for each row; the deviations are used up.
+fn fold_in<const N: usize>(
+    root: &mut SMatrix<f64, N, N>,
+    [plus, minus]: [&mut SMatrix<f64, N, N>; 2],
+    mut shift: SVector<f64, N>,
+) {
+    for i in 0..N {
+        let row = |k| [plus[(i, k)], minus[(i, k)]];
+        let factors: [[f64; 2]; N] = std::array::from_fn(row);
+        let last = shift[i];
+        let mut product: [f64; N] = std::array::from_fn(|k| shift[k] * last);
+        for (point, [up, down]) in factors.iter().enumerate() {
+            for (k, entry) in product.iter_mut().enumerate() {
+                *entry += plus[(k, point)] * up + minus[(k, point)] * down;
+            }
         }
-        let radius = square.sqrt();
-        let (cosine, sine) = (radius / diagonal, entry / diagonal);
-        root[(k, k)] = radius;
-        for i in k + 1..N {
-            root[(i, k)] = (root[(i, k)] + sign * sine * vector[i]) / cosine;
-            vector[i] = cosine * vector[i] - sine * root[(i, k)];
+        let diagonal = root[(i, i)];
+        let length = (diagonal * diagonal + product[i]).sqrt();
+        let head = diagonal + length;
+        let scale = 1.0 / (length * head);
+        for (k, entry) in product.iter_mut().enumerate() {
+            *entry = (*entry + head * root[(k, i)]) * scale;
+            // what is above the diagonal has been reflected to zero
+            root[(k, i)] = if k < i { 0.0 } else { head * *entry - root[(k, i)] };
+        }
+        for (point, [up, down]) in factors.iter().enumerate() {
+            for (k, entry) in product.iter().enumerate() {
+                plus[(k, point)] -= entry * up;
+                minus[(k, point)] -= entry * down;
+            }
+        }
+        for (k, entry) in product.iter().enumerate() {
+            shift[k] -= entry * last;
         }
     }
-    Health::Sound
 }
 
 #[cfg(test)]
@@ -129,17 +130,17 @@ mod tests {
     use nalgebra::{matrix, vector};
 
     #[test]
-    fn rank_one_updates_and_downdates_the_factor() {
-        let matrix = matrix![4.0, 1.0, 0.5; 1.0, 3.0, 0.2; 0.5, 0.2, 2.0];
-        let vector = vector![0.5, -0.3, 0.8];
-        let start = Cholesky::new(matrix).unwrap().unpack();
-        for sign in [1.0, -1.0] {
-            let mut root = start;
-            assert_eq!(rank_one(&mut root, vector, sign), Health::Sound);
-            let wanted = matrix + vector * vector.transpose() * sign;
-            assert!((root * root.transpose() - wanted).amax() < 1e-14);
-        }
-        let mut root = start;
-        assert_eq!(rank_one(&mut root, vector * 10.0, -1.0), Health::Diverged);
+    fn deviations_are_folded_into_the_factor() {
+        let covariance = matrix![4.0, 1.0, 0.5; 1.0, 3.0, 0.2; 0.5, 0.2, 2.0];
+        let plus = matrix![0.5, -0.3, 0.8; 0.1, 0.7, -0.2; 0.0, 0.4, 1.1];
+        let minus = matrix![-0.4, 0.3, -0.9; -0.1, -0.6, 0.2; 0.1, -0.4, -1.3];
+        let shift = vector![0.2, -0.5, 0.3];
+        let mut root = cholesky(&covariance).unwrap();
+        fold_in(&mut root, [&mut plus.clone(), &mut minus.clone()], shift);
+        let wanted =
+            covariance + plus * plus.transpose() + minus * minus.transpose() + shift * shift.transpose();
+        assert!((root * root.transpose() - wanted).amax() < 1e-14);
+        assert!(root[(0, 1)] == 0.0 && root[(0, 2)] == 0.0 && root[(1, 2)] == 0.0);
+        assert!((0..3).all(|index| root[(index, index)] > 0.0));
     }
 }

@@ -5,7 +5,8 @@
 //! allocated. A covariance that loses positive definiteness is an outcome, not an error: the filter then keeps
 //! what it had and the caller decides.
 
-use nalgebra::{Cholesky, SMatrix, SVector};
+use crate::small::{add_square, cholesky, over_transposed, product, under};
+use nalgebra::{SMatrix, SVector};
 
 /// Spread of the sigma points.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,8 +73,7 @@ pub struct Innovation<const M: usize> {
 /// Normalised innovation squared `rᵀ S⁻¹ r`; `None` where `S` is not positive definite.
 #[must_use]
 pub fn nis<const M: usize>(residual: &SVector<f64, M>, covariance: &SMatrix<f64, M, M>) -> Option<f64> {
-    let factor = Cholesky::new(*covariance)?;
-    let nis = residual.dot(&factor.solve(residual));
+    let nis = under(&cholesky(covariance)?, *residual).norm_squared();
     nis.is_finite().then_some(nis)
 }
 
@@ -85,18 +85,23 @@ pub fn nees<const N: usize>(truth: &SVector<f64, N>, estimate: &Gaussian<N>) -> 
     nis(&(truth - estimate.mean), &estimate.covariance)
 }
 
-/// The filter: a Gaussian and the weights of its sigma points.
+/// The filter: a Gaussian, the root of its covariance, and the weights of its sigma points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ukf<const N: usize> {
     belief: Gaussian<N>,
+    /// `None` where the covariance is not positive definite.
+    root: Option<SMatrix<f64, N, N>>,
     weights: Weights,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Weights {
-    pub(crate) scale: f64,
-    pub(crate) covariance_centre: f64,
+    /// Distance of the outer points from the mean, over the root of the covariance.
+    scale: f64,
+    /// Root of an outer point's weight.
     side: f64,
+    /// Weight of the mean's own deviation from the centre.
+    pub(crate) shift: f64,
 }
 
 impl Weights {
@@ -104,87 +109,100 @@ impl Weights {
     pub(crate) fn of<const N: usize>(spread: Spread) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "dimension of a state vector")]
         let dimension = N as f64;
-        let total = spread.alpha * spread.alpha * (dimension + spread.kappa);
-        let mean_centre = (total - dimension) / total;
-        Self {
-            scale: total.sqrt(),
-            covariance_centre: mean_centre + 1.0 - spread.alpha * spread.alpha + spread.beta,
-            side: 0.5 / total,
-        }
+        let square = spread.alpha * spread.alpha;
+        let total = square * (dimension + spread.kappa);
+        Self { scale: total.sqrt(), side: (0.5 / total).sqrt(), shift: spread.beta - square }
     }
 }
 
-/// Sigma points as deviations of a function's values from its value at the mean.
+/// Values of a function at the sigma points, as weighted deviations `d` from its value at the centre.
 ///
-/// The weight of the centre is large and negative for a small alpha; sums over deviations avoid the cancellation.
+/// With the deviations from the centre instead of the mean, the centre's weight, large and negative for a small alpha,
+/// goes out of the covariance: `Σ d dᵀ + (β - α²) s sᵀ` with `s` from the centre to the mean. Nothing is subtracted, and
+/// nothing cancels.
 pub(crate) struct Transformed<const N: usize, const M: usize> {
-    centre: SVector<f64, M>,
-    plus: [SVector<f64, M>; N],
-    minus: [SVector<f64, M>; N],
+    pub(crate) mean: SVector<f64, M>,
+    /// The mean less the value at the centre.
+    pub(crate) shift: SVector<f64, M>,
+    plus: SMatrix<f64, M, N>,
+    minus: SMatrix<f64, M, N>,
+    weights: Weights,
 }
 
 impl<const N: usize, const M: usize> Transformed<N, M> {
     pub(crate) fn new(
-        belief: &Gaussian<N>,
-        offsets: &SMatrix<f64, N, N>,
+        mean: &SVector<f64, N>,
+        root: &SMatrix<f64, N, N>,
+        weights: Weights,
         mut function: impl FnMut(&SVector<f64, N>) -> SVector<f64, M>,
     ) -> Self {
-        let centre = function(&belief.mean);
-        let mut plus = [SVector::zeros(); N];
-        let mut minus = [SVector::zeros(); N];
-        for (index, (up, down)) in plus.iter_mut().zip(minus.iter_mut()).enumerate() {
-            let offset = offsets.column(index);
-            *up = function(&(belief.mean + offset)) - centre;
-            *down = function(&(belief.mean - offset)) - centre;
+        let centre = function(mean);
+        let (mut plus, mut minus) = (SMatrix::<f64, M, N>::zeros(), SMatrix::<f64, M, N>::zeros());
+        let mut sum = SVector::<f64, M>::zeros();
+        for index in 0..N {
+            let offset = root.column(index) * weights.scale;
+            let up = (function(&(mean + offset)) - centre) * weights.side;
+            let down = (function(&(mean - offset)) - centre) * weights.side;
+            sum += up + down;
+            plus.set_column(index, &up);
+            minus.set_column(index, &down);
         }
-        Self { centre, plus, minus }
+        let shift = sum * weights.side;
+        Self { mean: centre + shift, shift, plus, minus, weights }
     }
 
-    /// The function's value at the mean.
-    pub(crate) fn centre(&self) -> SVector<f64, M> {
-        self.centre
+    /// Weighted deviations of the outer points.
+    pub(crate) fn deviations(&mut self) -> [&mut SMatrix<f64, M, N>; 2] {
+        [&mut self.plus, &mut self.minus]
     }
 
-    /// Deviations of the outer points from the mean, weighted: the sum of their squares is the covariance but for the
-    /// centre's share.
-    pub(crate) fn deviations(
-        &self,
-        weights: Weights,
-        shift: &SVector<f64, M>,
-    ) -> impl Iterator<Item = SVector<f64, M>> {
-        let (root, shift) = (weights.side.sqrt(), *shift);
-        self.plus.iter().chain(&self.minus).map(move |point| (point - shift) * root)
-    }
-
-    /// Mean relative to the centre.
-    pub(crate) fn mean_shift(&self, weights: Weights) -> SVector<f64, M> {
-        self.plus.iter().chain(&self.minus).fold(SVector::zeros(), |sum, point| sum + point) * weights.side
-    }
-
-    pub(crate) fn covariance(&self, weights: Weights, shift: &SVector<f64, M>) -> SMatrix<f64, M, M> {
-        let mut covariance = shift * shift.transpose() * weights.covariance_centre;
-        for point in self.plus.iter().chain(&self.minus) {
-            let deviation = point - shift;
-            covariance += deviation * deviation.transpose() * weights.side;
-        }
+    /// Covariance, and `noise` on top.
+    pub(crate) fn covariance(&self, noise: &SMatrix<f64, M, M>) -> SMatrix<f64, M, M> {
+        let mut covariance = *noise;
+        add_square(&mut covariance, &self.shift, self.weights.shift);
+        add_square(&mut covariance, &self.plus, 1.0);
+        add_square(&mut covariance, &self.minus, 1.0);
         covariance
     }
 
-    /// Covariance of the filter's state with the function's value; the centre point has no state deviation.
-    pub(crate) fn cross(&self, weights: Weights, offsets: &SMatrix<f64, N, N>) -> SMatrix<f64, N, M> {
-        let mut cross = SMatrix::zeros();
-        for (index, (up, down)) in self.plus.iter().zip(&self.minus).enumerate() {
-            cross += offsets.column(index) * (up - down).transpose() * weights.side;
-        }
-        cross
+    /// Covariance of the state with the function's value, seen through the state's root: `L⁻¹ C`. The centre has no
+    /// deviation of the state.
+    pub(crate) fn cross_under_root(&self) -> SMatrix<f64, N, M> {
+        let weight = self.weights.scale * self.weights.side;
+        (self.plus - self.minus).transpose() * weight
+    }
+}
+
+/// What a measurement tells, before it is believed.
+pub(crate) struct Told<const N: usize, const M: usize> {
+    pub(crate) innovation: Innovation<M>,
+    /// `W = L⁻¹ C Lₛ⁻ᵀ` of the roots `L` of state and `Lₛ` of innovation: the covariance loses `L W Wᵀ Lᵀ`.
+    pub(crate) taken: SMatrix<f64, N, M>,
+    /// The mean moves by `L` times this.
+    pub(crate) moved: SVector<f64, N>,
+}
+
+impl<const N: usize, const M: usize> Told<N, M> {
+    /// `None` where the innovation's covariance is not positive definite, or the residual no number.
+    pub(crate) fn of(points: &Transformed<N, M>, measurement: &Measurement<M>) -> Option<Self> {
+        let covariance = points.covariance(&measurement.noise);
+        let residual = measurement.value - points.mean;
+        let root = cholesky(&covariance)?;
+        let normalised = under(&root, residual);
+        let nis = normalised.norm_squared();
+        let mut taken = points.cross_under_root();
+        over_transposed(&mut taken, &root);
+        let moved = product(&taken, &normalised);
+        let innovation = Innovation { residual, covariance, nis };
+        nis.is_finite().then_some(Self { innovation, taken, moved })
     }
 }
 
 impl<const N: usize> Ukf<N> {
-    /// Starts from a prior.
+    /// Starts from a prior; one that is not positive definite diverges at the first step.
     #[must_use]
     pub fn new(prior: Gaussian<N>, spread: Spread) -> Self {
-        Self { belief: prior, weights: Weights::of::<N>(spread) }
+        Self { belief: prior, root: cholesky(&prior.covariance), weights: Weights::of::<N>(spread) }
     }
 
     /// What is believed now.
@@ -195,7 +213,8 @@ impl<const N: usize> Ukf<N> {
 
     /// Replaces the covariance.
     pub fn set_covariance(&mut self, covariance: SMatrix<f64, N, N>) {
-        self.belief.covariance = covariance;
+        self.belief.covariance = symmetric(covariance);
+        self.root = cholesky(&self.belief.covariance);
     }
 
     /// Carries the belief through `process` and adds `noise`.
@@ -204,11 +223,9 @@ impl<const N: usize> Ukf<N> {
         noise: &SMatrix<f64, N, N>,
         process: impl FnMut(&SVector<f64, N>) -> SVector<f64, N>,
     ) -> Health {
-        let Some(offsets) = self.offsets() else { return Health::Diverged };
-        let points = Transformed::new(&self.belief, &offsets, process);
-        let shift = points.mean_shift(self.weights);
-        let covariance = symmetric(points.covariance(self.weights, &shift) + noise);
-        self.accept(Gaussian { mean: points.centre + shift, covariance })
+        let Some(root) = self.root else { return Health::Diverged };
+        let points = Transformed::new(&self.belief.mean, &root, self.weights, process);
+        self.accept(points.mean, &points.covariance(noise))
     }
 
     /// Takes a measurement in, unless its normalised innovation exceeds the gate.
@@ -217,43 +234,36 @@ impl<const N: usize> Ukf<N> {
         measurement: &Measurement<M>,
         observe: impl FnMut(&SVector<f64, N>) -> SVector<f64, M>,
     ) -> Update<M> {
-        let Some(offsets) = self.offsets() else { return Update::Diverged };
-        let points = Transformed::new(&self.belief, &offsets, observe);
-        let shift = points.mean_shift(self.weights);
-        let covariance = symmetric(points.covariance(self.weights, &shift) + measurement.noise);
-        let residual = measurement.value - points.centre - shift;
-        let Some(factor) = Cholesky::new(covariance) else { return Update::Diverged };
-        let Some(nis) = nis(&residual, &covariance) else { return Update::Diverged };
-        let innovation = Innovation { residual, covariance, nis };
-        if nis > measurement.gate {
-            return Update::Rejected(innovation);
+        let Some(root) = self.root else { return Update::Diverged };
+        let points = Transformed::new(&self.belief.mean, &root, self.weights, observe);
+        let Some(told) = Told::of(&points, measurement) else { return Update::Diverged };
+        if told.innovation.nis > measurement.gate {
+            return Update::Rejected(told.innovation);
         }
-        let cross = points.cross(self.weights, &offsets);
-        // K = C S⁻¹ by solving S Kᵀ = Cᵀ
-        let gain = factor.solve(&cross.transpose()).transpose();
-        let posterior = Gaussian {
-            mean: self.belief.mean + gain * residual,
-            covariance: symmetric(self.belief.covariance - gain * covariance * gain.transpose()),
-        };
-        match self.accept(posterior) {
-            Health::Sound => Update::Applied(innovation),
+        let mut covariance = self.belief.covariance;
+        add_square(&mut covariance, &product(&root, &told.taken), -1.0);
+        match self.accept(self.belief.mean + product(&root, &told.moved), &covariance) {
+            Health::Sound => Update::Applied(told.innovation),
             Health::Diverged => Update::Diverged,
         }
     }
 
-    fn offsets(&self) -> Option<SMatrix<f64, N, N>> {
-        Some(Cholesky::new(self.belief.covariance)?.unpack() * self.weights.scale)
-    }
-
-    fn accept(&mut self, belief: Gaussian<N>) -> Health {
-        let finite = belief.mean.iter().chain(belief.covariance.iter()).all(|value| value.is_finite());
-        if finite && Cholesky::new(belief.covariance).is_some() {
-            self.belief = belief;
-            Health::Sound
-        } else {
-            Health::Diverged
+    fn accept(&mut self, mean: SVector<f64, N>, covariance: &SMatrix<f64, N, N>) -> Health {
+        let Some(root) = cholesky(covariance) else { return Health::Diverged };
+        if !is_finite(&mean, &root) {
+            return Health::Diverged;
         }
+        self.belief.mean = mean;
+        self.belief.covariance.copy_from(covariance);
+        self.root = Some(root);
+        Health::Sound
     }
+}
+
+/// Whether a mean and a covariance are numbers. The covariance's root has been found, so that only its diagonal is left
+/// to be asked: anything that is no number has become one there, or the root's failure.
+pub(crate) fn is_finite<const N: usize>(mean: &SVector<f64, N>, root: &SMatrix<f64, N, N>) -> bool {
+    (0..N).all(|index| mean[index].is_finite() && root[(index, index)].is_finite())
 }
 
 pub(crate) fn symmetric<const N: usize>(matrix: SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {

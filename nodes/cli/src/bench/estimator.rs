@@ -19,7 +19,7 @@ const PEER_NAME: &str = "FilterPy 1.4.5";
 /// Steps of each case.
 const STEPS: u32 = 500;
 /// Times that our side does them.
-const ROUNDS: u32 = 9;
+const ROUNDS: u32 = 101;
 /// Largest difference of mean and covariance from the peer's, in standard deviations.
 const SAME: f64 = 1e-6;
 const N: usize = 10;
@@ -218,7 +218,8 @@ impl Printer {
     }
 }
 
-/// Ten states that pull on their neighbours, six of them seen: a filter of the size of the target.
+/// Ten states that pull on their neighbours, six of them seen: a filter of the size of the target. Its model is a
+/// polynomial, so that filters are timed and not sines.
 struct Ring {
     spread: Spread,
     values: Vec<[f64; M]>,
@@ -241,7 +242,10 @@ impl Ring {
         let mut engine = Engine::new(form, prior, self.spread);
         for values in &self.values {
             engine.predict(&noise, |x| {
-                SVector::from_fn(|i, _| x[i] + 0.05 * (0.3 * x[(i + 1) % N].sin() - 0.5 * x[i]))
+                SVector::from_fn(|i, _| {
+                    let next = x[(i + 1) % N];
+                    x[i] + 0.05 * (0.3 * next - 0.05 * next.powi(3) - 0.5 * x[i])
+                })
             });
             let measurement = Measurement {
                 value: SVector::from(*values),

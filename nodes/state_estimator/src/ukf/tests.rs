@@ -93,7 +93,7 @@ proptest! {
             );
             let covariance = filter.belief().covariance;
             prop_assert!((covariance - covariance.transpose()).amax() <= 0.0);
-            prop_assert!(Cholesky::new(covariance).is_some());
+            prop_assert!(nalgebra::Cholesky::new(covariance).is_some());
         }
     }
 }

@@ -1,9 +1,10 @@
-//! Time of one simulated millisecond on a real file, without and with the inertial unit.
-//!
-//! `cargo run --release -p printer_sim --no-default-features --example plant_time -- [G-code file]`
+//! Simulated milliseconds of a real file, without and with the inertial unit. `fdm bench sim` sets the plant beside
+//! plain Python.
 
+#![expect(clippy::expect_used, reason = "a benchmark has nobody to hand an error to")]
+
+use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use models::gcode::Header;
-use models::status::JobPhase;
 use models::units::Seconds;
 use printer_sim::job::Wishes;
 use printer_sim::params::{PlantParams, SimulatorParams};
@@ -12,12 +13,10 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::collections::HashMap;
 use std::error::Error;
-use std::io::Write;
 use std::path::Path;
-use std::time::Instant;
 
 const FILE: &str = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode";
-const RUNS: u32 = 5;
+const STEPS: u32 = 10_000;
 
 #[derive(Deserialize)]
 struct RosFile<T> {
@@ -37,42 +36,38 @@ struct Blocks {
     limits: Option<models::command::Limits>,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn prints(criterion: &mut Criterion) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let file = std::env::args().nth(1).unwrap_or_else(|| FILE.into());
-    let bytes: std::sync::Arc<[u8]> = std::fs::read(root.join(file))?.into();
-    let motion = blocks(&root, "printers/ender3_motion.yaml")?.printer_motion.ok_or("printer_motion")?;
+    let bytes: std::sync::Arc<[u8]> = std::fs::read(root.join(FILE)).expect(FILE).into();
+    let blocks = blocks(&root, "printers/ender3_motion.yaml").expect("the motion's file");
+    let motion = blocks.printer_motion.expect("printer_motion");
     let ends = motion.read.header_bytes.min(bytes.len());
     let header = Header::scan(&bytes[..ends], &bytes[bytes.len() - ends..]);
-    let mut params = params(&root)?;
+    let mut params = params(&root).expect("the configuration");
     let imu_period_s = params.simulator.imu.period_s;
-    for (name, period_s) in [("without", 0.0), ("with", imu_period_s)] {
+    let mut group = criterion.benchmark_group("10 s of a print in steps of 1 ms");
+    for (name, period_s) in [("without inertial unit", 0.0), ("with inertial unit", imu_period_s)] {
         params.simulator.imu.period_s = period_s;
-        let mut best = f64::INFINITY;
-        for _ in 0..RUNS {
+        let started = || {
             let job = JobSource::from_gcode(&bytes, &header, &motion, Wishes::default());
-            best = best.min(wall_per_simulated(&params, job)?);
-        }
-        let (step_ns, factor) = (best * 1e6, 1.0 / best);
-        writeln!(
-            std::io::stdout(),
-            "{name} inertial unit: step {step_ns:.0} ns, {factor:.0} times real time, best of {RUNS}"
-        )?;
+            let preheat = job.preheat;
+            let mut simulator =
+                Simulator::new(params.clone(), job, &Scenario::default(), 1).expect("a simulator");
+            simulator.warm_up(&preheat);
+            simulator
+        };
+        group.bench_function(name, |bencher| {
+            bencher.iter_batched_ref(started, print, BatchSize::LargeInput);
+        });
     }
-    Ok(())
+    group.finish();
 }
 
-/// Wall time per simulated time `[-]` of one print from warm to its end.
-fn wall_per_simulated(params: &Params, job: JobSource) -> Result<f64, Box<dyn Error>> {
-    let preheat = job.preheat;
-    let mut simulator = Simulator::new(params.clone(), job, &Scenario::default(), 1)?;
-    simulator.warm_up(&preheat);
-    let start = Instant::now();
-    while simulator.phase() != JobPhase::Done {
+fn print(simulator: &mut Simulator) {
+    for _ in 0..STEPS {
         simulator.step(Seconds(1e-3));
         while simulator.poll().is_some() {}
     }
-    Ok(start.elapsed().as_secs_f64() / simulator.now().0)
 }
 
 fn blocks(root: &Path, file: &str) -> Result<Blocks, Box<dyn Error>> {
@@ -97,3 +92,6 @@ fn params(root: &Path) -> Result<Params, Box<dyn Error>> {
         nozzle_drop_k: 16.0,
     })
 }
+
+criterion_group!(plant, prints);
+criterion_main!(plant);
