@@ -180,8 +180,8 @@ impl TryFrom<RawParams> for Params {
         in_range("period_s", raw.period_s, "s", (0.01, 0.1))?;
         in_range("ambient_k", raw.ambient_k, "K", (250.0, 400.0))?;
         in_range("spread.alpha", raw.spread.alpha, "-", (1e-3, 1.0))?;
-        // below it the covariance of the sigma points would lose by the mean's shift
-        in_range("spread.beta", raw.spread.beta, "-", (raw.spread.alpha.powi(2), 10.0))?;
+        // below the square of alpha the covariance of the sigma points would lose by the mean's shift
+        in_range("spread.beta", raw.spread.beta, "-", (1.0, 10.0))?;
         in_range("spread.kappa", raw.spread.kappa, "-", (0.0, 10.0))?;
         check_process(&raw.process)?;
         check_prior(&raw.prior)?;

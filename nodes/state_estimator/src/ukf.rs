@@ -13,7 +13,7 @@ use nalgebra::{SMatrix, SVector};
 pub struct Spread {
     /// Distance of the points from the mean `[-]`, in (0, 1].
     pub alpha: f64,
-    /// Prior knowledge of the distribution `[-]`; 2 is best for a Gaussian.
+    /// Prior knowledge of the distribution `[-]`, 1 or more; 2 is best for a Gaussian.
     pub beta: f64,
     /// Secondary scaling `[-]`.
     pub kappa: f64,
