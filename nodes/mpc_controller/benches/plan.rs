@@ -3,35 +3,39 @@
 #![expect(clippy::expect_used, reason = "a benchmark has nobody to hand an error to")]
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use mpc_controller::params::{RawCost, RawLimits, RawSolver};
+use mpc_controller::Params;
 use mpc_controller::qp::{Lags, Qp, Start};
+use serde::Deserialize;
 use std::hint::black_box;
 
-const COST: RawCost = RawCost {
-    width_scale: 0.05,
-    temperature_scale_k: 5.0,
-    temperature_weight: 0.3,
-    speed_scale: 0.2,
-    feed_scale: 0.6,
-    setpoint_weight_1_k2: 0.02,
-    change_weight: 0.3,
-    feed_change: 0.05,
-    speed_change: 0.04,
-    setpoint_change_k: 2.0,
-};
-const LIMITS: RawLimits = RawLimits {
-    feed: 0.25,
-    speed_low: -0.30,
-    speed_high: 0.15,
-    setpoint_k: 10.0,
-    feed_rate: 0.06,
-    speed_rate: 0.05,
-    setpoint_rate_k: 1.0,
-    force_margin: 0.8,
-};
-const LAGS: Lags = Lags { period_s: 0.25, horizon: 16, flow_s: 0.63, thermal_s: 12.0 };
-const SOLVER: RawSolver = RawSolver { iterations: 60, time_limit_s: f64::INFINITY };
+const SHIPPED: &str = include_str!("../../../config/mpc_controller.param.yaml");
+/// Filament to outlet, of PLA `[s]`.
+const FLOW_LAG_S: f64 = 0.63;
 const STARTS: u32 = 200;
+
+#[derive(Deserialize)]
+struct File {
+    #[serde(rename = "/**")]
+    node: Node,
+}
+
+#[derive(Deserialize)]
+struct Node {
+    #[serde(rename = "ros__parameters")]
+    parameters: Params,
+}
+
+fn problem() -> Qp {
+    let file: File = serde_saphyr::from_str(SHIPPED).expect("the shipped parameters");
+    let params = file.node.parameters.in_virtual_time();
+    let lags = Lags {
+        period_s: params.period_s,
+        horizon: usize::try_from(params.model.horizon).expect("a horizon"),
+        flow_s: FLOW_LAG_S,
+        thermal_s: params.model.thermal_lag_s,
+    };
+    Qp::new(params.cost, params.limits, lags, params.solver).expect("the problem of model book 1.7")
+}
 
 /// Sines of rates that have no common period: every start is another one.
 fn start(index: u32) -> Start {
@@ -47,7 +51,7 @@ fn start(index: u32) -> Start {
 }
 
 fn plan(criterion: &mut Criterion) {
-    let mut qp = Qp::new(COST, LIMITS, LAGS, SOLVER).expect("the problem of model book 1.7");
+    let mut qp = problem();
     let starts: Vec<Start> = (0..STARTS).map(start).collect();
     let mut next = starts.iter().cycle();
     criterion.bench_function("plan of 48 moves", |bencher| {

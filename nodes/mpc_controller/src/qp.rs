@@ -252,7 +252,7 @@ fn settings(solver: RawSolver) -> Result<DefaultSettings<f64>, BuildError> {
         .presolve_enable(false)
         .input_sparse_dropzeros(false)
         .max_threads(1)
-        // half of the time, and as exact here: the problem is small and well scaled
+        // a third to a half of the time, and as exact here (`fdm bench controller`): the problem is small and well scaled
         .iterative_refinement_enable(false)
         .build()
         .map_err(|error| BuildError(error.to_string()))

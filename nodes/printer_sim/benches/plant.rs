@@ -16,6 +16,7 @@ use std::error::Error;
 use std::path::Path;
 
 const FILE: &str = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode";
+/// Steps of a millisecond: 10 s of print.
 const STEPS: u32 = 10_000;
 
 #[derive(Deserialize)]

@@ -133,6 +133,38 @@ mod tests {
         }
     }
 
+    /// The same with noises that know of one another and two values at a time; a spread of beta 1 at the widest alpha, where
+    /// the mean's shift weighs nothing, and a wide one.
+    #[test]
+    fn the_forms_agree_where_noise_is_correlated() {
+        let prior = Gaussian { mean: vector![1.0, 0.5], covariance: matrix![0.04, 0.01; 0.01, 0.02] };
+        let noise = matrix![2e-3, -1e-3; -1e-3, 1e-3];
+        for (alpha, beta) in [(1.0, 1.0), (0.3, 2.0), (0.5, 10.0)] {
+            let spread = Spread { alpha, beta, kappa: 0.0 };
+            let mut filters =
+                [Form::Unscented, Form::SquareRoot].map(|form| Engine::new(form, prior, spread));
+            for step in 0..50 {
+                let wave = (f64::from(step) * 0.3).sin();
+                let measurement = Measurement {
+                    value: vector![0.5 + 0.1 * wave, 0.3 * wave],
+                    noise: matrix![0.01, 0.004; 0.004, 0.02],
+                    gate: f64::INFINITY,
+                };
+                for filter in &mut filters {
+                    assert_eq!(
+                        filter.predict(&noise, |x| vector![x[0] + x[1] * x[1], x[1].sin()]),
+                        Health::Sound
+                    );
+                    let update = filter.update(&measurement, |x| vector![x[0] * x[1], x[0] + x[1]]);
+                    assert!(matches!(update, Update::Applied(_)));
+                }
+                let [plain, root] = &filters;
+                assert!((plain.belief().mean - root.belief().mean).amax() < 1e-10);
+                assert!((plain.belief().covariance - root.belief().covariance).amax() < 1e-10);
+            }
+        }
+    }
+
     /// Central differences of a line are its slope but for rounding: on a linear model all forms are Kalman's filter.
     #[test]
     fn the_forms_agree_on_a_linear_model() {

@@ -43,7 +43,7 @@ pub(crate) fn root_of_noise<const N: usize>(noise: &SMatrix<f64, N, N>) -> Optio
     if !apart {
         return cholesky(noise);
     }
-    // not `<=`: what is no number is not positive either
+    // what is no number is not positive either
     (0..N).all(|index| root[(index, index)] > 0.0).then_some(root)
 }
 
@@ -143,4 +143,62 @@ pub(crate) fn under<const M: usize>(
         }
     }
     right
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Cholesky, vector};
+
+    /// Odd, so that its halves are not alike.
+    const N: usize = 5;
+
+    fn covariance() -> SMatrix<f64, N, N> {
+        let root = SMatrix::<f64, N, N>::from_fn(|i, j| ((3 * i + 5 * j) as f64).sin());
+        root * root.transpose() + SMatrix::identity() * 0.3
+    }
+
+    #[test]
+    fn the_factor_is_the_librarys_and_what_is_not_positive_has_none() {
+        let covariance = covariance();
+        let root = cholesky(&covariance).unwrap();
+        assert!((root - Cholesky::new(covariance).unwrap().unpack()).amax() < 1e-14);
+        for (at, value) in [((3, 3), -1.0), ((4, 4), 0.0), ((2, 1), 100.0), ((4, 3), f64::NAN)] {
+            let mut broken = covariance;
+            broken[at] = value;
+            assert_eq!(cholesky(&broken), None, "{at:?} {value}");
+        }
+    }
+
+    #[test]
+    fn noise_may_be_correlated_and_has_to_be_positive() {
+        let diagonal = SMatrix::<f64, 3, 3>::from_diagonal(&vector![4.0, 1.0, 0.25]);
+        let wanted = SMatrix::<f64, 3, 3>::from_diagonal(&vector![2.0, 1.0, 0.5]);
+        assert_eq!(root_of_noise(&diagonal), Some(wanted));
+        let covariance = covariance();
+        assert_eq!(root_of_noise(&covariance), cholesky(&covariance));
+        for value in [0.0, -1.0, f64::NAN] {
+            let mut broken = diagonal;
+            broken[(1, 1)] = value;
+            assert_eq!(root_of_noise(&broken), None, "{value}");
+        }
+    }
+
+    #[test]
+    fn squares_products_and_solutions_are_the_librarys() {
+        let covariance = covariance();
+        let columns = SMatrix::<f64, N, 3>::from_fn(|i, j| ((2 * i + 7 * j) as f64).cos());
+        let mut sum = covariance;
+        add_square(&mut sum, &columns, -0.4);
+        assert!((sum - (covariance - columns * columns.transpose() * 0.4)).amax() < 1e-14);
+        assert_eq!(sum, sum.transpose());
+        assert!((product(&covariance, &columns) - covariance * columns).amax() < 1e-14);
+        let root = cholesky(&covariance).unwrap();
+        let right = vector![1.0, -2.0, 0.5, 3.0, -1.0];
+        assert!((root * under(&root, right) - right).amax() < 1e-13);
+        let wide = columns.transpose();
+        let mut solution = wide;
+        over_transposed(&mut solution, &root);
+        assert!((solution * root.transpose() - wide).amax() < 1e-13);
+    }
 }
