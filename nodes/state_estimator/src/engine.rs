@@ -189,6 +189,44 @@ mod tests {
         }
     }
 
+    /// With beta 2 the variance of a Gaussian's square is exact, whatever alpha: `4 m² σ² + 2 σ⁴`, and its mean `m² + σ²`.
+    #[test]
+    fn mean_and_variance_of_a_square_are_exact() {
+        for form in [Form::SquareRoot, Form::Unscented] {
+            for alpha in [0.01, 0.3, 1.0] {
+                let prior = Gaussian { mean: vector![1.5], covariance: matrix![0.04] };
+                let mut filter = Engine::new(form, prior, Spread { alpha, beta: 2.0, kappa: 0.0 });
+                assert_eq!(filter.predict(&matrix![1e-3], |x| x.component_mul(x)), Health::Sound);
+                let belief = filter.belief();
+                assert!((belief.mean[0] - 2.29).abs() < 1e-10);
+                assert!((belief.covariance[(0, 0)] - (0.36 + 0.0032 + 1e-3)).abs() < 1e-10);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_diverges_and_leaves_the_filter_as_it_was() {
+        for form in [Form::SquareRoot, Form::Unscented] {
+            let prior = Gaussian { mean: vector![1.0, 0.5], covariance: SMatrix::identity() };
+            let mut filter = Engine::new(form, prior, SPREAD);
+            let noise = SMatrix::identity();
+            for broken in [f64::NAN, f64::INFINITY, 1e200] {
+                for index in 0..2 {
+                    let process = |x: &SVector<f64, 2>| {
+                        let mut next = *x;
+                        next[index] *= broken;
+                        next
+                    };
+                    assert_eq!(filter.predict(&noise, process), Health::Diverged, "{form:?} {broken}");
+                }
+                let measurement = Measurement { value: vector![broken], noise: matrix![0.1], gate: f64::MAX };
+                let update = filter.update(&measurement, |x| vector![x[0]]);
+                assert!(!matches!(update, Update::Applied(_)), "{form:?} {broken}");
+            }
+            assert_eq!(filter, Engine::new(form, prior, SPREAD));
+        }
+    }
+
     #[test]
     fn a_frozen_state_is_not_moved_by_measurements_of_others() {
         for form in [Form::SquareRoot, Form::Unscented, Form::Extended] {
