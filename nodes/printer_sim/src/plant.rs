@@ -3,19 +3,19 @@
 use crate::faults::InForce;
 use crate::output::Truth;
 use crate::params::PlantParams;
-use crate::sensors::{Noise, bead_surroundings};
+use crate::sensors::Noise;
 use models::bead::stadium;
 use models::extruder::{Pressure, StaticLaw};
-use models::hotend::{Inputs as HeatInputs, Thermal};
+use models::hotend::Thermal;
 use models::latent::{LaidBead, adhesion, fill};
 use models::material::Material;
 use models::melt::Melt;
 use models::units::{Kelvin, Seconds};
 
+mod heat;
+
 /// Filament length after which the diameter is drawn anew `[m]`: far below its correlation length.
 const DIAMETER_STEP_M: f64 = 1e-3;
-/// More loss of the block for each kelvin of a cold draught `[1/K]`: 30 % at -10 K (model book 1.12).
-const DRAUGHT_LOSS_1_K: f64 = 0.03;
 
 /// A road being deposited.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -177,50 +177,6 @@ impl Plant {
     fn gain_now(&self, faults: &InForce) -> f64 {
         let diameter_m = (self.params.filament.diameter_m + self.diameter_offset_m) * faults.diameter;
         (diameter_m / self.params.extruder.filament_diameter_m).powi(2)
-    }
-
-    /// Heat over one step of `dt`; the melt's law follows the new nozzle temperature.
-    pub fn heat(&mut self, inputs: &Inputs, faults: &InForce, dt: Seconds) {
-        let power_w = self.params.hotend.heater_power_w;
-        self.heater_w = power_w * faults.hotend_heater.power_share(inputs.hotend_duty, inputs.mains_on);
-        self.fan = inputs.fan * faults.fan_gain;
-        let air = self.air(faults);
-        let heat = HeatInputs {
-            heater_w: self.heater_w - self.draught_w(faults),
-            fan: self.fan,
-            ambient_k: air.0,
-            filament_k: air.0,
-            melt_w_k: self.material.heat_flow_w_k(self.mean_flow_m3_s),
-        };
-        let before = self.thermal;
-        self.thermal = self.params.hotend.step(before, &heat, dt);
-        // A bead that fell out of the block follows what is around it with the same lag.
-        let beside = bead_surroundings(Kelvin(self.thermal.block_k), air, faults.hotend_sensor.circuit);
-        let kept = (-dt.0 / self.params.hotend.sensor_lag_s).exp();
-        if (beside.0 - self.thermal.block_k).abs() > 0.0 {
-            self.thermal.sensor_k = beside.0 + (before.sensor_k - beside.0) * kept;
-        }
-        let bed_share = faults.bed_heater.power_share(inputs.bed_duty, inputs.mains_on);
-        self.bed = self.params.bed.step(self.bed, bed_share * self.params.bed.heater_power_w, air, dt);
-        // A bed follows its heater so slowly that a bead in its place shows no lag; beside it, it is a bead like any.
-        let beside = bead_surroundings(self.bed, air, faults.bed_sensor.circuit);
-        let apart_k = if beside == self.bed { 0.0 } else { self.bed_sensor.0 - beside.0 };
-        self.bed_sensor = Kelvin(beside.0 + apart_k * kept);
-        let nozzle = Kelvin(self.thermal.nozzle_k);
-        let melt_temp = self.melt.melt_temperature(nozzle, air, self.mean_flow_m3_s);
-        self.law = StaticLaw::new(&self.melt, &self.params.extruder, melt_temp, faults.clog);
-    }
-
-    /// Loss that a draught adds to the block `[W]`.
-    fn draught_w(&self, faults: &InForce) -> f64 {
-        let more = (-faults.ambient_offset_k * DRAUGHT_LOSS_1_K).max(0.0);
-        more * self.params.hotend.block_loss_w_k * (self.thermal.block_k - self.air(faults).0)
-    }
-
-    /// Air around the printer.
-    #[must_use]
-    pub fn air(&self, faults: &InForce) -> Kelvin {
-        Kelvin(self.params.ambient_temp_k + faults.ambient_offset_k)
     }
 
     /// Nozzle.
