@@ -4,6 +4,7 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use mpc_controller::Params;
+use mpc_controller::params::RawSolver;
 use mpc_controller::qp::{Lags, Qp, Start};
 use serde::Deserialize;
 use std::hint::black_box;
@@ -25,7 +26,7 @@ struct Node {
     parameters: Params,
 }
 
-fn problem() -> Qp {
+fn problem_with(guesses: u32) -> Qp {
     let file: File = serde_saphyr::from_str(SHIPPED).expect("the shipped parameters");
     let params = file.node.parameters.in_virtual_time();
     let lags = Lags {
@@ -34,7 +35,8 @@ fn problem() -> Qp {
         flow_s: FLOW_LAG_S,
         thermal_s: params.model.thermal_lag_s,
     };
-    Qp::new(params.cost, params.limits, lags, params.solver).expect("the problem of model book 1.7")
+    Qp::new(params.cost, params.limits, lags, RawSolver { guesses, ..params.solver })
+        .expect("the problem of model book 1.7")
 }
 
 /// Sines of rates that have no common period: every start is another one.
@@ -50,11 +52,27 @@ fn start(index: u32) -> Start {
     }
 }
 
+/// The same with another shape of the road than the one before.
+fn on_road(start: Start, index: u32) -> Start {
+    Start { width_ratio: 1.09 + 0.01 * f64::from(index % 2), ..start }
+}
+
 fn plan(criterion: &mut Criterion) {
-    let mut qp = problem();
+    let mut qp = problem_with(12);
     let starts: Vec<Start> = (0..STARTS).map(start).collect();
     let mut next = starts.iter().cycle();
     criterion.bench_function("plan of 48 moves", |bencher| {
+        bencher.iter(|| qp.solve(black_box(next.next().unwrap_or(&starts[0]))));
+    });
+    let roads: Vec<Start> =
+        starts.iter().zip(0..STARTS).map(|(start, index)| on_road(*start, index)).collect();
+    let mut next = roads.iter().cycle();
+    criterion.bench_function("plan of 48 moves, each on another road", |bencher| {
+        bencher.iter(|| qp.solve(black_box(next.next().unwrap_or(&roads[0]))));
+    });
+    let mut qp = problem_with(0);
+    let mut next = starts.iter().cycle();
+    criterion.bench_function("plan of 48 moves by the interior point", |bencher| {
         bencher.iter(|| qp.solve(black_box(next.next().unwrap_or(&starts[0]))));
     });
 }

@@ -179,6 +179,8 @@ impl RawLimits {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RawSolver {
+    /// Guesses of the limits that hold, before the interior point is asked; 0: it alone.
+    pub guesses: u32,
     /// Interior point steps.
     pub iterations: u32,
     /// `[s]`.
@@ -220,6 +222,7 @@ impl TryFrom<RawParams> for Params {
         in_range("model.thermal_lag_s", raw.model.thermal_lag_s, "s", (0.1, 600.0))?;
         check::cost(&raw.cost)?;
         check::limits(&raw.limits)?;
+        in_range("solver.guesses", f64::from(raw.solver.guesses), "guesses", (0.0, 100.0))?;
         in_range("solver.iterations", f64::from(raw.solver.iterations), "steps", (1.0, 1000.0))?;
         in_range("solver.time_limit_s", raw.solver.time_limit_s, "s", (1e-9, 10.0))?;
         check::health(&raw.health)?;

@@ -4,7 +4,8 @@
 //! e_u⁺ = a e_u + (1 - a) f        e_T⁺ = a_T e_T + (1 - a_T) d        e_w = r_w (e_u + b - v)
 //! ```
 //! A stage has the variables `[f, v, d, e_u, e_T]`; the deviations are kept as variables, so that all matrices are
-//! sparse. The problem is built once; a solve overwrites vectors in place.
+//! sparse. The problem is built once; a solve overwrites vectors in place. Clarabel has no warm start: it is asked where the
+//! guess of the limits that hold (`qp/active_set.rs`) does not prove itself.
 
 use crate::params::{RawCost, RawLimits, RawSolver};
 use clarabel::solver::{
@@ -69,7 +70,7 @@ pub struct Lags {
 pub enum Outcome {
     /// Optimal.
     Solved {
-        /// Interior point steps.
+        /// Interior point steps; 0 where the guess of the limits that hold proved itself.
         iterations: u32,
     },
     /// Ended early: the last plan, shifted by a step, goes on.
@@ -99,6 +100,7 @@ pub struct BuildError(String);
 /// Receding-horizon problem with its last plan.
 pub struct Qp {
     solver: DefaultSolver<f64>,
+    active_set: ActiveSet,
     cost: RawCost,
     limits: RawLimits,
     lags: Lags,
@@ -128,11 +130,13 @@ impl Qp {
         let constraints = constraints(&lags);
         let (linear, bounds) = (vec![0.0; n * STAGE], vec![0.0; 2 * n + ROWS * n]);
         let cones = [ZeroConeT(2 * n), NonnegativeConeT(ROWS * n)];
+        let active_set = ActiveSet::new(&cost, &lags, width_ratio, solver.guesses);
         let solver =
             DefaultSolver::new(&quadratic, &linear, &constraints, &bounds, &cones, settings(solver)?)
                 .map_err(|error| BuildError(error.to_string()))?;
         Ok(Self {
             solver,
+            active_set,
             cost,
             limits,
             lags,
@@ -193,10 +197,32 @@ impl Qp {
     }
 
     fn optimise(&mut self, start: &Start) -> Outcome {
-        match self.fill(start) {
-            Err(_) => return Outcome::Fallback(Cause::Numerical),
-            Ok(false) => return Outcome::NotFinite,
-            Ok(true) => {}
+        if !self.fill(start) {
+            return Outcome::NotFinite;
+        }
+        #[expect(clippy::float_cmp, reason = "the same ratio as last time, bit for bit")]
+        if start.width_ratio != self.width_ratio {
+            self.width_ratio = start.width_ratio;
+            self.active_set.set_width_ratio(start.width_ratio);
+            let cost = quadratic(&self.cost, self.lags.horizon, start.width_ratio);
+            if self.solver.update_P(&cost.nzval).is_err() {
+                return Outcome::Fallback(Cause::Numerical);
+            }
+        }
+        match self.active_set.solve(&self.linear, &self.bounds, &self.lags) {
+            Some(moves) => {
+                for (planned, stage) in self.plan.iter_mut().zip(moves.chunks_exact(input::COUNT)) {
+                    planned.copy_from_slice(stage);
+                }
+                Outcome::Solved { iterations: 0 }
+            }
+            None => self.interior_point(),
+        }
+    }
+
+    fn interior_point(&mut self) -> Outcome {
+        if self.solver.update_q(&self.linear).is_err() || self.solver.update_b(&self.bounds).is_err() {
+            return Outcome::Fallback(Cause::Numerical);
         }
         // Clarabel 0.11.1 holds its time limit against set-up and all solutions so far, which are never reset: after a slow
         // start, or some thousand solves, every further one would end at once as too late.
@@ -258,8 +284,10 @@ fn settings(solver: RawSolver) -> Result<DefaultSettings<f64>, BuildError> {
         .map_err(|error| BuildError(error.to_string()))
 }
 
+mod active_set;
 mod bounds;
 mod matrices;
+use active_set::ActiveSet;
 use matrices::{constraints, quadratic};
 
 #[cfg(test)]

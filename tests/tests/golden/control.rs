@@ -56,7 +56,7 @@ const LIMITS: RawLimits = RawLimits {
 };
 
 /// Room enough: the law is checked here, not the time of a solve.
-const SOLVER: RawSolver = RawSolver { iterations: 200, time_limit_s: 10.0 };
+const SOLVER: RawSolver = RawSolver { guesses: 12, iterations: 200, time_limit_s: 10.0 };
 
 fn mpc_step(_set: &Set, given: Inputs<'_>) -> Result<Value, String> {
     let lags = Lags {

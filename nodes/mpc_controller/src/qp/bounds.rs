@@ -1,6 +1,6 @@
 //! Bounds and rates of a start, and the vectors that say them to the solver.
 
-use super::{Move, Qp, ROWS, STAGE, Start, input, quadratic};
+use super::{Move, Qp, ROWS, STAGE, Start, input};
 
 impl Qp {
     /// Inside bounds and rates, with the ceiling where the rates allow it.
@@ -31,12 +31,7 @@ impl Qp {
     }
 
     /// Writes the vectors; false where one of them is not finite.
-    pub(super) fn fill(&mut self, start: &Start) -> Result<bool, clarabel::solver::DataUpdateError> {
-        #[expect(clippy::float_cmp, reason = "the same ratio as last time, bit for bit")]
-        if start.width_ratio != self.width_ratio {
-            self.width_ratio = start.width_ratio;
-            self.solver.update_P(&quadratic(&self.cost, self.lags.horizon, start.width_ratio).nzval)?;
-        }
+    pub(super) fn fill(&mut self, start: &Start) -> bool {
         let width = 2.0 * (start.width_ratio / self.cost.width_scale).powi(2) * start.gain;
         for stage in self.linear.chunks_exact_mut(STAGE) {
             stage.copy_from_slice(&[0.0, -width, 0.0, width, 0.0]);
@@ -70,11 +65,6 @@ impl Qp {
                 ]);
             }
         }
-        if !self.linear.iter().chain(&self.bounds).all(|value| value.is_finite()) {
-            return Ok(false);
-        }
-        self.solver.update_q(&self.linear)?;
-        self.solver.update_b(&self.bounds)?;
-        Ok(true)
+        self.linear.iter().chain(&self.bounds).all(|value| value.is_finite())
     }
 }

@@ -50,14 +50,17 @@ pub(super) fn quadratic(cost: &RawCost, horizon: usize, width_ratio: f64) -> Csc
     entries.pack(horizon * STAGE, horizon * STAGE)
 }
 
+/// Deviations with the move that each follows, and what is left of it after a step.
+pub(super) fn responses(lags: &Lags) -> [(usize, usize, f64); 2] {
+    [(FLOW, input::FEED, lags.keep_flow()), (TEMPERATURE, input::SETPOINT, lags.keep_temperature())]
+}
+
 /// Prediction (equalities), then per stage and move: upper bound, lower bound, rise, fall.
 pub(super) fn constraints(lags: &Lags) -> CscMatrix<f64> {
     let mut entries = Entries::default();
-    let lag_of =
-        [(FLOW, input::FEED, lags.keep_flow()), (TEMPERATURE, input::SETPOINT, lags.keep_temperature())];
     for stage in 0..lags.horizon {
         let at = stage * STAGE;
-        for (offset, (deviation, cause, keep)) in lag_of.into_iter().enumerate() {
+        for (offset, (deviation, cause, keep)) in responses(lags).into_iter().enumerate() {
             let row = 2 * stage + offset;
             entries.add(row, at + deviation, 1.0);
             entries.add(row, at + cause, keep - 1.0);

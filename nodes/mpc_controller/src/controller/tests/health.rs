@@ -41,7 +41,7 @@ fn k1_without_softening_an_impossible_ceiling_holds_a_cycle_and_goes_back() {
 /// One iteration is never enough: three cycles, then back to the slicer's values.
 #[test]
 fn k2_a_solver_that_is_cut_short_is_told_in_three_cycles() {
-    let mut rig = self::rig(&[("iterations: 60 ", "iterations: 1 ")]);
+    let mut rig = self::rig(&[("guesses: 12 ", "guesses: 0 "), ("iterations: 60 ", "iterations: 1 ")]);
     assert_eq!(told_after(&mut rig, ControlHealth::Late, |estimate| estimate), Some(15));
     let sent = rig.run(100, |estimate| Estimate { gain: 1.1, ..estimate });
     assert!(is_back(sent.last().unwrap()), "{:?}", sent.last());
