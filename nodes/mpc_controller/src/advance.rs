@@ -12,11 +12,13 @@
 //! in the midst of a road.
 
 use crate::params::{AdvanceSource, Level, RawAdvance};
+use fit::Learnt;
 use learning::{Learning, SLOW_M_S};
 use models::command::AdvanceLaw;
 use models::status::{HostProfile, PrinterStatus};
 use models::units::Seconds;
 
+mod fit;
 pub(crate) mod learning;
 
 /// Who foretold a `K_A`.
@@ -106,6 +108,8 @@ pub struct AdvanceReport {
     pub bounded: u64,
     /// Learnt factor on the foretold advance `[-]`.
     pub learnt: f64,
+    /// Learnt offset of the melt's flow index `[-]`.
+    pub learnt_index: f64,
 }
 
 /// The advance over time.
@@ -136,7 +140,8 @@ impl Advance {
     }
 
     pub(crate) fn report(&self) -> AdvanceReport {
-        AdvanceReport { learnt: self.learning.factor(), ..self.report }
+        let Learnt { factor, index, .. } = self.learning.learnt();
+        AdvanceReport { learnt: factor, learnt_index: index, ..self.report }
     }
 
     pub(crate) fn on_prediction(&mut self, prediction: Prediction) {
@@ -144,8 +149,13 @@ impl Advance {
     }
 
     /// Follows feed and outlet, for what frames will show of them. `melt` is the nominal law of melt and filament now, `None`
-    /// while it is not known.
-    pub(crate) fn on_status(&mut self, status: &PrinterStatus, melt: Option<AdvanceLaw>) {
+    /// while it is not known, and whether the nozzle has narrowed.
+    pub(crate) fn on_status(
+        &mut self,
+        status: &PrinterStatus,
+        (melt, is_narrowed): (Option<AdvanceLaw>, bool),
+    ) {
+        self.learning.set_narrowed(is_narrowed);
         let foretold = match self.settings.source {
             AdvanceSource::Planned => melt.map(|law| Foretold {
                 advance_s: law.advance_s(status.planned_feed_m_s.max(SLOW_M_S)),
@@ -160,9 +170,11 @@ impl Advance {
         }
     }
 
-    pub(crate) fn on_width(&mut self, exposed: Seconds, width_m: f64) {
-        if matches!(self.settings.source, AdvanceSource::Planned | AdvanceSource::Predicted) {
-            self.learning.on_width(exposed.0, width_m);
+    /// A width; how much more a nozzle that has narrowed is known to hold since then `[m]`.
+    pub(crate) fn on_width(&mut self, exposed: Seconds, width_m: f64) -> f64 {
+        match self.settings.source {
+            AdvanceSource::Planned | AdvanceSource::Predicted => self.learning.on_width(exposed.0, width_m),
+            _ => 0.0,
         }
     }
 
@@ -178,13 +190,19 @@ impl Advance {
 
     /// A law with what was learnt of the printer.
     pub(crate) fn with_learnt(&self, law: AdvanceLaw) -> AdvanceLaw {
-        law.scaled(self.learning.factor())
+        self.learning.learnt().of(law)
     }
 
     /// Force of the melt over its nominal one `[-]`, as far as widths told of a planned law: what is held compressed is
     /// proportional to it.
     pub(crate) fn stiffness(&self) -> f64 {
-        if self.settings.source == AdvanceSource::Planned { self.learning.factor() } else { 1.0 }
+        if self.settings.source == AdvanceSource::Planned { self.learning.learnt().force() } else { 1.0 }
+    }
+
+    /// Force of the melt over that of the nozzle as its dip left it, learnt since `[-]`.
+    pub(crate) fn narrowing(&self) -> f64 {
+        let learnt = self.learning.learnt();
+        learnt.force() / learnt.factor
     }
 
     /// Factor on a law so that it may be sent: within `law_high_s` at the feed at which the supervisor looks.
@@ -226,7 +244,8 @@ impl Advance {
             self.held_s = None;
             return None;
         };
-        let goal_s = (foretold_s * self.learning.factor()).clamp(self.settings.low_s, self.settings.high_s);
+        let goal_s =
+            (foretold_s * self.learning.learnt().factor).clamp(self.settings.low_s, self.settings.high_s);
         let before_s = self.held_s.filter(|_| status.depositing && status.planned_feed_m_s > 0.0);
         let next_s = before_s.map_or(goal_s, |before_s| {
             let turn = self.turn_comes(now_s);

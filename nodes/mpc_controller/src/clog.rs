@@ -42,6 +42,11 @@ impl Clog {
         self.beyond
     }
 
+    /// The nozzle is known to hold so much more, or less, at the feed as it is `[m]`: no law has to push it.
+    pub(crate) fn carry(&mut self, more_m: f64) {
+        self.carried_m = (self.carried_m + more_m).max(0.0);
+    }
+
     /// A law of the sound nozzle for the one that there is.
     pub(crate) fn law(&self, sound: AdvanceLaw) -> AdvanceLaw {
         AdvanceLaw { shear: sound.shear * self.factor, ..sound }
@@ -52,17 +57,34 @@ impl Clog {
         self.dips.rest(now_s)
     }
 
+    /// Whether a dip has told that the nozzle may have narrowed, or come free.
+    pub(crate) fn is_suspected(&self) -> bool {
+        self.dips.has_begun()
+    }
+
     /// A frame of a steady road while the encoder speaks. A nozzle that needs more than `force_max` is not followed: the drive
     /// could not push so much.
     pub(crate) fn on_look(&mut self, look: Look) {
         let sound_m = look.melt_m;
-        let Some(held_m) = self.dips.on_look(Look { melt_m: self.factor * sound_m, ..look }) else { return };
+        if let Some(held_m) = self.dips.on_look(Look { melt_m: self.factor * sound_m, ..look }) {
+            self.follow(held_m, sound_m);
+        }
+    }
+
+    /// The same of a road that is not settled, at a feed `[m/s]`.
+    pub(crate) fn on_unsettled(&mut self, feed_m_s: f64) {
+        if let Some((held_m, sound_m)) = self.dips.on_unsettled(feed_m_s) {
+            self.follow(held_m, sound_m / self.factor);
+        }
+    }
+
+    fn follow(&mut self, held_m: f64, sound_m: f64) {
         let before = self.factor;
         let factor = (before + held_m / sound_m).max(1.0);
         self.beyond = factor > self.settings.force_max;
         if !self.beyond {
             self.factor = factor;
-            self.carried_m = (self.carried_m + (factor - before) * sound_m).max(0.0);
+            self.carry((factor - before) * sound_m);
         }
     }
 }

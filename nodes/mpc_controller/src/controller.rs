@@ -123,7 +123,7 @@ impl Controller {
             softened: self.qp.softened(),
             saturated_s: self.saturation.longest_s(),
             base: self.base.error(),
-            force: self.clog.factor(),
+            force: self.clog.factor() * self.advance.narrowing(),
             ..self.report
         }
     }
@@ -190,7 +190,8 @@ impl Controller {
         self.balance.on_wanted(status.stamp.0, self.nominal.fed_m());
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
         status.trims.slip.into_iter().for_each(|slip| self.catch_up.on_in_force(status.stamp.0, slip));
-        self.advance.on_status(status, law.map(|law| self.clog.law(law.advance())));
+        let melt = law.map(|law| self.clog.law(law.advance()));
+        self.advance.on_status(status, (melt, self.clog.is_suspected()));
         self.roads.on_status(status, self.excess_m, self.params.clog.feed_spread);
         if self.status.is_none_or(|before| self.unsteady(&before, status)) {
             self.steady_since_s = status.stamp.0;

@@ -11,19 +11,20 @@ use models::printer::Printer;
 use models::units::Seconds;
 use runtime::wire::{command_to_wire, schedule_to_wire};
 use runtime::{
-    Diagnostics, FRAMES_HANDOVER, HANDOVER, Inlet, Node, ParamFileError, Parameters, Publisher, Reason,
-    Refused, RuntimeError, topics,
+    FRAMES_HANDOVER, HANDOVER, Inlet, Node, ParamFileError, Parameters, Publisher, Reason, Refused,
+    RuntimeError, topics,
 };
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use crate::controller::{Controller, Report};
+use crate::controller::Controller;
 use crate::convert;
 use crate::input::{self, Event, Refusals};
 use crate::params::{AdvanceSource, Params};
 use crate::qp::BuildError;
 use crate::wire::WireLevel;
 
+mod diagnostics;
 mod wall;
 
 /// What may change while the node is active: what an error costs, how far and how fast a trim may go.
@@ -121,7 +122,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
                     controller = setup.controller()?;
                 }
                 pass(&mut controller, Ok(Event::Tick { now }));
-                show(&diagnostics, &controller.report());
+                diagnostics::show(&diagnostics, &controller.report());
                 work.done();
             }
             changed = live.next() => {
@@ -261,27 +262,6 @@ fn follow(refused: &mut Refused, controller: &Controller, of: fn(&Refusals) -> &
     for (reason, total) in convert::reasons(of(&controller.report().refusals)) {
         refused.follow(reason, total);
     }
-}
-
-fn show(diagnostics: &Diagnostics, report: &Report) {
-    diagnostics.set("solved", report.solved);
-    diagnostics.set("fallbacks", report.fallbacks);
-    diagnostics.set("softened", report.softened);
-    diagnostics.set("saturated_s", format_args!("{:.1}", report.saturated_s));
-    diagnostics.set("scheduled", report.scheduled);
-    diagnostics.set("starved", report.starved);
-    diagnostics.set("adopted", report.adopted);
-    diagnostics.set("refused_ticks", report.refusals.tick.invalid + report.refusals.tick.late);
-    diagnostics.set("advance_without_prediction", report.advance.without);
-    diagnostics.set("advance_hurried", report.advance.hurried);
-    diagnostics.set("advance_bounded", report.advance.bounded);
-    diagnostics.set("advance_learnt", format_args!("{:.3}", report.advance.learnt));
-    diagnostics.set("melt_force", format_args!("{:.2}", report.force));
-    diagnostics.set("flow_error", format_args!("{:.4}", report.flow_error));
-    diagnostics.set("base", format_args!("{:.4}", report.base));
-    diagnostics.set("gain_error", format_args!("{:.4}", report.gain_error));
-    diagnostics.set("temperature_error_k", format_args!("{:.2}", report.temperature_error_k));
-    diagnostics.set("shortfall_m", format_args!("{:.6}", report.shortfall_m));
 }
 
 #[cfg(test)]

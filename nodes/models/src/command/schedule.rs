@@ -34,6 +34,9 @@ pub struct AdvanceLaw {
     pub index: f64,
 }
 
+/// Least flow index of a melt `[-]`.
+const LEAST_INDEX: f64 = 0.05;
+
 impl AdvanceLaw {
     /// One `K_A` `[s]` at every feed.
     #[must_use]
@@ -63,6 +66,13 @@ impl AdvanceLaw {
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self { linear_s: self.linear_s * factor, shear: self.shear * factor, ..*self }
+    }
+
+    /// The same law at `at_m_s` `[m/s]`, its index greater by `offset` `[-]`, at most 1.
+    #[must_use]
+    pub fn bent(&self, offset: f64, at_m_s: f64) -> Self {
+        let index = (self.index + offset).clamp(LEAST_INDEX, 1.0);
+        Self { shear: self.shear * at_m_s.powf(self.index - index), index, ..*self }
     }
 
     /// Whether all of it is finite and physical.
@@ -189,6 +199,20 @@ mod tests {
             assert!((rise_m / (2e-3 * feed_m_s) / law.lag_s(feed_m_s) - 1.0).abs() < 1e-6);
         }
         assert!(law.advance_s(0.0).abs() < f64::EPSILON);
+    }
+
+    #[test]
+    fn a_bent_law_is_the_same_at_one_feed_and_steeper_beyond() {
+        let law = scheduled(1, 1).trim.advance;
+        let bent = law.bent(0.1, 2e-3);
+        assert!(
+            (bent.index - 0.5).abs() < 1e-15 && (bent.held_m(2e-3) / law.held_m(2e-3) - 1.0).abs() < 1e-12
+        );
+        assert!(bent.held_m(1e-3) < law.held_m(1e-3) && bent.held_m(4e-3) > law.held_m(4e-3));
+        for (offset, index) in [(-1.0, LEAST_INDEX), (1.0, 1.0)] {
+            let ended = law.bent(offset, 2e-3);
+            assert!((ended.index - index).abs() < 1e-15 && ended.is_valid());
+        }
     }
 
     #[test]

@@ -3,9 +3,10 @@
 //! At a feed v the drive holds `kappa L(v)` compressed, `L` the foretold law; the printer needs `rho L(u)` at an outlet u.
 //! Near `rho = kappa = f`, the factor that is believed, the printer is `f L'(v) y' + y = L(v)`, and the width error is
 //! `e = r_w (kappa - rho)/f (L(v) - y)/(L'(v) v)`. With `h = r_w (L(v) - y)/(L'(v) v)` that is `kappa h - f e = rho h`: a line
-//! through widths, whose slope is `rho`. For one `K_0`, `L = K_0 v` and `h = r_w (1 - u/v)`, u the feed behind the lag. A
-//! constant part of `e` (diameter, slip) is no lag: slopes are taken about the means. The prior is `rho = 1`.
+//! through widths, whose slope is `rho`. For one `K_0`, `L = K_0 v` and `h = r_w (1 - u/v)`, u the feed behind the lag. Two
+//! more parts of a law, its melt's index and a nozzle that has narrowed, have a `kappa`, a `rho` and an `h` of their own (`fit`).
 
+use super::fit::{Fit, Learnt, Triple, parts_m};
 use super::{Foretold, attaches};
 use crate::params::RawLearning;
 use models::bead::ROUND_SIDES;
@@ -40,79 +41,75 @@ struct Moment {
     /// Since when the feed has been constant `[s]`; for ever where the drive smooths around the present.
     calm_since_s: f64,
     target_width_m: f64,
-    /// `h`: what a relative error of `K_A` does to the relative width `[-]`.
-    lever: f64,
-    /// `kappa`: advance in force over the foretold one `[-]`.
-    share: f64,
+    /// `h`: what an error of each coefficient does to the relative width `[-]`.
+    levers: Triple,
+    /// `kappa`: coefficients of the advance in force `[-]`.
+    shares: Triple,
     /// `f`: factor that was believed `[-]`.
     factor: f64,
-}
-
-/// Weighted sums over frames.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sums {
-    weight: f64,
-    lever: f64,
-    answer: f64,
-    lever_sq: f64,
-    product: f64,
+    /// What the melt's part of the foretold law held `[m]`.
+    melt_m: f64,
 }
 
 /// What was learnt.
 #[derive(Debug, Clone)]
 pub(crate) struct Learning {
     settings: RawLearning,
-    /// y: what the printer holds over the factor `[m]`.
-    held_m: f64,
+    /// y: what the printer holds over the factor, of each part of the law `[m]`.
+    held_m: Triple,
     before: Option<(f64, f64)>,
     since_s: Option<f64>,
     calm_since_s: f64,
     moments: VecDeque<Moment>,
-    sums: Sums,
-    /// Factor in force: follows what the sums say slowly, since a change while a road is laid is itself a width error.
-    factor: f64,
+    fit: Fit,
+    /// The nozzle has narrowed, and the foretold law with it.
+    is_narrowed: bool,
+    /// In force: factor and index follow what the frames say slowly, since a change while a road is laid is itself a width error.
+    learnt: Learnt,
 }
 
 impl Learning {
     pub(crate) fn new(settings: RawLearning) -> Self {
         Self {
             settings,
-            held_m: 0.0,
+            held_m: Triple::zeros(),
             before: None,
             since_s: None,
             calm_since_s: f64::NEG_INFINITY,
             moments: VecDeque::with_capacity(STATUSES),
-            sums: Sums::default(),
-            factor: 1.0,
+            fit: Fit::default(),
+            is_narrowed: false,
+            learnt: Learnt::NOTHING,
         }
     }
 
-    /// L and `kappa` of what is executed: the law of the moves, which carry the factor believed, else one K.
-    fn executed(&self, status: &PrinterStatus, foretold: &Foretold) -> (AdvanceLaw, f64) {
+    /// L and `kappa` of what is executed: the law of the moves, which carry what is believed, else one K.
+    fn executed(&self, status: &PrinterStatus, foretold: &Foretold) -> (AdvanceLaw, Triple) {
         if is_ahead(status) {
-            (foretold.law, self.factor())
+            (foretold.law, self.learnt.coefficients())
         } else {
             let one = AdvanceLaw { linear_s: foretold.advance_s, shear: 0.0, index: 1.0 };
-            (one, status.advance_s / foretold.advance_s)
+            (one, Triple::new(status.advance_s / foretold.advance_s, 0.0, 0.0))
         }
     }
 
-    /// Factor on the foretold advance `[-]`, within `1 +- reach`.
-    pub(crate) fn factor(&self) -> f64 {
-        self.factor
+    /// What is believed, each within its reach.
+    pub(crate) fn learnt(&self) -> Learnt {
+        self.learnt
     }
 
-    /// The factor that widths speak for `[-]`, within `1 +- reach`.
-    fn goal(&self) -> f64 {
-        let Sums { weight, lever, answer, lever_sq, product } = self.sums;
-        if weight <= 0.0 || self.settings.reach <= 0.0 {
-            return 1.0;
+    fn goal(&self) -> Learnt {
+        let RawLearning { reach, index_reach, narrowed_reach, width_noise, .. } = self.settings;
+        self.fit.learnt(width_noise, Triple::new(reach, index_reach, narrowed_reach))
+    }
+
+    /// The nozzle has narrowed, or is sound.
+    pub(crate) fn set_narrowed(&mut self, is_narrowed: bool) {
+        if self.is_narrowed && !is_narrowed {
+            self.fit.forget_narrowing();
+            self.learnt.narrowed = 0.0;
         }
-        let spread = lever_sq - lever * lever / weight;
-        let common = product - lever * answer / weight;
-        let prior = (self.settings.width_noise / self.settings.reach).powi(2);
-        let factor = (common + prior) / (spread.max(0.0) + prior);
-        factor.clamp(1.0 - self.settings.reach, 1.0 + self.settings.reach)
+        self.is_narrowed = is_narrowed;
     }
 
     /// Follows the feed behind the foretold lag.
@@ -125,18 +122,23 @@ impl Learning {
             self.calm_since_s = stamp_s;
         }
         let most = self.settings.slew_1_s * dt_s.clamp(0.0, 1.0);
-        self.factor += (self.goal() - self.factor).clamp(-most, most);
-        let (law, share) = self.executed(status, foretold);
-        let wanted_m = law.held_m(feed_m_s);
+        let goal = self.goal();
+        self.learnt.factor += (goal.factor - self.learnt.factor).clamp(-most, most);
+        self.learnt.index += (goal.index - self.learnt.index).clamp(-most, most);
+        let (law, shares) = self.executed(status, foretold);
+        let wanted_m = parts_m(&law, feed_m_s, SLOW_M_S);
         if !(foretold.advance_s > 0.0 && (0.0..=foretold.advance_s).contains(&dt_s)) {
             self.held_m = wanted_m;
             self.since_s = None;
             return;
         }
-        let factor = self.factor();
+        let factor = self.learnt.factor;
         let slope_s = |at_m_s: f64| law.lag_s(at_m_s.max(SLOW_M_S));
         let lag = LinearLag { lag_s: factor * slope_s(0.5 * (before_m_s + feed_m_s)) };
-        self.held_m = lag.step_ramp(self.held_m, (law.held_m(before_m_s), wanted_m), Seconds(dt_s));
+        let from_m = parts_m(&law, before_m_s, SLOW_M_S);
+        self.held_m = Triple::from_fn(|of, _| {
+            lag.step_ramp(self.held_m[of], (from_m[of], wanted_m[of]), Seconds(dt_s))
+        });
         let (Some(target_width_m), Some(height_m), true) =
             (status.target_width_m, status.layer_height_m, status.depositing && feed_m_s > 0.0)
         else {
@@ -153,37 +155,41 @@ impl Learning {
             since_s,
             calm_since_s: if is_ahead(status) { f64::NEG_INFINITY } else { self.calm_since_s },
             target_width_m,
-            lever: (wanted_m - self.held_m) / (slope_s(feed_m_s) * feed_m_s) * (1.0 - sides),
-            share,
+            levers: (wanted_m - self.held_m) / (slope_s(feed_m_s) * feed_m_s) * (1.0 - sides),
+            shares,
             factor,
+            melt_m: wanted_m[2],
         });
     }
 
-    /// Learns from the width of a road that was laid at `exposed_s`.
-    pub(crate) fn on_width(&mut self, exposed_s: f64, width_m: f64) {
+    /// Learns from the width of a road that was laid at `exposed_s`, and returns how much more a nozzle that has narrowed is known
+    /// to hold there since then `[m]`.
+    pub(crate) fn on_width(&mut self, exposed_s: f64, width_m: f64) -> f64 {
         let after = self.moments.partition_point(|moment| moment.stamp_s < exposed_s);
-        let Some(moment) = self.moments.get(after).copied() else { return };
+        let Some(moment) = self.moments.get(after).copied() else { return 0.0 };
         // In a ramp the smoothing of a drive that only sees the present shows, which is no lag of the melt.
         let settled = moment.stamp_s - moment.since_s >= self.settings.settle_s
             && moment.stamp_s - moment.calm_since_s >= self.settings.calm_s;
         if moment.stamp_s - exposed_s > self.settings.pairing_s
             || !settled
-            || moment.lever.abs() > self.settings.lever_max
+            || moment.levers[0].abs() > self.settings.lever_max
         {
-            return;
+            return 0.0;
         }
         let error =
             (width_m / moment.target_width_m - 1.0).clamp(-self.settings.error_max, self.settings.error_max);
         // A feed that the loop itself has trimmed on that error would teach its own answer.
-        let lever = if moment.lever.abs() < self.settings.lever_min { 0.0 } else { moment.lever };
-        let answer = moment.share * lever - moment.factor * error;
-        let kept = 1.0 - 1.0 / self.settings.frames;
-        let sums = &mut self.sums;
-        sums.weight = kept * sums.weight + 1.0;
-        sums.lever = kept * sums.lever + lever;
-        sums.answer = kept * sums.answer + answer;
-        sums.lever_sq = kept * sums.lever_sq + lever * lever;
-        sums.product = kept * sums.product + lever * answer;
+        let is_own = moment.levers[0].abs() < self.settings.lever_min;
+        let seen = Triple::new(1.0, 1.0, if self.is_narrowed { 1.0 } else { 0.0 });
+        let levers = if is_own { Triple::zeros() } else { moment.levers.component_mul(&seen) };
+        let answer = moment.shares.dot(&levers) - moment.factor * error;
+        self.fit.take(levers, answer, 1.0 - 1.0 / self.settings.frames);
+        if !self.is_narrowed {
+            return 0.0;
+        }
+        let goal = self.goal();
+        let before = std::mem::replace(&mut self.learnt.narrowed, goal.narrowed);
+        (self.learnt.narrowed - before) * moment.melt_m
     }
 }
 

@@ -9,6 +9,8 @@ use models::units::Celsius;
 pub(super) const LEARNING: RawLearning = RawLearning {
     reach: 0.0,
     planned_reach: 0.0,
+    index_reach: 0.0,
+    narrowed_reach: 0.0,
     slew_1_s: 0.003,
     width_noise: 0.1,
     frames: 200.0,

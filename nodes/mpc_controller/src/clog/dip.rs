@@ -55,11 +55,12 @@ pub(crate) struct Dips {
     before: Option<Look>,
     dip: Option<Dip>,
     passed: Option<Dip>,
+    has_begun: bool,
 }
 
 impl Dips {
     pub(crate) fn new(settings: RawClog) -> Self {
-        Self { settings, before: None, dip: None, passed: None }
+        Self { settings, before: None, dip: None, passed: None, has_begun: false }
     }
 
     /// Share of the flow that lacks at `now_s` by a dip under way, or by what is left of one `[-]`, 0 or more.
@@ -77,16 +78,14 @@ impl Dips {
         let before = self.before.replace(look)?;
         let Some(mut dip) = self.dip.take() else {
             self.dip = self.begin(before, look);
+            self.has_begun |= self.dip.is_some();
             return None;
         };
         if look.exposed_s - dip.first.exposed_s > self.settings.lasts_s {
             return None;
         }
         if !self.belongs(dip.last, look) || self.differs(dip.first, look) {
-            // what was seen of it has to do, where it was seen to fade
-            let fades = dip.rest() <= self.settings.cut_off;
-            self.passed = fades.then_some(dip).or(self.passed);
-            return fades.then(|| dip.held_m());
+            return self.cut_off(dip);
         }
         dip.lacked_m += lacked_m(dip.last, look);
         dip.last = look;
@@ -98,6 +97,26 @@ impl Dips {
         }
         self.passed = Some(dip);
         Some(dip.held_m())
+    }
+
+    /// How much more filament is held, beside what the melt held `[m]`, where a road at this feed `[m/s]` that is not settled yet is
+    /// faster than that of a dip, and cuts it off: a slower one may be a corner of the same.
+    pub(super) fn on_unsettled(&mut self, feed_m_s: f64) -> Option<(f64, f64)> {
+        let faster = |dip: &mut Dip| feed_m_s > (1.0 + self.settings.feed_spread) * dip.first.feed_m_s;
+        let dip = self.dip.take_if(faster)?;
+        Some((self.cut_off(dip)?, dip.last.melt_m))
+    }
+
+    /// Whether a dip has been seen to begin.
+    pub(super) fn has_begun(&self) -> bool {
+        self.has_begun
+    }
+
+    /// What was seen of it has to do, where it was seen to fade.
+    fn cut_off(&mut self, dip: Dip) -> Option<f64> {
+        let fades = dip.rest() <= self.settings.cut_off;
+        self.passed = fades.then_some(dip).or(self.passed);
+        fades.then(|| dip.held_m())
     }
 
     /// A dip begins beside a sound road: at the start of one that was thin already, nobody knows when.

@@ -12,7 +12,11 @@ impl Controller {
         let (Some(estimate), Level::Mpc) = (encoder, self.params.control) else { return };
         let settings = &self.params.clog;
         let road = self.roads.at(exposed.0, settings.settles_s);
-        let Some(road) = road.filter(|road| road.is_settled(settings)) else { return };
+        let Some(road) = road else { return };
+        if !road.is_settled(settings) {
+            self.clog.on_unsettled(road.feed_m_s * self.base.feed());
+            return;
+        }
         let feed_m_s = road.feed_m_s * self.base.feed();
         let Some(law) = self.outlet_law(&estimate, feed_m_s) else { return };
         let law = self.advance.with_learnt(law.advance());

@@ -24,7 +24,10 @@ impl Controller {
             return;
         }
         let before_s = self.width_s.replace(exposed.0);
-        self.advance.on_width(exposed, width_m);
+        if self.clog.rest(exposed.0) <= self.params.clog.sound {
+            let more_m = self.advance.on_width(exposed, width_m);
+            self.clog.carry(more_m);
+        }
         self.look_for_clog(exposed, width_m);
         let road = self.roads.at(exposed.0, self.params.clog.settles_s);
         let (Some(road), Level::Mpc) = (road, self.params.control) else { return };
@@ -160,17 +163,17 @@ impl Controller {
             return;
         }
         let settings = &self.params.bumpless;
+        let planned_m_s = status.planned_feed_m_s.max(0.0) * self.base.feed();
+        let excess_m = if estimate.encoder_alive { self.balance.take_excess_m() } else { 0.0 };
+        self.excess_m += excess_m;
+        if self.is_made_up_for(status, estimate) {
+            let most = self.params.limits.feed;
+            let fed = moves_of(&status.trims, self.base.feed())[input::FEED].clamp(-most, most);
+            let flow_m_s = planned_m_s * (1.0 + fed);
+            self.flow_error.follow((flow_m_s, planned_m_s), dt_s, self.printer.material.lag_s);
+            return;
+        }
         if estimate.encoder_alive {
-            let planned_m_s = status.planned_feed_m_s.max(0.0) * self.base.feed();
-            let excess_m = self.balance.take_excess_m();
-            self.excess_m += excess_m;
-            if self.is_made_up_for(status, estimate) {
-                let most = self.params.limits.feed;
-                let fed = moves_of(&status.trims, self.base.feed())[input::FEED].clamp(-most, most);
-                let flow_m_s = planned_m_s * (1.0 + fed);
-                self.flow_error.follow((flow_m_s, planned_m_s), dt_s, self.printer.material.lag_s);
-                return;
-            }
             let flow_m_s = planned_m_s + excess_m / dt_s;
             self.flow_error.follow((flow_m_s, planned_m_s), dt_s, settings.flow_averaging_s);
             return;
@@ -183,9 +186,10 @@ impl Controller {
         }
     }
 
-    /// Whether the slip is made up for, and within what can be.
+    /// Whether the slip is made up for, and within what can be: by what the encoder tells, or widths where none is fitted.
     fn is_made_up_for(&self, status: &PrinterStatus, estimate: &Estimate) -> bool {
         let reach = self.params.slip.low..=self.params.slip.high;
-        status.trims.slip.is_some() && reach.contains(&estimate.slip)
+        let told = estimate.encoder_alive || !self.params.slip.encoder_fitted;
+        told && status.trims.slip.is_some() && reach.contains(&estimate.slip)
     }
 }

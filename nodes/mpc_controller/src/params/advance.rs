@@ -58,6 +58,10 @@ pub struct RawLearning {
     pub reach: f64,
     /// The same of the law that is planned from the material's own melt `[-]`; its factor is one on the melt's force, too.
     pub planned_reach: f64,
+    /// Largest correction of the index of a planned law `[-]`; 0 leaves the material's.
+    pub index_reach: f64,
+    /// Largest further correction of the melt's part in a nozzle that has narrowed `[-]`; 0 leaves what its dip told.
+    pub narrowed_reach: f64,
     /// How fast the correction follows `[1/s]`: times K it is the relative width error of a straight.
     pub slew_1_s: f64,
     /// Scatter of widths that no advance explains, relative `[-]`.
@@ -82,12 +86,12 @@ impl RawAdvance {
     /// Learning as it counts for the source at a level: a planned law asks more of the drive than nominal only where the plan
     /// can slow the print.
     pub(crate) fn learning_at(&self, level: Level) -> RawLearning {
-        let reach = match (self.source, level) {
-            (AdvanceSource::Planned, Level::Mpc) => self.learning.planned_reach,
-            (AdvanceSource::Planned, _) => 0.0,
-            _ => self.learning.reach,
+        let (reach, index_reach) = match (self.source, level) {
+            (AdvanceSource::Planned, Level::Mpc) => (self.learning.planned_reach, self.learning.index_reach),
+            (AdvanceSource::Planned, _) => (0.0, 0.0),
+            _ => (self.learning.reach, 0.0),
         };
-        RawLearning { reach, ..self.learning }
+        RawLearning { reach, index_reach, ..self.learning }
     }
 
     pub(super) fn check(&self) -> Result<(), ParamError> {
@@ -105,6 +109,8 @@ impl RawAdvance {
         let learning = &self.learning;
         in_range("advance.learning.reach", learning.reach, "-", (0.0, 0.5))?;
         in_range("advance.learning.planned_reach", learning.planned_reach, "-", (0.0, 0.5))?;
+        in_range("advance.learning.index_reach", learning.index_reach, "-", (0.0, 0.3))?;
+        in_range("advance.learning.narrowed_reach", learning.narrowed_reach, "-", (0.0, 1.0))?;
         in_range("advance.learning.slew_1_s", learning.slew_1_s, "1/s", (1e-5, 10.0))?;
         in_range("advance.learning.width_noise", learning.width_noise, "-", (0.001, 1.0))?;
         in_range("advance.learning.frames", learning.frames, "-", (2.0, 1e5))?;

@@ -96,7 +96,15 @@ impl Filter {
             Verdict::Stepped => {
                 self.steps += 1;
                 let doubt = self.doubt(run, channel);
-                run.ukf.inflate(&doubt);
+                if channel == Channel::Width && run.slip_by_widths() {
+                    // what was taken for the spool's beside the old slip is none of the new one's
+                    run.ukf.freeze(state::SLIP);
+                    run.ukf.inflate(&doubt);
+                    // the frame that tells of the step tells its size, too
+                    run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x));
+                } else {
+                    run.ukf.inflate(&doubt);
+                }
                 true
             }
         }

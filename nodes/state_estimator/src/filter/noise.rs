@@ -88,11 +88,8 @@ impl Filter {
             (process.slip_unseen, ANY_SLIP)
         };
         let walked = walk * (run.blind_s / process.reference_period_s).sqrt();
-        let kept = (1.0 - x[state::SLIP]).max(LEAST_KEPT);
-        let mut along = State::zeros();
-        along[state::SLIP] = 1.0;
-        along[state::FLOW] = -x[state::FLOW] / kept;
-        along[state::GAIN] = if run.width_alive { x[state::GAIN] / kept } else { 0.0 };
+        let mut along = slipping(x);
+        along[state::GAIN] = if run.width_alive { x[state::GAIN] / kept(x) } else { 0.0 };
         along * along.transpose() * walked.min(most).powi(2)
     }
 
@@ -107,12 +104,29 @@ impl Filter {
             }
             Channel::Nozzle => deviations[state::NOZZLE] = self.params.nozzle_sensor.step_std_k,
             Channel::Encoder => deviations[state::SLIP] = self.params.encoder.step_std,
-            // a spool does not step: where nobody watches the gear, that does
-            Channel::Width if run.slip_by_widths() => deviations[state::SLIP] = self.params.encoder.step_std,
+            // a spool does not step: where nobody watches the gear, that does, and the flow has followed it meanwhile
+            Channel::Width if run.slip_by_widths() => {
+                let along = slipping(&run.ukf.belief().mean) * self.params.widths_alone.step_std;
+                return along * along.transpose();
+            }
             Channel::Width => deviations[state::GAIN] = self.params.width.step_std,
         }
         variances(deviations)
     }
+}
+
+/// What one of slip makes of slip and flow, once the flow has followed it.
+fn slipping(x: &State) -> State {
+    let mut along = State::zeros();
+    along[state::SLIP] = 1.0;
+    along[state::FLOW] = -x[state::FLOW] / kept(x);
+
+    along
+}
+
+/// Share of the feed that gets through `[-]`.
+fn kept(x: &State) -> f64 {
+    (1.0 - x[state::SLIP]).max(LEAST_KEPT)
 }
 
 impl Running {

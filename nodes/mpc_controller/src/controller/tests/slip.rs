@@ -19,6 +19,26 @@ fn without_an_encoder_the_extruder_loop_is_open() {
     }
 }
 
+/// The slip that widths tell of is fed in addition: the flow that it takes in the estimate is no error to correct once more.
+#[test]
+fn what_a_slip_by_widths_takes_is_made_up_for_once() {
+    let none_fitted = SHIPPED.replace("encoder_fitted: true ", "encoder_fitted: false ");
+    let thin = |width_alive| {
+        move |estimate| Estimate {
+            encoder_alive: false,
+            width_alive,
+            slip: 0.1,
+            flow_m_s: 0.9 * FEED_M_S,
+            ..estimate
+        }
+    };
+    for (width_alive, corrects) in [(true, false), (false, true)] {
+        let sent = Rig::of(made_of(&none_fitted, Level::Mpc)).run(399, thin(width_alive));
+        let most = sent.iter().map(|trims| (trims.flow - 1.0).abs()).fold(0.0, f64::max);
+        assert_eq!(most > 0.01, corrects, "{most}");
+    }
+}
+
 #[test]
 fn a_host_without_a_loop_gets_the_shortfall_as_slip() {
     let mut controller = controller(Level::Encoder);

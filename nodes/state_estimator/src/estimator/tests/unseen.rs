@@ -37,6 +37,25 @@ fn a_slip_that_has_widths_rejected_is_no_gain() {
     assert!((estimate.x[state::GAIN] - 1.0).abs() < 0.05, "{}", estimate.x[state::GAIN]);
 }
 
+/// A slip of 9 % more that four widths tell of: the flow has followed it meanwhile, so that the frame that tells of the step tells
+/// its size. Put down to a flow that had not, it would be told twice as large.
+#[test]
+fn a_slip_that_widths_tell_of_is_told_at_once_and_no_larger_than_it_is() {
+    let mut rig = Rig::new();
+    rig.encoder = false;
+    let before = rig.run(3000).steps;
+    rig.slip = 0.10;
+    let told: Vec<_> = (0..120).map(|_| rig.run(5)).skip_while(|estimate| estimate.steps == before).collect();
+    assert!(told.len() > 60, "within 3 s: {}", told.len());
+    let slip = |estimate: &Estimate| estimate.x[state::SLIP];
+    assert!((0.07..0.12).contains(&slip(&told[0])), "{}", slip(&told[0]));
+    assert!(
+        told.iter().all(|estimate| slip(estimate) < 0.12),
+        "{:?}",
+        told.iter().map(slip).fold(0.0, f64::max)
+    );
+}
+
 /// Strokes of 0.3 mm, 5 times a second: where the law is off by some per cent at their phases, widths put that down to slip and
 /// gain. A slip of 10 % more is told as such beside it.
 #[test]
