@@ -149,12 +149,13 @@ impl Advance {
     }
 
     /// Follows feed and outlet, for what frames will show of them. `melt` is the nominal law of melt and filament now, `None`
-    /// while it is not known, and whether the nozzle has narrowed.
+    /// while it is not known, and whether the nozzle has narrowed. Returns how much more
+    /// a planned law holds at this feed by what was learnt since `[m]`: the nozzle holds what it holds already.
     pub(crate) fn on_status(
         &mut self,
         status: &PrinterStatus,
         (melt, is_narrowed): (Option<AdvanceLaw>, bool),
-    ) {
+    ) -> f64 {
         self.learning.set_narrowed(is_narrowed);
         let foretold = match self.settings.source {
             AdvanceSource::Planned => melt.map(|law| Foretold {
@@ -165,9 +166,8 @@ impl Advance {
             }),
             _ => self.foretold(status.stamp.0),
         };
-        if let Some(foretold) = foretold {
-            self.learning.on_status(status, &foretold);
-        }
+        let grown_m = foretold.map(|foretold| self.learning.on_status(status, &foretold));
+        grown_m.filter(|_| self.settings.source == AdvanceSource::Planned).unwrap_or(0.0)
     }
 
     /// A width; how much more a nozzle that has narrowed is known to hold since then `[m]`.

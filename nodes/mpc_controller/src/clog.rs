@@ -57,9 +57,9 @@ impl Clog {
         self.dips.rest(now_s)
     }
 
-    /// Whether a dip has told that the nozzle may have narrowed, or come free.
+    /// Whether a dip has told that the nozzle may have narrowed, or come free, by no more than can be followed.
     pub(crate) fn is_suspected(&self) -> bool {
-        self.dips.has_begun()
+        self.dips.has_begun() && !self.beyond
     }
 
     /// A frame of a steady road while the encoder speaks. A nozzle that needs more than `force_max` is not followed: the drive

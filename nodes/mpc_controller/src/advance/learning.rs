@@ -112,8 +112,9 @@ impl Learning {
         self.is_narrowed = is_narrowed;
     }
 
-    /// Follows the feed behind the foretold lag.
-    pub(crate) fn on_status(&mut self, status: &PrinterStatus, foretold: &Foretold) {
+    /// Follows the feed behind the foretold lag, and returns how much more the law with what was learnt holds at it since the last
+    /// status `[m]`.
+    pub(crate) fn on_status(&mut self, status: &PrinterStatus, foretold: &Foretold) -> f64 {
         let stamp_s = status.stamp.0;
         let feed_m_s = (status.planned_feed_m_s * status.trims.flow * status.trims.speed).max(0.0);
         let (before_s, before_m_s) = self.before.replace((stamp_s, feed_m_s)).unwrap_or((stamp_s, feed_m_s));
@@ -123,14 +124,17 @@ impl Learning {
         }
         let most = self.settings.slew_1_s * dt_s.clamp(0.0, 1.0);
         let goal = self.goal();
+        let before_learnt = self.learnt;
         self.learnt.factor += (goal.factor - self.learnt.factor).clamp(-most, most);
         self.learnt.index += (goal.index - self.learnt.index).clamp(-most, most);
+        let grown_m = [self.learnt, before_learnt].map(|learnt| learnt.of(foretold.law).held_m(feed_m_s));
+        let grown_m = grown_m[0] - grown_m[1];
         let (law, shares) = self.executed(status, foretold);
         let wanted_m = parts_m(&law, feed_m_s, SLOW_M_S);
         if !(foretold.advance_s > 0.0 && (0.0..=foretold.advance_s).contains(&dt_s)) {
             self.held_m = wanted_m;
             self.since_s = None;
-            return;
+            return grown_m;
         }
         let factor = self.learnt.factor;
         let slope_s = |at_m_s: f64| law.lag_s(at_m_s.max(SLOW_M_S));
@@ -143,7 +147,7 @@ impl Learning {
             (status.target_width_m, status.layer_height_m, status.depositing && feed_m_s > 0.0)
         else {
             self.since_s = None;
-            return;
+            return grown_m;
         };
         let since_s = *self.since_s.get_or_insert(stamp_s);
         let sides = height_m * ROUND_SIDES / target_width_m;
@@ -160,6 +164,7 @@ impl Learning {
             factor,
             melt_m: wanted_m[2],
         });
+        grown_m
     }
 
     /// Learns from the width of a road that was laid at `exposed_s`, and returns how much more a nozzle that has narrowed is known

@@ -35,8 +35,7 @@ fn coming(rig: &mut Rig) -> MotionTrim {
     rig.controller.on_coming(now, 1, &line()).unwrap()
 }
 
-/// What lacked, about 0.25 x 1.25 s of the feed, is held: it is what the law has grown by at that feed, and is not pushed,
-/// but for the few per cent of the law that widths teach meanwhile.
+/// What lacked, about 0.25 x 1.25 s of the feed, is held: it is what the law has grown by at that feed, and is not pushed.
 #[test]
 fn laws_grow_by_what_a_dip_took_from_the_roads_and_push_none_of_it() {
     let (_, before, after) = after_a_dip(|estimate| estimate);
@@ -46,7 +45,7 @@ fn laws_grow_by_what_a_dip_took_from_the_roads_and_push_none_of_it() {
     assert!(after.advance.shear > 1.3 * before.advance.shear, "{before:?} {after:?}");
     assert!((after.advance.linear_s / before.advance.linear_s - 1.0).abs() < 0.05, "{before:?} {after:?}");
     let pushed_m = after.advance.held_m(FEED_M_S) - after.carried_m - before.advance.held_m(FEED_M_S);
-    assert!(pushed_m.abs() < 0.15 * after.carried_m, "{pushed_m} of {} m", after.carried_m);
+    assert!(pushed_m.abs() < 0.1 * after.carried_m, "{pushed_m} of {} m", after.carried_m);
 }
 
 /// Nobody vouches for the feed: what lacks may not have been fed.
