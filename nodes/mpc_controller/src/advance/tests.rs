@@ -256,3 +256,10 @@ fn a_source_that_a_level_or_a_host_cannot_have_in_force_is_told_as_what_is() {
         }
     }
 }
+
+impl Advance {
+    /// Frames that the learning has taken in, older ones for less.
+    pub(crate) fn frames_learnt(&self) -> f64 {
+        self.learning.frames()
+    }
+}

@@ -44,7 +44,7 @@ fn frames_with_a_large_lever_are_left_out() {
             let since_s = TICK_S * f64::from(step);
             let mut learning = stepped(RawLearning { lever_max, ..LEARNING }, since_s);
             learning.on_width(BEGUN_S + since_s, TARGET_M);
-            let is_taught = learning.fit.weight() > 0.0;
+            let is_taught = learning.frames() > 0.0;
             assert_eq!(
                 is_taught,
                 lever(since_s) <= lever_max,
@@ -99,6 +99,12 @@ fn a_frame_far_before_its_status_is_no_pair() {
         let next_s = BEGUN_S + 0.5;
         learning.on_status(&status(next_s, STEP_M_S[1]), &foretold());
         learning.on_width(next_s - before_s, TARGET_M);
-        assert_eq!(learning.fit.weight() > 0.0, is_pair, "{pairing_s} s, {before_s} s before");
+        assert_eq!(learning.frames() > 0.0, is_pair, "{pairing_s} s, {before_s} s before");
+    }
+}
+
+impl Learning {
+    pub(in crate::advance) fn frames(&self) -> f64 {
+        self.fit.weight()
     }
 }

@@ -234,6 +234,32 @@ fn the_index_of_a_planned_law_is_learnt() {
     assert!(learnt(0.03).index - LAW.index < 0.03 + 1e-12);
 }
 
+/// A nozzle that has narrowed needs its melt's part 1.3 times: at each frame what is learnt of that is told, as much as it makes of the
+/// melt's part at the feeds of the frames. Once it is sound again nothing of it is left.
+#[test]
+fn what_a_narrowed_nozzle_holds_more_is_learnt_at_once_and_told() {
+    let printer = StaticLaw::of_compression(LAW.index, 1.3 * LAW.shear, LAW.linear_s);
+    let foretold = Foretold { advance_s: 0.416, law: LAW, ..foretold() };
+    let mut learning = Learning::new(RawLearning { reach: 1e-3, narrowed_reach: 0.5, ..LEARNING });
+    learning.set_narrowed(true);
+    let (mut told_m, mut frames) = (0.0, 0);
+    printed_with_law((&printer, feed_m_s), |status, width| {
+        learning.on_status(status, &foretold);
+        if let Some((at_s, width_m)) = width {
+            let more_m = learning.on_width(at_s, width_m);
+            told_m += more_m;
+            frames += u32::from(more_m != 0.0);
+        }
+        learning.learnt().of(LAW)
+    });
+    let narrowed = learning.learnt().narrowed;
+    assert!((narrowed - 0.3).abs() < 0.05 && frames > 20, "{narrowed} {frames}");
+    let at = |feed_m_s: f64| narrowed * LAW.shear * feed_m_s.powf(LAW.index);
+    assert!((at(0.9e-3)..at(3.1e-3)).contains(&told_m), "{told_m} m");
+    learning.set_narrowed(false);
+    assert!(learning.learnt().narrowed.abs() < 1e-15);
+}
+
 /// A law that goes on growing by what was learnt, at one feed: what it holds more there is told, so that nothing is pushed for it. A
 /// predicted law is sent without what the nozzle is said to hold.
 #[test]

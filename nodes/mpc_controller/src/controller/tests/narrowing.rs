@@ -55,6 +55,24 @@ fn without_an_encoder_a_dip_tells_of_no_force() {
     assert!(after.carried_m.abs() < 1e-15, "{after:?}");
 }
 
+/// What lacks in a dip is no error of the law: its frames teach nothing of it, those before and behind it do.
+#[test]
+fn a_dip_teaches_nothing_of_the_law() {
+    let mut rig = Rig::new(Level::Mpc);
+    let frames = |rig: &mut Rig, lacking: &[f64]| {
+        let before = rig.controller.advance.frames_learnt();
+        lacking.iter().for_each(|lacking| see(rig, *lacking, |estimate| estimate));
+        rig.controller.advance.frames_learnt() - before
+    };
+    assert!(frames(&mut rig, &[0.0; 6]) > 4.0);
+    // the frame that begins it is the first that may be known
+    assert!(frames(&mut rig, &[0.3, 0.28, 0.26, 0.24]) < 1.1);
+    frames(&mut rig, &[0.1, 0.03]);
+    see(&mut rig, 0.0, |estimate| estimate);
+    rig.run(100, |estimate| estimate);
+    assert!(frames(&mut rig, &[0.0; 4]) > 3.0);
+}
+
 /// Whoever paused may have cleaned the nozzle.
 #[test]
 fn a_pause_forgets_the_clog() {
