@@ -64,7 +64,7 @@ pub(crate) struct Learning {
     fit: Fit,
     /// The nozzle has narrowed, and the foretold law with it.
     is_narrowed: bool,
-    /// In force: factor and index follow what the frames say slowly, since a change while a road is laid is itself a width error.
+    /// In force. Factor and index follow what the frames say slowly: of one K, a change while a road is laid is itself a width error.
     learnt: Learnt,
 }
 
@@ -103,6 +103,15 @@ impl Learning {
         self.fit.learnt(width_noise, Triple::new(reach, index_reach, narrowed_reach))
     }
 
+    /// Lets factor and index go towards what the frames say; how much more `held_m` is by it.
+    fn follow_goal(&mut self, dt_s: f64, held_m: impl Fn(&Learnt) -> f64) -> f64 {
+        let most = self.settings.slew_1_s * dt_s.clamp(0.0, 1.0);
+        let (goal, before_m) = (self.goal(), held_m(&self.learnt));
+        self.learnt.factor += (goal.factor - self.learnt.factor).clamp(-most, most);
+        self.learnt.index += (goal.index - self.learnt.index).clamp(-most, most);
+        held_m(&self.learnt) - before_m
+    }
+
     /// The nozzle has narrowed, or is sound.
     pub(crate) fn set_narrowed(&mut self, is_narrowed: bool) {
         if self.is_narrowed && !is_narrowed {
@@ -122,13 +131,7 @@ impl Learning {
         if (feed_m_s - before_m_s).abs() > CALM * feed_m_s.max(before_m_s) {
             self.calm_since_s = stamp_s;
         }
-        let most = self.settings.slew_1_s * dt_s.clamp(0.0, 1.0);
-        let goal = self.goal();
-        let before_learnt = self.learnt;
-        self.learnt.factor += (goal.factor - self.learnt.factor).clamp(-most, most);
-        self.learnt.index += (goal.index - self.learnt.index).clamp(-most, most);
-        let grown_m = [self.learnt, before_learnt].map(|learnt| learnt.of(foretold.law).held_m(feed_m_s));
-        let grown_m = grown_m[0] - grown_m[1];
+        let grown_m = self.follow_goal(dt_s, |learnt| learnt.of(foretold.law).held_m(feed_m_s));
         let (law, shares) = self.executed(status, foretold);
         let wanted_m = parts_m(&law, feed_m_s, SLOW_M_S);
         if !(foretold.advance_s > 0.0 && (0.0..=foretold.advance_s).contains(&dt_s)) {
@@ -192,9 +195,9 @@ impl Learning {
         if !self.is_narrowed {
             return 0.0;
         }
-        let goal = self.goal();
-        let before = std::mem::replace(&mut self.learnt.narrowed, goal.narrowed);
-        (self.learnt.narrowed - before) * moment.melt_m
+        let (before, now) = (self.learnt.narrowed, self.goal().narrowed);
+        self.learnt.narrowed = now;
+        (now - before) * moment.melt_m
     }
 }
 
