@@ -149,14 +149,14 @@ impl Advance {
     }
 
     /// Follows feed and outlet, for what frames will show of them. `melt` is the nominal law of melt and filament now, `None`
-    /// while it is not known, and whether the nozzle has narrowed. Returns how much more
+    /// while it is not known, and the share of `narrowed_reach` that is open: 0 for a sound nozzle. Returns how much more
     /// a planned law holds at this feed by what was learnt since `[m]`: the nozzle holds what it holds already.
     pub(crate) fn on_status(
         &mut self,
         status: &PrinterStatus,
-        (melt, is_narrowed): (Option<AdvanceLaw>, bool),
+        (melt, doubt): (Option<AdvanceLaw>, f64),
     ) -> f64 {
-        self.learning.set_narrowed(is_narrowed);
+        self.learning.set_doubt(doubt);
         let foretold = match self.settings.source {
             AdvanceSource::Planned => melt.map(|law| Foretold {
                 advance_s: law.advance_s(status.planned_feed_m_s.max(SLOW_M_S)),

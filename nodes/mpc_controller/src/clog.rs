@@ -11,6 +11,9 @@ use crate::params::RawClog;
 pub(crate) use dip::{Dips, Look};
 use models::command::AdvanceLaw;
 
+/// Share of what is open of a force that its dip has told `[-]`: it tells a force of 1.4 to 2.5 to some per cent.
+const TOLD_DOUBT: f64 = 0.3;
+
 /// The force factor rho, and what is held for it.
 #[derive(Debug, Clone)]
 pub(crate) struct Clog {
@@ -57,9 +60,14 @@ impl Clog {
         self.dips.rest(now_s)
     }
 
-    /// Whether a dip has told that the nozzle may have narrowed, or come free, by no more than can be followed.
-    pub(crate) fn is_suspected(&self) -> bool {
-        self.dips.has_begun() && !self.beyond
+    /// How much is open of a nozzle's force since a dip has begun: all where it was cut off before it told any, none without a dip
+    /// or behind one that cannot be followed `[-]`.
+    pub(crate) fn doubt(&self) -> f64 {
+        match (self.dips.has_begun() && !self.beyond, self.factor > 1.0) {
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+            (true, true) => TOLD_DOUBT,
+        }
     }
 
     /// A frame of a steady road while the encoder speaks. A nozzle that needs more than `force_max` is not followed: the drive

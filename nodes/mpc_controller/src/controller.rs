@@ -191,7 +191,7 @@ impl Controller {
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
         status.trims.slip.into_iter().for_each(|slip| self.catch_up.on_in_force(status.stamp.0, slip));
         let melt = law.map(|law| self.clog.law(law.advance()));
-        let grown_m = self.advance.on_status(status, (melt, self.clog.is_suspected()));
+        let grown_m = self.advance.on_status(status, (melt, self.clog.doubt()));
         self.clog.carry(grown_m);
         self.roads.on_status(status, self.excess_m, self.params.clog.feed_spread);
         if self.status.is_none_or(|before| self.unsteady(&before, status)) {

@@ -62,8 +62,8 @@ pub(crate) struct Learning {
     calm_since_s: f64,
     moments: VecDeque<Moment>,
     fit: Fit,
-    /// The nozzle has narrowed, and the foretold law with it.
-    is_narrowed: bool,
+    /// Share of `narrowed_reach` that is open; 0 in a sound nozzle.
+    doubt: f64,
     /// In force. Factor and index follow what the frames say slowly: of one K, a change while a road is laid is itself a width error.
     learnt: Learnt,
 }
@@ -78,7 +78,7 @@ impl Learning {
             calm_since_s: f64::NEG_INFINITY,
             moments: VecDeque::with_capacity(STATUSES),
             fit: Fit::default(),
-            is_narrowed: false,
+            doubt: 0.0,
             learnt: Learnt::NOTHING,
         }
     }
@@ -100,7 +100,7 @@ impl Learning {
 
     fn goal(&self) -> Learnt {
         let RawLearning { reach, index_reach, narrowed_reach, width_noise, .. } = self.settings;
-        self.fit.learnt(width_noise, Triple::new(reach, index_reach, narrowed_reach))
+        self.fit.learnt(width_noise, Triple::new(reach, index_reach, narrowed_reach * self.doubt))
     }
 
     /// Lets factor and index go towards what the frames say; how much more `held_m` is by it.
@@ -112,13 +112,13 @@ impl Learning {
         held_m(&self.learnt) - before_m
     }
 
-    /// The nozzle has narrowed, or is sound.
-    pub(crate) fn set_narrowed(&mut self, is_narrowed: bool) {
-        if self.is_narrowed && !is_narrowed {
+    /// The nozzle has narrowed, by a force of which so much is open, or is sound: 0.
+    pub(crate) fn set_doubt(&mut self, doubt: f64) {
+        if self.doubt > 0.0 && doubt <= 0.0 {
             self.fit.forget_narrowing();
             self.learnt.narrowed = 0.0;
         }
-        self.is_narrowed = is_narrowed;
+        self.doubt = doubt;
     }
 
     /// Follows the feed behind the foretold lag, and returns how much more the law with what was learnt holds at it since the last
@@ -188,11 +188,11 @@ impl Learning {
             (width_m / moment.target_width_m - 1.0).clamp(-self.settings.error_max, self.settings.error_max);
         // A feed that the loop itself has trimmed on that error would teach its own answer.
         let is_own = moment.levers[0].abs() < self.settings.lever_min;
-        let seen = Triple::new(1.0, 1.0, if self.is_narrowed { 1.0 } else { 0.0 });
+        let seen = Triple::new(1.0, 1.0, if self.doubt > 0.0 { 1.0 } else { 0.0 });
         let levers = if is_own { Triple::zeros() } else { moment.levers.component_mul(&seen) };
         let answer = moment.shares.dot(&levers) - moment.factor * error;
         self.fit.take(levers, answer, 1.0 - 1.0 / self.settings.frames);
-        if !self.is_narrowed {
+        if self.doubt <= 0.0 {
             return 0.0;
         }
         let (before, now) = (self.learnt.narrowed, self.goal().narrowed);

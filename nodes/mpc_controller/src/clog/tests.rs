@@ -179,19 +179,22 @@ fn a_faster_road_cuts_a_dip_off_before_it_is_settled() {
     let factor_after = |lasts_s: f64, unsettled: f64| {
         let (mut melt, mut clog) = (Melt::steady(), Clog::new(SETTINGS));
         melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
-        assert!(!clog.is_suspected());
+        assert!(clog.doubt() <= 0.0);
         melt.run(&mut clog, (lasts_s, 0.25), 2.0, 1.0);
         clog.on_unsettled(unsettled * FEED_M_S);
-        (clog.factor(), clog.is_suspected(), clog.rest(melt.now_s + 30.0))
+        (clog.factor(), clog.doubt(), clog.rest(melt.now_s + 30.0))
     };
-    let (told, is_suspected, rest) = factor_after(1.2, 2.0);
-    assert!((told / 2.0 - 1.0).abs() < 0.2 && is_suspected && rest < 1e-3, "{told} {rest}");
+    let (told, doubt, rest) = factor_after(1.2, 2.0);
+    assert!(
+        (told / 2.0 - 1.0).abs() < 0.2 && (doubt - TOLD_DOUBT).abs() < 1e-15 && rest < 1e-3,
+        "{told} {rest}"
+    );
     let (slower, _, _) = factor_after(1.2, 0.5);
     assert!((slower - 1.0).abs() < 1e-15, "{slower}");
-    let (single, is_suspected, _) = factor_after(0.3, 2.0);
-    assert!((single - 1.0).abs() < 1e-15 && is_suspected, "{single}");
+    let (single, doubt, _) = factor_after(0.3, 2.0);
+    assert!((single - 1.0).abs() < 1e-15 && (doubt - 1.0).abs() < 1e-15, "{single}");
     let (_, narrow) = narrowed(5.0, 0.25);
-    assert!(narrow.is_beyond() && !narrow.is_suspected());
+    assert!(narrow.is_beyond() && narrow.doubt() <= 0.0);
 }
 
 /// The dip is there until it has faded, by its own time constant.

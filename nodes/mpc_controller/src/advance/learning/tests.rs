@@ -194,7 +194,7 @@ pub(crate) fn taught(source: AdvanceSource, level: Level) -> (Advance, f64) {
 
 fn print_and_learn(advance: &mut Advance, plant: (&StaticLaw, impl Fn(f64) -> f64)) -> AdvanceLaw {
     printed_with_law(plant, |status, width| {
-        advance.on_status(status, (Some(LAW), false));
+        advance.on_status(status, (Some(LAW), 0.0));
         if let Some((at_s, width_m)) = width {
             advance.on_width(Seconds(at_s), width_m);
         }
@@ -241,7 +241,7 @@ fn what_a_narrowed_nozzle_holds_more_is_learnt_at_once_and_told() {
     let printer = StaticLaw::of_compression(LAW.index, 1.3 * LAW.shear, LAW.linear_s);
     let foretold = Foretold { advance_s: 0.416, law: LAW, ..foretold() };
     let mut learning = Learning::new(RawLearning { reach: 1e-3, narrowed_reach: 0.5, ..LEARNING });
-    learning.set_narrowed(true);
+    learning.set_doubt(1.0);
     let (mut told_m, mut frames) = (0.0, 0);
     printed_with_law((&printer, feed_m_s), |status, width| {
         learning.on_status(status, &foretold);
@@ -256,7 +256,7 @@ fn what_a_narrowed_nozzle_holds_more_is_learnt_at_once_and_told() {
     assert!((narrowed - 0.3).abs() < 0.05 && frames > 20, "{narrowed} {frames}");
     let at = |feed_m_s: f64| narrowed * LAW.shear * feed_m_s.powf(LAW.index);
     assert!((at(0.9e-3)..at(3.1e-3)).contains(&told_m), "{told_m} m");
-    learning.set_narrowed(false);
+    learning.set_doubt(0.0);
     assert!(learning.learnt().narrowed.abs() < 1e-15);
 }
 
@@ -275,7 +275,7 @@ fn what_a_planned_law_grows_by_is_told() {
             .map(|step| {
                 let at_s = 200.0 + 0.02 * f64::from(step);
                 let acting = Trims { advance_s: Some(0.5), ..Trims::NEUTRAL };
-                advance.on_status(&PrinterStatus { trims: acting, ..status(at_s, 2e-3) }, (Some(LAW), false))
+                advance.on_status(&PrinterStatus { trims: acting, ..status(at_s, 2e-3) }, (Some(LAW), 0.0))
             })
             .sum();
         let expected_m = advance.with_learnt(LAW).held_m(2e-3) - before.held_m(2e-3);
