@@ -84,14 +84,16 @@ pub struct RawLearning {
 
 impl RawAdvance {
     /// Learning as it counts for the source at a level: a planned law asks more of the drive than nominal only where the plan
-    /// can slow the print.
+    /// can slow the print, and of any other law nothing is learnt but its factor.
     pub(crate) fn learning_at(&self, level: Level) -> RawLearning {
-        let (reach, index_reach) = match (self.source, level) {
-            (AdvanceSource::Planned, Level::Mpc) => (self.learning.planned_reach, self.learning.index_reach),
-            (AdvanceSource::Planned, _) => (0.0, 0.0),
-            _ => (self.learning.reach, 0.0),
-        };
-        RawLearning { reach, index_reach, ..self.learning }
+        let alone = RawLearning { index_reach: 0.0, narrowed_reach: 0.0, ..self.learning };
+        match (self.source, level) {
+            (AdvanceSource::Planned, Level::Mpc) => {
+                RawLearning { reach: self.learning.planned_reach, ..self.learning }
+            }
+            (AdvanceSource::Planned, _) => RawLearning { reach: 0.0, ..alone },
+            _ => alone,
+        }
     }
 
     pub(super) fn check(&self) -> Result<(), ParamError> {

@@ -96,16 +96,17 @@ impl Filter {
             Verdict::Stepped => {
                 self.steps += 1;
                 let doubt = self.doubt(run, channel);
-                if channel == Channel::Width && run.slip_by_widths() {
-                    // what was taken for the spool's beside the old slip is none of the new one's
-                    run.ukf.freeze(state::SLIP);
+                if channel != Channel::Width || !run.slip_by_widths() {
                     run.ukf.inflate(&doubt);
-                    // the frame that tells of the step tells its size, too
-                    run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x));
-                } else {
-                    run.ukf.inflate(&doubt);
+                    return true;
                 }
-                true
+                // what was taken for the spool's beside the old slip is none of the new one's
+                run.ukf.freeze(state::SLIP);
+                run.ukf.inflate(&doubt);
+                // the frame that tells of the step tells its size, too
+                let again =
+                    run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x));
+                !matches!(again, Update::Diverged)
             }
         }
     }
