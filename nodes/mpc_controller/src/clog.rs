@@ -60,8 +60,8 @@ impl Clog {
         self.dips.rest(now_s)
     }
 
-    /// How much is open of a nozzle's force since a dip has begun: all where it was cut off before it told any, none without a dip
-    /// or behind one that cannot be followed `[-]`.
+    /// How much is open of a nozzle's force since a dip has begun: all where it was cut off before it told any or the nozzle
+    /// has come free, none without a dip or behind one that cannot be followed `[-]`.
     pub(crate) fn doubt(&self) -> f64 {
         match (self.dips.has_begun() && !self.beyond, self.factor > 1.0) {
             (false, _) => 0.0,
@@ -73,26 +73,27 @@ impl Clog {
     /// A frame of a steady road while the encoder speaks. A nozzle that needs more than `force_max` is not followed: the drive
     /// could not push so much.
     pub(crate) fn on_look(&mut self, look: Look) {
-        let sound_m = look.melt_m;
-        if let Some(held_m) = self.dips.on_look(Look { melt_m: self.factor * sound_m, ..look }) {
-            self.follow(held_m, sound_m);
+        let melt_m = self.factor * look.melt_m;
+        if let Some(held_m) = self.dips.on_look(Look { melt_m, ..look }) {
+            self.follow(held_m, melt_m);
         }
     }
 
     /// The same of a road that is not settled, at a feed `[m/s]`.
     pub(crate) fn on_unsettled(&mut self, feed_m_s: f64) {
-        if let Some((held_m, sound_m)) = self.dips.on_unsettled(feed_m_s) {
-            self.follow(held_m, sound_m / self.factor);
+        if let Some((held_m, melt_m)) = self.dips.on_unsettled(feed_m_s) {
+            self.follow(held_m, melt_m);
         }
     }
 
-    fn follow(&mut self, held_m: f64, sound_m: f64) {
+    /// The nozzle holds so much more than the `melt_m` of its law.
+    fn follow(&mut self, held_m: f64, melt_m: f64) {
         let before = self.factor;
-        let factor = (before + held_m / sound_m).max(1.0);
+        let factor = (before * (1.0 + held_m / melt_m)).max(1.0);
         self.beyond = factor > self.settings.force_max;
         if !self.beyond {
             self.factor = factor;
-            self.carry((factor - before) * sound_m);
+            self.carry((factor / before - 1.0) * melt_m);
         }
     }
 }

@@ -3,6 +3,9 @@
 use super::{Refusal, Refusals};
 use crate::units::Seconds;
 
+/// Least flow index of a melt `[-]`.
+const LEAST_INDEX: f64 = 0.05;
+
 /// Trims of one coming move; a host that streams the file, or plans it, executes them with the move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionTrim {
@@ -33,9 +36,6 @@ pub struct AdvanceLaw {
     /// Flow index n `[-]`, in `(0, 1]`.
     pub index: f64,
 }
-
-/// Least flow index of a melt `[-]`.
-const LEAST_INDEX: f64 = 0.05;
 
 impl AdvanceLaw {
     /// One `K_A` `[s]` at every feed.

@@ -120,7 +120,6 @@ fn slipping(x: &State) -> State {
     let mut along = State::zeros();
     along[state::SLIP] = 1.0;
     along[state::FLOW] = -x[state::FLOW] / kept(x);
-
     along
 }
 
