@@ -58,6 +58,14 @@ impl<const N: usize> Engine<N> {
         }
     }
 
+    fn set_mean(&mut self, mean: SVector<f64, N>) {
+        match self {
+            Self::SquareRoot(filter) => filter.set_mean(mean),
+            Self::Unscented(filter) => filter.set_mean(mean),
+            Self::Extended(filter) => filter.set_mean(mean),
+        }
+    }
+
     /// Adds to the covariance: for a state that may have jumped.
     pub fn inflate(&mut self, addition: &SMatrix<f64, N, N>) {
         self.set_covariance(self.belief().covariance + addition);
@@ -72,6 +80,16 @@ impl<const N: usize> Engine<N> {
         covariance.column_mut(index).fill(0.0);
         covariance[(index, index)] = own;
         self.set_covariance(covariance);
+    }
+
+    /// Raises a state that cannot be below `least`, and with it what is known together with it; the covariance stays.
+    pub fn raise(&mut self, index: usize, least: f64) {
+        let Gaussian { mean, covariance } = self.belief();
+        let (lacking, own) = (least - mean[index], covariance[(index, index)]);
+        if lacking > 0.0 && own > 0.0 {
+            let moved = mean + covariance.column(index) * (lacking / own);
+            self.set_mean(moved);
+        }
     }
 
     /// Carries the belief through `process` and adds `noise`.
@@ -224,6 +242,21 @@ mod tests {
                 assert!(!matches!(update, Update::Applied(_)), "{form:?} {broken}");
             }
             assert_eq!(filter, Engine::new(form, prior, SPREAD));
+        }
+    }
+
+    /// Half a unit up, 0.4 of the other: what its correlation says. Nothing moves a state that is above.
+    #[test]
+    fn a_state_is_raised_with_what_is_known_together_with_it() {
+        for form in [Form::SquareRoot, Form::Unscented, Form::Extended] {
+            let prior = Gaussian { mean: vector![-0.5, 1.0], covariance: matrix![1.0, 0.8; 0.8, 1.0] };
+            let mut filter = Engine::new(form, prior, SPREAD);
+            filter.raise(1, 0.0);
+            assert_eq!(*filter.belief(), prior);
+            filter.raise(0, 0.0);
+            let belief = filter.belief();
+            assert!(belief.mean[0].abs() < 1e-12 && (belief.mean[1] - 1.4).abs() < 1e-12);
+            assert_eq!(belief.covariance, prior.covariance);
         }
     }
 

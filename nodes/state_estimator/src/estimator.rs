@@ -55,6 +55,8 @@ pub struct Estimate {
     pub resets: u64,
     /// Variance of each channel's noise over the configured one, as adapted from its innovations.
     pub noise_scale: [f64; CHANNELS],
+    /// Length that is held compressed over what the material file says, as learnt from widths.
+    pub melt_lag: f64,
     /// What the estimator says of its own work.
     pub health: EstimateHealth,
     /// Samples not used.
@@ -223,6 +225,7 @@ impl Estimator {
             steps: self.filter.steps(),
             resets: self.filter.resets(),
             noise_scale: self.filter.noise_scale(),
+            melt_lag: self.filter.melt_lag(),
             health: self.filter.health(now_s),
             refusals: self.refusals,
         })

@@ -25,6 +25,11 @@ impl<const N: usize> Ekf<N> {
         &self.belief
     }
 
+    /// Replaces the mean.
+    pub fn set_mean(&mut self, mean: SVector<f64, N>) {
+        self.belief.mean = mean;
+    }
+
     /// Replaces the covariance.
     pub fn set_covariance(&mut self, covariance: SMatrix<f64, N, N>) {
         self.belief.covariance = covariance;

@@ -6,7 +6,7 @@ use crate::engine::Engine;
 use crate::estimator::Inbox;
 use crate::health::Watch;
 use crate::history::Ring;
-use crate::measurement;
+use crate::melt_lag::MeltLag;
 use crate::params::Params;
 use crate::printer_model::{Drive, PrinterModel, State, state};
 use crate::ukf::{Gaussian, Health, Spread};
@@ -24,8 +24,6 @@ type Covariance = SMatrix<f64, { state::COUNT }, { state::COUNT }>;
 const FLOWS: usize = 320;
 /// Outlet speeds between which one power law stands for the melt's, over the reference feed `[-]`: a corner's and a straight's.
 const OUTLETS: (f64, f64) = (0.3, 1.2);
-/// Rounding of times and of quotients of two of them: must not add a step.
-const ROUNDING: f64 = 1e-9;
 
 /// Longest way that a filament is drawn back, out of a Bowden tube and off its spool `[m]`.
 const STROKE_MAX_M: f64 = 3.0;
@@ -40,6 +38,7 @@ pub(crate) struct Filter {
     running: Option<Running>,
     reference_feed_m_s: f64,
     width_noise: NoiseScale,
+    melt_lag: MeltLag,
     watch: Watch,
     resets: u64,
     steps: u64,
@@ -59,6 +58,8 @@ struct Running {
     at_s: f64,
     drive: Drive,
     flows: Ring<(f64, f64)>,
+    /// How the flow depends on the factor of its law `[m/s]`, with stamps.
+    slopes: Ring<(f64, f64)>,
     imbalance_m_s: f64,
     wander: Wander,
     /// A width that was rejected although the encoder vouches for the flow `[m]`.
@@ -75,6 +76,7 @@ impl Filter {
             running: None,
             reference_feed_m_s: params.reference.feed_m_s,
             width_noise: NoiseScale::new(params.width.adaptation),
+            melt_lag: MeltLag::new(params.melt_lag),
             watch: Watch::new(params.health),
             resets: 0,
             steps: 0,
@@ -91,6 +93,11 @@ impl Filter {
 
     pub(crate) fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// Compressed length over what the material file says `[-]`, as learnt.
+    pub(crate) fn melt_lag(&self) -> f64 {
+        self.melt_lag.factor()
     }
 
     /// Variance of each channel's noise over the configured one `[-]`.
@@ -149,11 +156,12 @@ impl Filter {
         Some(())
     }
 
-    /// Law of the nominal outlet at the nozzle that is believed; `None` where the melt is frozen.
+    /// Law of the outlet at the nozzle that is believed, with what was learnt of its lag; `None` where the melt is frozen.
     fn law(&self, x: &State) -> Option<StaticLaw> {
         let temperatures = (Kelvin(x[state::NOZZLE]), Kelvin(self.params.ambient_k));
         let outlets_m_s = (OUTLETS.0 * self.reference_feed_m_s, OUTLETS.1 * self.reference_feed_m_s);
-        StaticLaw::of_melting((&self.melt, &self.extruder), temperatures, outlets_m_s)
+        let foretold = StaticLaw::of_melting((&self.melt, &self.extruder), temperatures, outlets_m_s)?;
+        Some(foretold.scaled(self.melt_lag.factor()))
     }
 
     fn reset(&mut self) {
@@ -186,84 +194,23 @@ impl Filter {
             width_alive: false,
             nozzle_alive: false,
             at_s: status.stamp.0,
-            drive: self.drive(status, 0.0, None),
+            drive: self.drive(status, (0.0, 0.0), None),
             flows: Ring::new(FLOWS),
+            slopes: Ring::new(FLOWS),
             imbalance_m_s: flow_std_m_s,
             wander: Wander::default(),
             transient: Transient::default(),
         }
     }
 
-    fn drive(&self, status: &PrinterStatus, motor_speed_m_s: f64, filament_speed_m_s: Option<f64>) -> Drive {
+    fn drive(&self, status: &PrinterStatus, motor: (f64, f64), filament_speed_m_s: Option<f64>) -> Drive {
         let duty = if status.mains_on { status.hotend_duty } else { 0.0 };
         let heater_power_w = duty * self.model.heater_power_w();
         // A fan that turns slower than its duty says cools as it turns.
         let turning = |speed_1_s: f64| (speed_1_s / self.params.telemetry.fan_full_1_s).clamp(0.0, 1.0);
         let fan = status.part_fan_speed_1_s.map_or(status.fan, turning);
-        Drive { heater_power_w, motor_speed_m_s, filament_speed_m_s, fan }
-    }
-
-    /// Goes from report to report: a stroke back and a stroke forth do not cancel, since only one of them slips.
-    fn predict(&mut self, run: &mut Running, status: &PrinterStatus, inbox: &Inbox) -> Health {
-        if status.stamp.0 <= run.at_s {
-            return Health::Sound;
-        }
-        self.average_feed(status, status.stamp.0 - run.at_s);
-        // without the count at the start (a new job) the slicer's feed has to do for the first step
-        let mut motor_m = inbox.samples.motor_at(run.at_s).map(|start| start.motor_m);
-        let from_s = run.at_s;
-        for sample in inbox.samples.iter().filter(|sample| sample.stamp_s > from_s) {
-            let dt_s = sample.stamp_s - run.at_s;
-            let motor_speed_m_s =
-                motor_m.map_or(status.planned_feed_m_s, |before_m| (sample.motor_m - before_m) / dt_s);
-            motor_m = Some(sample.motor_m);
-            run.wander.on_report(motor_speed_m_s, dt_s);
-            let strokes = run.encoder_alive
-                && measurement::is_stroking(&self.params.encoder, inbox, (run.at_s, sample.stamp_s));
-            let pieces = if strokes { (dt_s / self.params.period_s - ROUNDING).ceil().max(1.0) } else { 1.0 };
-            while run.at_s < sample.stamp_s {
-                let to_s = (run.at_s + dt_s / pieces).min(sample.stamp_s);
-                let to_s = if sample.stamp_s - to_s < ROUNDING { sample.stamp_s } else { to_s };
-                let told = measurement::filament_between(inbox, (run.at_s, to_s)).filter(|_| strokes);
-                // a slow host reports a mean over strokes, of which the encoder shows each
-                let shown_m_s = told.filter(|_| pieces > 1.0).unwrap_or(motor_speed_m_s);
-                run.drive = self.drive(status, shown_m_s, told);
-                if self.carry(run, status, to_s) == Health::Diverged {
-                    return Health::Diverged;
-                }
-            }
-            // what comes next is more like the mean than like the last stroke
-            run.drive.motor_speed_m_s = motor_speed_m_s;
-        }
-        run.blind_s = if run.encoder_alive { 0.0 } else { run.blind_s + run.at_s - from_s };
-        if !run.tells_slip() {
-            run.ukf.freeze(state::SLIP);
-        }
-        Health::Sound
-    }
-
-    /// Carries the belief to `to_s` under the drive as it is.
-    fn carry(&self, run: &mut Running, status: &PrinterStatus, to_s: f64) -> Health {
-        let dt_s = to_s - run.at_s;
-        let noise = self.noise(run, status, dt_s);
-        let (model, drive) = (self.model, run.drive);
-        let mean = run.ukf.belief().mean;
-        let course = model.course(&mean, &drive, self.law(&mean).as_ref(), dt_s);
-        let health = run.ukf.predict(&noise, |x| model.step_along(x, &drive, &course, dt_s));
-        run.at_s = to_s;
-        let x = &run.ukf.belief().mean;
-        run.flows.push((run.at_s, x[state::FLOW]));
-        let off_m_s = (model.filament_speed(x, drive.motor_speed_m_s) - x[state::FLOW]).abs();
-        let memory_s = self.params.width.memory_lags * model.lag_s();
-        run.imbalance_m_s = off_m_s.max(run.imbalance_m_s * (-dt_s / memory_s).exp());
-        health
-    }
-
-    fn average_feed(&mut self, status: &PrinterStatus, dt_s: f64) {
-        if status.depositing && status.planned_feed_m_s > 0.0 {
-            let share = 1.0 - (-dt_s / self.params.reference.averaging_s).exp();
-            self.reference_feed_m_s += share * (status.planned_feed_m_s - self.reference_feed_m_s);
-        }
+        let (motor_speed_m_s, back_m_s) = motor;
+        Drive { heater_power_w, motor_speed_m_s, back_m_s, filament_speed_m_s, fan }
     }
 
     fn plausible(&self, x: &State) -> bool {
@@ -282,5 +229,6 @@ impl Filter {
 mod correct;
 mod noise;
 mod outlook;
+mod predict;
 use noise::variances;
 use outlook::Wander;

@@ -2,11 +2,20 @@
 
 use std::collections::VecDeque;
 
+/// Least share that is made up for which tells of strokes `[-]`: that of a sound drive.
+const SLIP_TELLING: f64 = 0.003;
+/// Longest way back between two reports that is believed `[m]`: a retraction.
+const BACK_MAX_M: f64 = 0.01;
+
 /// One status of the printer, as far as the filter needs it later.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sample {
     pub(crate) stamp_s: f64,
     pub(crate) motor_m: f64,
+    /// Motor without what is made up for the slip.
+    pub(crate) wanted_m: f64,
+    /// Share of the feed that is made up for.
+    pub(crate) slip: f64,
     pub(crate) path_speed_m_s: f64,
     pub(crate) height_m: Option<f64>,
     pub(crate) depositing: bool,
@@ -63,7 +72,28 @@ impl<T> Ring<T> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Position {
     pub(crate) motor_m: f64,
+    pub(crate) wanted_m: f64,
     pub(crate) error_m: f64,
+}
+
+impl Sample {
+    pub(crate) fn position(&self) -> Position {
+        Position { motor_m: self.motor_m, wanted_m: self.wanted_m, error_m: 0.0 }
+    }
+
+    /// Way of the motor's strokes back since a position `[m]`, 0 where nothing tells.
+    ///
+    /// A report shows what strokes forth and back leave. What is made up for the slip is of those forth alone: a way `F` forth
+    /// is made `F s` longer than was wanted.
+    pub(crate) fn back_m(&self, since: &Position) -> f64 {
+        if self.slip < SLIP_TELLING {
+            return 0.0;
+        }
+        let moved_m = self.motor_m - since.motor_m;
+        let forth_m = (moved_m - (self.wanted_m - since.wanted_m)) / self.slip;
+        let back_m = forth_m - moved_m;
+        if (0.0..=BACK_MAX_M).contains(&back_m) && forth_m >= 0.0 { back_m } else { 0.0 }
+    }
 }
 
 impl Ring<Sample> {
@@ -75,7 +105,7 @@ impl Ring<Sample> {
         let (after, left, right) = self.around(at_s, |sample| sample.stamp_s)?;
         let span_s = right.stamp_s - left.stamp_s;
         if span_s <= 0.0 {
-            return Some(Position { motor_m: left.motor_m, error_m: 0.0 });
+            return Some(left.position());
         }
         let speed_m_s = (right.motor_m - left.motor_m) / span_s;
         let change_m_s = [after.checked_sub(2).and_then(|i| self.speed(i)), self.speed(after)]
@@ -85,6 +115,7 @@ impl Ring<Sample> {
         let nearer_s = (at_s - left.stamp_s).min(right.stamp_s - at_s);
         Some(Position {
             motor_m: left.motor_m + speed_m_s * (at_s - left.stamp_s),
+            wanted_m: left.wanted_m + (right.wanted_m - left.wanted_m) * (at_s - left.stamp_s) / span_s,
             error_m: change_m_s * nearer_s,
         })
     }
@@ -111,6 +142,12 @@ impl Ring<Sample> {
             range = Some((low.min(speed), high.max(speed)));
         }
         range
+    }
+
+    /// Path speed `[m/s]` that the first report from `at_s` on tells.
+    pub(crate) fn path_speed_at(&self, at_s: f64) -> Option<f64> {
+        let (_, _, right) = self.around(at_s, |sample| sample.stamp_s)?;
+        Some(right.path_speed_m_s)
     }
 
     /// Path speed and height of the road, if both kept within `spread` from `from_s` to `to_s`.
@@ -162,7 +199,15 @@ mod tests {
     use super::*;
 
     fn sample(stamp_s: f64, motor_m: f64) -> Sample {
-        Sample { stamp_s, motor_m, path_speed_m_s: 0.05, height_m: Some(2e-4), depositing: true }
+        Sample {
+            stamp_s,
+            motor_m,
+            wanted_m: motor_m,
+            slip: 0.0,
+            path_speed_m_s: 0.05,
+            height_m: Some(2e-4),
+            depositing: true,
+        }
     }
 
     #[test]
@@ -178,6 +223,22 @@ mod tests {
         assert!((near_change.motor_m - 0.07).abs() < 1e-12);
         assert!((near_change.error_m - 4.0 * 0.005).abs() < 1e-12);
         assert!(ring.motor_at(0.07).is_none() && ring.motor_at(-0.01).is_none());
+    }
+
+    /// 1 mm forth, of which 10 % more for the slip, and 0.4 mm back: the motor tells of 0.7 mm.
+    #[test]
+    fn what_is_made_up_for_tells_of_strokes_back() {
+        let (forth_m, back_m) = (1e-3 / 0.9, 0.4e-3);
+        let since = sample(0.0, 0.0).position();
+        let made_up = Sample { wanted_m: 1e-3 - back_m, slip: 0.1, ..sample(0.02, forth_m - back_m) };
+        assert!((made_up.back_m(&since) - back_m).abs() < 1e-12);
+        let back_alone = Sample { wanted_m: -back_m, slip: 0.1, ..sample(0.02, -back_m) };
+        assert!((back_alone.back_m(&since) - back_m).abs() < 1e-12);
+        // a host that makes up for nothing, or for it elsewhere, tells of none
+        for (wanted_m, slip) in [(0.6e-3, 0.0), (0.6e-3, 0.002), (forth_m - back_m, 0.1), (0.8e-3, 0.1)] {
+            let silent = Sample { wanted_m, slip, ..sample(0.02, forth_m - back_m) };
+            assert!(silent.back_m(&since).abs() < 1e-15, "{wanted_m} {slip}");
+        }
     }
 
     #[test]

@@ -27,6 +27,7 @@ mod history;
 mod input;
 pub mod live;
 mod measurement;
+mod melt_lag;
 #[cfg(feature = "ros")]
 pub mod node;
 #[cfg(feature = "ros")]

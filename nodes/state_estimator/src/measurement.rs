@@ -2,6 +2,7 @@
 
 use crate::estimator::{Frame, Inbox};
 use crate::history::{Ring, Sample};
+use crate::melt_lag::STEP;
 use crate::params::{Params, RawEncoder};
 use crate::printer_model::{Drive, PrinterModel, Road, State, state};
 use crate::ukf::Measurement;
@@ -27,8 +28,8 @@ enum Sensor {
     Temperature { of: usize, drive: Drive, ahead_s: f64 },
     /// Mean speeds over the encoder's interval of the motor's strokes forth and back, both 0 or more: only the former slip.
     Encoder { forth_m_s: f64, back_m_s: f64 },
-    /// Road at exposure, and how much the flow was above today's.
-    Width { road: Road, flow_change_m_s: f64 },
+    /// Road at exposure, how much the flow was above today's, and how it depended on the factor of its law.
+    Width { road: Road, flow_change_m_s: f64, slope_m_s: f64 },
 }
 
 impl Observation {
@@ -46,12 +47,21 @@ impl Observation {
         self.passing < 0.5 * self.variance
     }
 
+    /// Predicted width `[m]`, and what the factor on the melt's lag does to it, relative `[-]`; `None` of another sensor.
+    pub(crate) fn lagging(&self, model: &PrinterModel, x: &State) -> Option<(f64, f64)> {
+        let Sensor::Width { road, flow_change_m_s, slope_m_s } = self.sensor else { return None };
+        let flow_m_s = x[state::FLOW] + flow_change_m_s;
+        let width_m = |flow_m_s: f64| model.width(flow_m_s, x[state::GAIN], road);
+        let lever_m = (width_m(flow_m_s + STEP * slope_m_s) - width_m(flow_m_s)) / STEP;
+        Some((width_m(flow_m_s), lever_m / width_m(flow_m_s)))
+    }
+
     pub(crate) fn predicted(&self, model: &PrinterModel, x: &State) -> Vector1<f64> {
         Vector1::new(match self.sensor {
             Sensor::Temperature { of, drive, ahead_s } if ahead_s > 0.0 => model.step(x, &drive, ahead_s)[of],
             Sensor::Temperature { of, .. } => x[of],
             Sensor::Encoder { forth_m_s, back_m_s } => model.filament_speed(x, forth_m_s) - back_m_s,
-            Sensor::Width { road, flow_change_m_s } => {
+            Sensor::Width { road, flow_change_m_s, .. } => {
                 model.width(x[state::FLOW] + flow_change_m_s, x[state::GAIN], road)
             }
         })
@@ -136,6 +146,8 @@ pub(crate) fn filament_between(inbox: &Inbox, (from_s, to_s): (f64, f64)) -> Opt
 /// What the filter remembers for a late frame, and asks of it.
 pub(crate) struct Past<'a> {
     pub(crate) flows: &'a Ring<(f64, f64)>,
+    /// How they depend on the factor of the melt's law `[m/s]`.
+    pub(crate) slopes: &'a Ring<(f64, f64)>,
     pub(crate) flow_m_s: f64,
     pub(crate) at_s: f64,
     /// Share by which a width may be off behind the recent distance of flow and feed.
@@ -156,7 +168,7 @@ pub(crate) fn width(
     past: &Past<'_>,
 ) -> Option<Observation> {
     let sensor = &params.width;
-    let smear_s = sensor.smear_m / sensor.path_speed_min_m_s;
+    let smear_s = sensor.smear_m / samples.path_speed_at(frame.exposed_s)?.max(sensor.path_speed_min_m_s);
     let from_s = frame.exposed_s - past.steady_s.max(smear_s);
     let (path_speed_m_s, height_m) =
         samples.steady_road((from_s, frame.exposed_s), sensor.path_speed_spread)?;
@@ -165,6 +177,7 @@ pub(crate) fn width(
     }
     let then_m_s =
         if frame.exposed_s >= past.at_s { past.flow_m_s } else { past.flows.value_at(frame.exposed_s)? };
+    let slope_m_s = past.slopes.value_at(frame.exposed_s.min(past.at_s)).unwrap_or(0.0);
     let unbalanced_m = past.imbalance * frame.width_m;
     let sigma_m = frame.sigma_m.max(sensor.sigma_min_m);
     let passing = (sensor.transient_doubt * past.transient_m).powi(2);
@@ -175,6 +188,7 @@ pub(crate) fn width(
         sensor: Sensor::Width {
             road: Road { path_speed_m_s, height_m },
             flow_change_m_s: then_m_s - past.flow_m_s,
+            slope_m_s,
         },
     })
 }

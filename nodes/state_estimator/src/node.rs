@@ -181,6 +181,7 @@ fn show(diagnostics: &Diagnostics, estimate: &Estimate) {
     }
     diagnostics
         .set("noise_scale_width", format_args!("{:.2}", estimate.noise_scale[Channel::Width as usize]));
+    diagnostics.set("melt_lag", format_args!("{:.3}", estimate.melt_lag));
     diagnostics.set("steps", estimate.steps);
     diagnostics.set("resets", estimate.resets);
 }

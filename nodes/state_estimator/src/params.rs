@@ -43,6 +43,8 @@ pub struct RawParams {
     pub encoder: RawEncoder,
     /// Road width from vision.
     pub width: RawWidth,
+    /// What is learnt of the melt's lag.
+    pub melt_lag: RawMeltLag,
     /// What holds instead where widths alone tell of the slip.
     pub widths_alone: RawWidthsAlone,
     /// The printer's own telemetry.
@@ -191,6 +193,7 @@ impl TryFrom<RawParams> for Params {
         check_nozzle_sensor(&raw.nozzle_sensor)?;
         check_encoder(&raw.encoder)?;
         check_width(&raw.width)?;
+        raw.melt_lag.check()?;
         raw.widths_alone.check()?;
         in_range("telemetry.age_limit_s", raw.telemetry.age_limit_s, "s", (0.02, 5.0))?;
         in_range("telemetry.restart_s", raw.telemetry.restart_s, "s", (0.1, 60.0))?;
@@ -234,7 +237,7 @@ mod adaptive;
 mod alone;
 mod channel;
 
-pub use adaptive::{RawAdaptation, RawHealth};
+pub use adaptive::{RawAdaptation, RawHealth, RawMeltLag};
 pub use alone::RawWidthsAlone;
 pub use channel::{RawEncoder, RawThermistor, RawTrust, RawWidth};
 use channel::{check_bounds, check_encoder, check_nozzle_sensor, check_thermistor, check_width};

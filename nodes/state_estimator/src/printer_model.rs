@@ -38,6 +38,8 @@ pub struct Drive {
     pub heater_power_w: f64,
     /// Mean speed of the extruder motor as filament speed `[m/s]`, negative in a retraction.
     pub motor_speed_m_s: f64,
+    /// Mean speed of the motor's strokes back, as far as they are known beside those forth `[m/s]`, 0 or more: only the latter slip.
+    pub back_m_s: f64,
     /// Mean speed of the filament past the encoder `[m/s]`, where it is to be believed rather than motor and slip.
     pub filament_speed_m_s: Option<f64>,
     /// Part fan `[0, 1]`.
@@ -81,9 +83,12 @@ pub struct Setting {
 /// A law whose slope has no bound at rest would throw sigma points on either side of a dry outlet apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Course {
-    from_m_s: f64,
-    filament_m_s: f64,
-    to_m_s: f64,
+    /// Mean flow at the start `[m/s]`.
+    pub(crate) from_m_s: f64,
+    /// Filament that comes `[m/s]`.
+    pub(crate) filament_m_s: f64,
+    /// Mean flow at the end `[m/s]`.
+    pub(crate) to_m_s: f64,
     kept: f64,
     taken: f64,
 }
@@ -156,7 +161,12 @@ impl PrinterModel {
 
     /// Filament speed `[m/s]` past the encoder, measured where it is told.
     fn driven(&self, x: &State, drive: &Drive) -> f64 {
-        drive.filament_speed_m_s.unwrap_or_else(|| self.filament_speed(x, drive.motor_speed_m_s))
+        drive.filament_speed_m_s.unwrap_or_else(|| self.pushed(x, drive))
+    }
+
+    /// Filament speed `[m/s]` past the encoder by motor and slip.
+    pub(crate) fn pushed(&self, x: &State, drive: &Drive) -> f64 {
+        self.filament_speed(x, drive.motor_speed_m_s + drive.back_m_s) - drive.back_m_s
     }
 
     /// Temperatures after `dt_s` under a constant drive, in Euler steps (model book 1.5); all else stands.

@@ -33,6 +33,11 @@ impl<const N: usize> SquareRootUkf<N> {
         &self.belief
     }
 
+    /// Replaces the mean.
+    pub fn set_mean(&mut self, mean: SVector<f64, N>) {
+        self.belief.mean = mean;
+    }
+
     /// Replaces the covariance; nothing changes where it is not positive definite.
     pub fn set_covariance(&mut self, covariance: SMatrix<f64, N, N>) {
         let covariance = symmetric(covariance);

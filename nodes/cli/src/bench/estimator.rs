@@ -145,6 +145,7 @@ impl Printer {
         let drive = |step| Drive {
             heater_power_w: wave(0.45, 0.2, 0.1, step) * power_w,
             motor_speed_m_s: wave(2e-3, 4e-4, 0.05, step),
+            back_m_s: 0.0,
             filament_speed_m_s: None,
             fan: 0.5,
         };

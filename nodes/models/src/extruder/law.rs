@@ -77,6 +77,16 @@ impl StaticLaw {
         }
     }
 
+    /// Law of an extruder that holds `factor` times as much compressed at every outlet speed, by more compliance and friction.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        Self {
+            compression_scale: factor * self.compression_scale,
+            linear_lag_s: factor * self.linear_lag_s,
+            ..self
+        }
+    }
+
     /// Compressed length `[m]` that holds an outlet speed `[m/s]` of 0 or more.
     #[must_use]
     pub fn compression_m(&self, outlet_m_s: f64) -> f64 {

@@ -31,6 +31,16 @@ fn the_local_lag_is_the_model_books() {
 }
 
 #[test]
+fn a_scaled_law_holds_so_much_more_at_every_speed_by_the_same_force() {
+    let (law, more) = (law(483.15, 1.0), law(483.15, 1.0).scaled(1.25));
+    for outlet_m_s in [1e-4, 7e-4, 2e-3] {
+        assert!((more.compression_m(outlet_m_s) / law.compression_m(outlet_m_s) - 1.25).abs() < 1e-12);
+        assert!((more.lag_s(outlet_m_s) / law.lag_s(outlet_m_s) - 1.25).abs() < 1e-12);
+        assert!((more.force_n(outlet_m_s) - law.force_n(outlet_m_s)).abs() < 1e-12);
+    }
+}
+
+#[test]
 fn a_clog_raises_the_force_and_leaves_the_steady_flow() {
     let (free, clogged) = (law(483.15, 1.0), law(483.15, 0.4));
     let mut pressure = Pressure::steady(&free, 2e-3);

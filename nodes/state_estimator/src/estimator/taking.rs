@@ -74,6 +74,8 @@ impl Estimator {
         self.inbox.samples.push(Sample {
             stamp_s,
             motor_m: status.motor_position_m,
+            wanted_m: status.wanted_position_m,
+            slip: status.trims.slip.unwrap_or(0.0),
             path_speed_m_s: status.path_speed_m_s,
             height_m: status.layer_height_m,
             depositing: status.depositing,

@@ -25,6 +25,7 @@ mod counts;
 mod cycle;
 mod gates;
 mod health;
+mod lagging;
 mod late;
 mod live;
 mod nozzle;
@@ -101,6 +102,10 @@ struct Rig {
     motor_m: f64,
     fed_m: f64,
     flow_m_s: f64,
+    /// Motor without what it makes up for.
+    wanted_m: f64,
+    /// Share of the feed forth that the motor makes up for.
+    made_up: f64,
     /// What the motor pushes beside strokes.
     feed_m_s: f64,
     /// Of the outlet at 210 degC.
@@ -141,6 +146,8 @@ impl Rig {
             step: 0,
             motor_m: 0.0,
             fed_m: 0.0,
+            wanted_m: 0.0,
+            made_up: 0.0,
             flow_m_s: FEED_M_S,
             feed_m_s: FEED_M_S,
             law: StaticLaw::of_melting(
@@ -177,7 +184,9 @@ impl Rig {
                 6..12 => self.stroke_m / 0.06,
                 _ => 0.0,
             };
-            let motor_m_s = self.feed_m_s + stroke_m_s;
+            let wanted_m_s = self.feed_m_s + stroke_m_s;
+            let motor_m_s = if wanted_m_s > 0.0 { wanted_m_s / (1.0 - self.made_up) } else { wanted_m_s };
+            self.wanted_m += wanted_m_s * 0.01;
             let fed_m_s = if motor_m_s > 0.0 { (1.0 - self.slip) * motor_m_s } else { motor_m_s };
             self.motor_m += motor_m_s * 0.01;
             self.fed_m += fed_m_s * 0.01;
@@ -185,6 +194,8 @@ impl Rig {
             let stamp = Seconds(now_s);
             if self.step.is_multiple_of(self.status_steps) {
                 let mut status = status(now_s, self.motor_m);
+                status.wanted_position_m = self.wanted_m;
+                status.trims.slip = (self.made_up > 0.0).then_some(self.made_up);
                 (self.host)(&mut status);
                 self.estimator.on_event(Event::Printer(status));
             }

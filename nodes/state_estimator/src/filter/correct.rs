@@ -41,6 +41,7 @@ impl Filter {
         for frame in inbox.frames.iter() {
             let past = measurement::Past {
                 flows: &run.flows,
+                slopes: &run.slopes,
                 flow_m_s: run.ukf.belief().mean[state::FLOW],
                 at_s: run.at_s,
                 imbalance: imbalance * run.imbalance_m_s / self.reference_feed_m_s,
@@ -57,6 +58,10 @@ impl Filter {
             }
         }
         inbox.frames.clear();
+        if run.slip_by_widths() {
+            // a gear passes no more than it pushes: what seems to is the spool's
+            run.ukf.raise(state::SLIP, 0.0);
+        }
         true
     }
 
@@ -74,6 +79,7 @@ impl Filter {
         } else {
             (record.gate(run.encoder_alive), record.step())
         };
+        let lagging = observation.lagging(&model, &run.ukf.belief().mean);
         let update = run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x));
         record.used_s = Some(run.at_s);
         if channel == Channel::Width && self.opens(run, observation, &update) {
@@ -89,6 +95,11 @@ impl Filter {
         }
         if observation.is_of_noise() {
             self.learn(channel, verdict, record.nis);
+            if let (Some((width_m, lever)), Update::Applied(seen), Verdict::Consistent) =
+                (lagging, &update, verdict)
+            {
+                self.melt_lag.take(lever, seen.residual.x / width_m);
+            }
         }
         match verdict {
             Verdict::Consistent | Verdict::Rejected => true,

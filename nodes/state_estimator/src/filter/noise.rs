@@ -18,6 +18,7 @@ impl Filter {
     pub(crate) fn retune(&mut self, params: Params) {
         self.params = params;
         self.width_noise.retune(params.width.adaptation);
+        self.melt_lag.retune(params.melt_lag);
         self.watch.retune(params.health);
     }
 
@@ -29,7 +30,7 @@ impl Filter {
         let lag_rel = if by_widths { alone.lag_rel } else { process.lag_rel };
         let root = (dt_s / process.reference_period_s).sqrt();
         let belief = run.ukf.belief();
-        let filament_m_s = self.model.filament_speed(&belief.mean, run.drive.motor_speed_m_s);
+        let filament_m_s = self.model.pushed(&belief.mean, &run.drive);
         let off_m_s = (filament_m_s - belief.mean[state::FLOW].max(0.0)).abs() / self.model.lag_s();
         let off_m_s = off_m_s * (dt_s * process.reference_period_s).sqrt();
         let learnt = self.width_noise.scale().sqrt();
@@ -106,7 +107,9 @@ impl Filter {
             Channel::Encoder => deviations[state::SLIP] = self.params.encoder.step_std,
             // a spool does not step: where nobody watches the gear, that does, and the flow has followed it meanwhile
             Channel::Width if run.slip_by_widths() => {
-                let along = slipping(&run.ukf.belief().mean) * self.params.widths_alone.step_std;
+                let alone = &self.params.widths_alone;
+                let mut along = slipping(&run.ukf.belief().mean) * alone.step_std;
+                along[state::FLOW] *= alone.followed;
                 return along * along.transpose();
             }
             Channel::Width => deviations[state::GAIN] = self.params.width.step_std,

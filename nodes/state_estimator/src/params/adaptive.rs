@@ -1,4 +1,4 @@
-//! What is learnt of the noise, and when the estimate is not to be trusted.
+//! What is learnt of noise and lag, and when the estimate is not to be trusted.
 
 use models::params::{ParamError, in_range};
 use serde::Deserialize;
@@ -17,6 +17,22 @@ pub struct RawAdaptation {
     pub rate: f64,
     /// Innovations in the window.
     pub samples: u32,
+}
+
+/// A factor on the melt's lag, from widths behind changes of speed.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RawMeltLag {
+    /// Largest correction of the factor `[-]`; 0 learns nothing.
+    pub reach: f64,
+    /// Scatter of widths that no lag explains `[-]`.
+    pub width_noise: f64,
+    /// Frames over which is remembered.
+    pub frames: f64,
+    /// Smaller effects of the lag on a relative width count as none `[-]`.
+    pub lever_min: f64,
+    /// Larger relative errors of a width count as this one `[-]`.
+    pub error_max: f64,
 }
 
 /// When the estimate is not to be trusted.
@@ -48,6 +64,17 @@ impl RawAdaptation {
         in_range("width.adaptation.samples", f64::from(self.samples), "samples", (2.0, 100.0))?;
         // integral action behind a window: the rate has to leave it time
         in_range("width.adaptation.rate", self.rate, "-", (0.0, 1.0 / f64::from(self.samples)))?;
+        Ok(())
+    }
+}
+
+impl RawMeltLag {
+    pub(super) fn check(&self) -> Result<(), ParamError> {
+        in_range("melt_lag.reach", self.reach, "-", (0.0, 0.5))?;
+        in_range("melt_lag.width_noise", self.width_noise, "-", (1e-3, 1.0))?;
+        in_range("melt_lag.frames", self.frames, "-", (2.0, 1e5))?;
+        in_range("melt_lag.lever_min", self.lever_min, "-", (0.0, 1.0))?;
+        in_range("melt_lag.error_max", self.error_max, "-", (0.01, 10.0))?;
         Ok(())
     }
 }

@@ -29,6 +29,8 @@ pub struct RawWidthsAlone {
     pub step_threshold: f64,
     /// Added to the slip when it steps, and to the flow what that takes, a standard deviation `[-]`.
     pub step_std: f64,
+    /// Share of it that the flow has followed when the step is told `[-]`.
+    pub followed: f64,
     /// Most by which gain and slip are taken for one another, a standard deviation `[-]`.
     pub parted_std: f64,
 }
@@ -49,6 +51,7 @@ impl RawWidthsAlone {
         in_range("widths_alone.step_samples", f64::from(self.step_samples), "samples", (1.0, 20.0))?;
         in_range("widths_alone.step_threshold", self.step_threshold, "-", (1.0, 100.0))?;
         in_range("widths_alone.step_std", self.step_std, "-", (0.0, 1.0))?;
+        in_range("widths_alone.followed", self.followed, "-", (0.0, 1.0))?;
         in_range("widths_alone.parted_std", self.parted_std, "-", (0.0, 1.0))?;
         Ok(())
     }

@@ -67,6 +67,7 @@ fn a_cycle_of_the_filter_agrees_with_the_reference() {
     let drive = Drive {
         heater_power_w: 17.0,
         motor_speed_m_s: 0.001_853_509_270_126_897_8,
+        back_m_s: 0.0,
         filament_speed_m_s: None,
         fan: 1.0,
     };

@@ -38,6 +38,8 @@ fn an_encoders_speed_is_known_as_well_as_its_times() {
         let sample = Sample {
             stamp_s,
             motor_m,
+            wanted_m: 0.0,
+            slip: 0.0,
             path_speed_m_s: SPEED_M_S,
             height_m: Some(HEIGHT_M),
             depositing: true,

@@ -145,6 +145,7 @@ fn readings_between_slow_reports_are_judged_at_their_own_time() {
     let heating = crate::printer_model::Drive {
         heater_power_w: 40.0,
         motor_speed_m_s: 0.0,
+        back_m_s: 0.0,
         filament_speed_m_s: None,
         fan: 1.0,
     };
