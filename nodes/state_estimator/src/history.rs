@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 /// Least share that is made up for which tells of strokes `[-]`: that of a sound drive.
-const SLIP_TELLING: f64 = 0.003;
+const SLIP_TELLING: f64 = 0.01;
 /// Longest way back between two reports that is believed `[m]`: a retraction.
 const BACK_MAX_M: f64 = 0.01;
 
