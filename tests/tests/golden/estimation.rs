@@ -59,6 +59,7 @@ fn ukf_cycle(set: &Set, given: Inputs<'_>) -> Result<Value, String> {
     let drive = Drive {
         heater_power_w: given.num("P_W")?,
         motor_speed_m_s: given.num("v_cmd_m_s")?,
+        back_m_s: 0.0,
         filament_speed_m_s: None,
         fan: given.num("fan")?,
     };

@@ -124,6 +124,7 @@ mod tests {
             steps: 0,
             resets: 0,
             noise_scale: [1.0; CHANNELS],
+            melt_lag: 1.0,
             health: EstimateHealth::Sound,
             refusals: Refusals::default(),
         }
