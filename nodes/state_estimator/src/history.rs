@@ -144,12 +144,6 @@ impl Ring<Sample> {
         range
     }
 
-    /// Path speed `[m/s]` that the first report from `at_s` on tells.
-    pub(crate) fn path_speed_at(&self, at_s: f64) -> Option<f64> {
-        let (_, _, right) = self.around(at_s, |sample| sample.stamp_s)?;
-        Some(right.path_speed_m_s)
-    }
-
     /// Path speed and height of the road, if both kept within `spread` from `from_s` to `to_s`.
     pub(crate) fn steady_road(&self, (from_s, to_s): (f64, f64), spread: f64) -> Option<(f64, f64)> {
         let first = self.values.partition_point(|sample| sample.stamp_s <= from_s).checked_sub(1)?;

@@ -168,7 +168,7 @@ pub(crate) fn width(
     past: &Past<'_>,
 ) -> Option<Observation> {
     let sensor = &params.width;
-    let smear_s = sensor.smear_m / samples.path_speed_at(frame.exposed_s)?.max(sensor.path_speed_min_m_s);
+    let smear_s = sensor.smear_m / sensor.path_speed_min_m_s;
     let from_s = frame.exposed_s - past.steady_s.max(smear_s);
     let (path_speed_m_s, height_m) =
         samples.steady_road((from_s, frame.exposed_s), sensor.path_speed_spread)?;

@@ -92,6 +92,33 @@ mod tests {
         }
     }
 
+    /// Widths that answer to small levers are answers to the loop's own trims; one beyond 0.2 counts as that.
+    #[test]
+    fn small_effects_teach_nothing_and_large_errors_no_more_than_is_believed() {
+        let mut lag = MeltLag::new(PARAMS);
+        (0..200).for_each(|frame| lag.take(if frame % 2 == 0 { 0.04 } else { -0.04 }, 0.01));
+        assert!((lag.factor() - 1.0).abs() < 1e-12);
+        let after = |error: f64| {
+            let mut lag = MeltLag::new(PARAMS);
+            (0..20).for_each(|frame| {
+                lag.take(if frame == 10 { 0.1 } else { -0.1 }, if frame == 10 { error } else { 0.0 })
+            });
+            lag.factor()
+        };
+        assert!(after(0.2) > 1.01 && (after(0.2) - after(5.0)).abs() < 1e-12);
+    }
+
+    /// Two hundred frames are remembered: after five hundred of another nozzle a tenth of the first is left.
+    #[test]
+    fn a_lag_that_changes_is_followed() {
+        let mut lag = after(400, 1.3, 0.0);
+        for index in 0..500_u32 {
+            let lever = f64::from(index * 37 % 101) / 200.0 - 0.15;
+            lag.take(lever, (0.9 - lag.factor()) * lever);
+        }
+        assert!((lag.factor() - 0.9).abs() < 0.05, "{}", lag.factor());
+    }
+
     /// 0.03 of noise over 0.4 against a lever of 0.15: one frame moves a fourth of the way, were it alone; about the means none.
     #[test]
     fn one_frame_tells_nothing_and_levers_of_zero_neither() {

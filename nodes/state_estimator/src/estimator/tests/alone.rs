@@ -22,6 +22,20 @@ fn a_flow_off_balance_is_judged_as_they_say() {
     }
 }
 
+/// The frame that tells of a step lacks what the flow has followed: where that is half of the slip, twice as much slips.
+#[test]
+fn a_step_is_told_the_larger_the_less_the_flow_has_followed() {
+    let told = |followed: &str| {
+        let mut rig = Rig::with(&[("followed: 0.85 ", &format!("followed: {followed} "))]);
+        rig.encoder = false;
+        let before = rig.run(3000).steps;
+        rig.slip = 0.10;
+        (0..120).map(|_| rig.run(5)).find(|estimate| estimate.steps > before).unwrap().x[state::SLIP]
+    };
+    let [whole, most, half] = ["1.0", "0.85", "0.5"].map(told);
+    assert!(most > whole + 0.005 && half > 1.3 * whole, "{whole} {most} {half}");
+}
+
 /// A path that changes its speed each second is steady for 0.05 s before most exposures, and before none for 2 s.
 #[test]
 fn a_width_is_looked_at_where_the_path_was_steady_for_so_long() {
