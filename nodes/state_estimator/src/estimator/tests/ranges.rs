@@ -54,6 +54,23 @@ fn bounds_and_what_they_bound_stay_apart() {
     }
 }
 
+#[test]
+fn what_is_learnt_of_the_lag_and_told_of_a_step_has_its_ranges() {
+    for (block, key, taken, refused, range) in [
+        ("melt_lag", "reach", "0.5", "0.6", "[0, 0.5]"),
+        ("melt_lag", "width_noise", "0.001", "0.0", "[0.001, 1]"),
+        ("melt_lag", "frames", "2.0", "1.0", "[2, 100000]"),
+        ("melt_lag", "lever_min", "1.0", "1.1", "[0, 1]"),
+        ("melt_lag", "error_max", "0.01", "0.0", "[0.01, 10]"),
+        ("widths_alone", "followed", "1.0", "1.1", "[0, 1]"),
+    ] {
+        assert_eq!(refusal(block, key, taken), None, "{block}.{key} = {taken}");
+        let said = refusal(block, key, refused).unwrap();
+        assert!(said.contains(&format!("{block}.{key} = ")), "{said}");
+        assert!(said.contains(&format!("must be in {range}")), "{said}");
+    }
+}
+
 /// Nothing is forgotten at rest where `frozen` is 0: that is no divergence, with an encoder and without.
 #[test]
 fn a_filter_that_forgets_nothing_at_rest_goes_on() {
