@@ -1,5 +1,6 @@
 //! Results of `fdm sim` with the names of the JSON contract.
 
+use super::consistency::Told;
 use super::sight::SightFigures;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -119,6 +120,8 @@ pub struct Run {
     pub nis_mean: BTreeMap<&'static str, Option<f64>>,
     /// Median NEES; six states.
     pub nees_median: Option<f64>,
+    /// The same of the states alone that sensors tell of, and its 95 % band; `null` before a road.
+    pub nees_told: Option<Told>,
     /// Share of the time within the stated 95 % interval, by state.
     pub coverage: Option<[f64; 6]>,
     /// Names of these states.

@@ -141,6 +141,7 @@ impl Task {
                 .and_then(|(fault_free, onset_s)| printing.width.recovery_for_s(fault_free, onset_s, HELD_S)),
             nis_mean: nis_by_channel(printing),
             nees_median: printing.consistency.median(),
+            nees_told: printing.consistency.told(),
             coverage: printing.consistency.coverage(),
             coverage_states: STATE_NAMES,
             trimmed_share: shares.map(|shares| shares.trimmed),

@@ -1,6 +1,6 @@
 //! What the estimator states of itself, beside what is so.
 
-use crate::sim::consistency::TRUE_MEDIAN;
+use crate::sim::consistency::{STATE_NAMES, TRUE_MEDIAN};
 use crate::sim::group::Group;
 use std::fmt::Write;
 
@@ -18,11 +18,24 @@ pub(super) fn covered(text: &mut String, group: &Group) {
     let mean = |state: usize| shares.iter().map(|(_, coverage)| coverage[state]).sum::<f64>() / count;
     let parts: Vec<String> = names.iter().enumerate().map(|(state, name)| told(name, mean(state))).collect();
     let list = parts.join(", ");
+    let told = told_of(group).unwrap_or_default();
     _ = writeln!(
         text,
-        "{:<9} within the stated 95 % interval: {list}; NEES of a true one {TRUE_MEDIAN}",
+        "{:<9} within the stated 95 % interval: {list}; NEES of a true one {TRUE_MEDIAN}{told}",
         group.control
     );
+}
+
+/// NEES of what sensors tell of, where that is less than all: its mean over the runs, and the band that holds 95 %.
+fn told_of(group: &Group) -> Option<String> {
+    let told: Vec<_> = group.runs.iter().filter_map(|run| run.nees_told.as_ref()).collect();
+    let first = told.first().filter(|first| first.states.len() < STATE_NAMES.len())?;
+    #[allow(clippy::cast_precision_loss, reason = "seeds are few")]
+    let mean = told.iter().map(|told| told.nees_median).sum::<f64>() / told.len() as f64;
+    let [low, high] = first.band;
+    let mark = if (low..=high).contains(&mean) { "within" } else { "OUTSIDE" };
+    let states = first.states.len();
+    Some(format!("; of the {states} that sensors tell of {mean:.2}, {mark} {low:.2} to {high:.2}"))
 }
 
 fn told(name: &str, share: f64) -> String {
@@ -49,7 +62,7 @@ pub(super) fn blind(text: &mut String, group: &Group) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::consistency::STATE_NAMES;
+    use crate::sim::consistency::Told;
     use crate::sim::report::Run;
     use crate::sim::text::table;
 
@@ -69,6 +82,25 @@ mod tests {
         assert!(told.contains("within the stated 95 % interval: block 100.0 %, "), "{told}");
         assert!(told.contains("slip 37.5 % LOW, gain 100.0 %;"), "{told}");
         assert!(!table(&[Group::of("mpc".to_owned(), vec![Run::default()])]).contains("interval"));
+    }
+
+    #[test]
+    fn the_nees_of_what_is_told_of_stands_beside_its_band() {
+        let run = |nees_median: f64, states: &[&'static str]| Run {
+            coverage: Some([1.0; 6]),
+            coverage_states: STATE_NAMES,
+            nees_told: Some(Told { states: states.to_vec(), nees_median, band: [0.216, 9.35] }),
+            ..Run::default()
+        };
+        let three = &STATE_NAMES[..3];
+        let told = |nees: f64| table(&[Group::of("mpc".to_owned(), vec![run(nees, three), run(1.0, three)])]);
+        assert!(
+            told(3.0).contains("; of the 3 that sensors tell of 2.00, within 0.22 to 9.35"),
+            "{}",
+            told(3.0)
+        );
+        assert!(told(27.0).contains(" of 14.00, OUTSIDE 0.22 to 9.35"), "{}", told(27.0));
+        assert!(!one(run(3.0, &STATE_NAMES)).contains("tell of"), "all of them: the NEES of the table");
     }
 
     /// A share of 90 % holds.
