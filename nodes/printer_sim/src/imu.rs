@@ -3,7 +3,8 @@
 //! It reads specific force as REP 145 demands: +9.81 m/s2 on z at rest. Its axes are those of the bed frame, and it is
 //! taken to feel all three; on a printer whose bed moves along y that axis needs a sensor on the bed.
 
-use crate::sensors::{Noise, Pace};
+use crate::pace::Pace;
+use crate::sensors::Noise;
 use crate::structure::{Blow, ImpactParams, Structure, StructureParams};
 use models::params::{ParamError, in_range};
 use models::units::Seconds;

@@ -30,6 +30,7 @@ pub mod load;
 #[cfg(feature = "ros")]
 pub mod node;
 pub mod output;
+pub mod pace;
 pub mod params;
 pub mod plant;
 pub mod run_params;

@@ -32,6 +32,8 @@ pub struct Settings {
     pub encoder_quantum_m: f64,
     /// Period of the width stand-in `[s]`; 0 for none, where widths come from pictures.
     pub width_period_s: f64,
+    /// Most by which it exposes sooner or later `[-]`, of the period.
+    pub width_dither: f64,
     /// Time from exposure to result `[s]`.
     pub width_delay_s: f64,
     /// Noise of a width, standard deviation `[m]`.
@@ -57,30 +59,6 @@ impl Noise {
     /// A number that is equally likely anywhere between two, `low < high`.
     pub fn between(&mut self, (low, high): (f64, f64)) -> f64 {
         low + (high - low) * self.0.random::<f64>()
-    }
-}
-
-/// Fires once per period.
-#[derive(Debug, Clone, Copy)]
-pub struct Pace {
-    period_s: f64,
-    beats: u64,
-}
-
-impl Pace {
-    /// First beat after one period.
-    #[must_use]
-    pub fn new(period_s: f64) -> Self {
-        Self { period_s, beats: 0 }
-    }
-
-    /// Whether a beat is due at `now`; a microsecond absorbs the rounding of summed steps.
-    pub fn due(&mut self, now: Seconds) -> bool {
-        #[allow(clippy::cast_precision_loss, reason = "beats of a print are far below 2^52")]
-        let next_s = (self.beats + 1) as f64 * self.period_s;
-        let due = now.0 + 1e-6 >= next_s;
-        self.beats += u64::from(due);
-        due
     }
 }
 
@@ -220,13 +198,6 @@ mod tests {
     }
 
     #[test]
-    fn a_pace_neither_loses_nor_gains_beats_over_an_hour() {
-        let mut pace = Pace::new(0.01);
-        let beats = (1..=3_600_000_u32).filter(|&ms| pace.due(Seconds(f64::from(ms) * 1e-3))).count();
-        assert_eq!(beats, 360_000);
-    }
-
-    #[test]
     fn a_frame_arrives_after_its_delay_with_its_exposure() {
         let settings = Settings {
             temperature_period_s: 0.1,
@@ -235,6 +206,7 @@ mod tests {
             encoder_period_s: 0.01,
             encoder_quantum_m: 1e-5,
             width_period_s: 0.5,
+            width_dither: 0.2,
             width_delay_s: 0.4,
             width_sigma_m: 0.0,
         };

@@ -9,11 +9,12 @@ use crate::heaters::Heaters;
 use crate::imu::Imu;
 use crate::job::Preheat;
 use crate::output::{Output, Truth};
+use crate::pace::Pace;
 use crate::params::Params;
 use crate::plant::{Inputs, Plant, Push, Road};
 use crate::scenario::{Entry, Scenario};
 use crate::score::Score;
-use crate::sensors::{Noise, Pace, Thermometer, WidthGauge};
+use crate::sensors::{Noise, Thermometer, WidthGauge};
 use crate::toolhead::Toolhead;
 use elapsed::Elapsed;
 use link::Link;
@@ -141,7 +142,7 @@ impl Simulator {
                 heaters: Pace::new(params.plant.heater.period().0),
                 temperature: Pace::new(sensors.temperature_period_s),
                 encoder: Pace::new(sensors.encoder_period_s),
-                width: Pace::new(sensors.width_period_s),
+                width: Pace::dithered(sensors.width_period_s, sensors.width_dither),
                 status: Pace::new(host.firmware.status_period_s),
             },
             mains_on: true,

@@ -75,7 +75,7 @@ impl PlantLine {
         width_sigma_m: f64,
     ) -> Self {
         let sensors = &mut params.simulator.sensors;
-        sensors.width_period_s = GAUGE_S;
+        (sensors.width_period_s, sensors.width_dither) = (GAUGE_S, 0.0);
         sensors.width_delay_s = 0.0;
         sensors.width_sigma_m = width_sigma_m;
         params.simulator.imu.period_s = 0.0;

@@ -222,7 +222,7 @@ struct Timer {
     step: bool,
 }
 
-/// Step of a simulation `[ns]`, and what its timers forgive, as `printer_sim::sensors::Pace` does.
+/// Step of a simulation `[ns]`, and what its timers forgive, as `printer_sim::pace::Pace` does.
 const STEP_NS: f64 = 1e6;
 const FORGIVEN_NS: f64 = 1e3;
 

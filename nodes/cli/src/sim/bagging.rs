@@ -12,7 +12,7 @@ use fdm_loop_msgs::{ControlCommand, FilamentMotion, Header, PrintInfo, RosType, 
 use models::command::{MotionTrim, Scheduled};
 use models::motion::Segment;
 use models::units::{Celsius, Seconds};
-use printer_sim::sensors::Pace;
+use printer_sim::pace::Pace;
 use printer_sim::{Simulator, convert as printer};
 use runtime::topics::{self, Topic};
 use runtime::wire;

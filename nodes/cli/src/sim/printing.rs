@@ -17,7 +17,7 @@ use models::command::Trims;
 use models::status::JobPhase;
 use models::units::Seconds;
 use mpc_controller::Controller;
-use printer_sim::sensors::Pace;
+use printer_sim::pace::Pace;
 use printer_sim::{JobSource, Output, Scenario, Simulator};
 use safety_supervisor::params::Stales;
 use safety_supervisor::{Cause, Operator, SafetyState, Supervisor};

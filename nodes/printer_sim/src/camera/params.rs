@@ -143,6 +143,8 @@ pub struct CameraParams {
     pub enabled: bool,
     /// Time between exposures `[s]`.
     pub period_s: f64,
+    /// Most by which an exposure comes sooner or later `[-]`, of the period.
+    pub dither: f64,
     /// From exposure to the frame's arrival `[s]`.
     pub delay_s: f64,
     /// Image size and scale.
@@ -164,6 +166,7 @@ pub struct CameraParams {
 pub struct RawCamera {
     pub enabled: bool,
     pub period_s: f64,
+    pub dither: f64,
     pub delay_s: f64,
     pub width_px: usize,
     pub height_px: usize,
@@ -192,6 +195,7 @@ impl TryFrom<RawCamera> for CameraParams {
         Ok(Self {
             enabled: raw.enabled,
             period_s: in_range("period_s", raw.period_s, "s", (0.01, 60.0))?,
+            dither: in_range("dither", raw.dither, "-", (0.0, 0.5))?,
             delay_s: in_range("delay_s", raw.delay_s, "s", (0.0, 10.0))?,
             geometry: Geometry::new((raw.width_px, raw.height_px), raw.scale_m, raw.working_distance_m)?,
             style: raw.style,

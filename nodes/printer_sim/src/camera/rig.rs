@@ -5,7 +5,7 @@ use super::look::Look;
 use super::params::CameraParams;
 use super::render::{Renderer, View};
 use super::strands::Tangle;
-use crate::sensors::Pace;
+use crate::pace::Pace;
 use models::units::Seconds;
 use std::collections::VecDeque;
 
@@ -79,7 +79,7 @@ impl Rig {
     pub fn new(params: &CameraParams, seed: u64) -> Self {
         let look = Look::draw(params.ranges(params.style), seed);
         Self {
-            period: Pace::new(params.period_s),
+            period: Pace::dithered(params.period_s, params.dither),
             delay_s: params.delay_s,
             piece_m: params.field.piece_m,
             deposit: Deposit::new(params.field, params.geometry.scale_m()),

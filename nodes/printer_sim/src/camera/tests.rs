@@ -244,7 +244,7 @@ fn a_tangle_grows_with_the_volume_alone_and_stays_near_the_nozzle() {
 
 #[test]
 fn frames_come_once_a_period_late_and_numbered() {
-    let params = CameraParams { period_s: 0.5, delay_s: 0.05, ..params() };
+    let params = CameraParams { period_s: 0.5, dither: 0.0, delay_s: 0.05, ..params() };
     let mut rig = Rig::new(&params, 1);
     let mut seen = Vec::new();
     for step in 1..=2_100 {

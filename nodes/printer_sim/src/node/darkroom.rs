@@ -7,7 +7,7 @@
 //! is not developed by then the simulation waits for it.
 
 use crate::camera::{Camera, CameraParams, Moment, Rig, Shot};
-use crate::sensors::Pace;
+use crate::pace::Pace;
 use models::units::Seconds;
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -43,7 +43,7 @@ impl Darkroom {
         let (given, shots) = channel();
         thread::spawn(move || develop(rig, &taken, &given));
         Self {
-            period: Pace::new(params.period_s),
+            period: Pace::dithered(params.period_s, params.dither),
             delay_s: params.delay_s,
             moments: Vec::with_capacity(ROLL),
             exposures: VecDeque::new(),

@@ -6,7 +6,7 @@
 use super::figures::Figures;
 use super::params::{MachineSettings, Params};
 use super::plant::{HeightSample, Speeds, WirePlant};
-use crate::sensors::Pace;
+use crate::pace::Pace;
 use models::command::{DeadMan, DeadManParams, InForce, Limits, Permit, Refusal, Request};
 use models::status::{HostProfile, JobPhase, PrinterStatus};
 use models::units::{Celsius, Seconds};
