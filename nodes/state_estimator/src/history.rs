@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 
 /// Least share that is made up for which tells of strokes `[-]`: that of a sound drive.
 const SLIP_TELLING: f64 = 0.01;
+/// Reports that are further apart hide a corner that the tool slows down for `[s]`: 30 mm/s lost and won again at 1 m/s2.
+const HIDING_S: f64 = 0.06;
 /// Longest way back between two reports that is believed `[m]`: a retraction.
 const BACK_MAX_M: f64 = 0.01;
 
@@ -17,6 +19,8 @@ pub(crate) struct Sample {
     /// Share of the feed that is made up for.
     pub(crate) slip: f64,
     pub(crate) path_speed_m_s: f64,
+    /// Place of the tool over the bed.
+    pub(crate) tool_m: [f64; 2],
     pub(crate) height_m: Option<f64>,
     pub(crate) depositing: bool,
 }
@@ -96,6 +100,16 @@ impl Sample {
     }
 }
 
+impl Sample {
+    /// The tool went less far, or farther, since the report before than the speeds at both tell.
+    fn hides_a_corner(&self, before: &Self, spread: f64) -> bool {
+        let (span_s, [x, y]) = (self.stamp_s - before.stamp_s, self.tool_m);
+        let told_m = 0.5 * (before.path_speed_m_s + self.path_speed_m_s) * span_s;
+        let way_m = (x - before.tool_m[0]).hypot(y - before.tool_m[1]);
+        span_s > HIDING_S && (way_m - told_m).abs() > spread * told_m
+    }
+}
+
 impl Ring<Sample> {
     /// Motor position at `at_s`, interpolated.
     ///
@@ -144,14 +158,19 @@ impl Ring<Sample> {
         range
     }
 
-    /// Path speed and height of the road, if both kept within `spread` from `from_s` to `to_s`.
+    /// Path speed and height of the road, if both kept within `spread` from `from_s` to `to_s`, and the tool went as far
+    /// between reports that are far apart as the speeds at both tell.
     pub(crate) fn steady_road(&self, (from_s, to_s): (f64, f64), spread: f64) -> Option<(f64, f64)> {
         let first = self.values.partition_point(|sample| sample.stamp_s <= from_s).checked_sub(1)?;
         let last = self.values.partition_point(|sample| sample.stamp_s < to_s);
         self.values.get(last)?;
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         let height_m = self.values.get(last)?.height_m?;
+        let mut before: Option<&Sample> = None;
         for sample in self.values.range(first..=last) {
+            if before.replace(sample).is_some_and(|before| sample.hides_a_corner(before, spread)) {
+                return None;
+            }
             let same = sample.height_m.is_some_and(|other| (other - height_m).abs() <= spread * height_m);
             if !sample.depositing || !same {
                 return None;
@@ -189,73 +208,4 @@ impl Ring<(f64, f64)> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn sample(stamp_s: f64, motor_m: f64) -> Sample {
-        Sample {
-            stamp_s,
-            motor_m,
-            wanted_m: motor_m,
-            slip: 0.0,
-            path_speed_m_s: 0.05,
-            height_m: Some(2e-4),
-            depositing: true,
-        }
-    }
-
-    #[test]
-    fn position_is_exact_at_constant_speed_and_bounded_at_a_change() {
-        let mut ring = Ring::new(8);
-        for (stamp, motor) in [(0.0, 0.0), (0.02, 0.04), (0.04, 0.08), (0.06, 0.2)] {
-            ring.push(sample(stamp, motor));
-        }
-        let steady = ring.motor_at(0.01).unwrap();
-        assert!((steady.motor_m - 0.02).abs() < 1e-12 && steady.error_m < 1e-12);
-        // next interval is 4 m/s faster, 5 ms from the nearer report
-        let near_change = ring.motor_at(0.035).unwrap();
-        assert!((near_change.motor_m - 0.07).abs() < 1e-12);
-        assert!((near_change.error_m - 4.0 * 0.005).abs() < 1e-12);
-        assert!(ring.motor_at(0.07).is_none() && ring.motor_at(-0.01).is_none());
-    }
-
-    /// 1 mm forth, of which 10 % more for the slip, and 0.4 mm back: the motor tells of 0.7 mm.
-    #[test]
-    fn what_is_made_up_for_tells_of_strokes_back() {
-        let (forth_m, back_m) = (1e-3 / 0.9, 0.4e-3);
-        let since = sample(0.0, 0.0).position();
-        let made_up = Sample { wanted_m: 1e-3 - back_m, slip: 0.1, ..sample(0.02, forth_m - back_m) };
-        assert!((made_up.back_m(&since) - back_m).abs() < 1e-12);
-        let back_alone = Sample { wanted_m: -back_m, slip: 0.1, ..sample(0.02, -back_m) };
-        assert!((back_alone.back_m(&since) - back_m).abs() < 1e-12);
-        // a host that makes up for nothing, or for it elsewhere, tells of none
-        for (wanted_m, slip) in [(0.6e-3, 0.0), (0.6e-3, 0.002), (forth_m - back_m, 0.1), (0.8e-3, 0.1)] {
-            let silent = Sample { wanted_m, slip, ..sample(0.02, forth_m - back_m) };
-            assert!(silent.back_m(&since).abs() < 1e-15, "{wanted_m} {slip}");
-        }
-    }
-
-    #[test]
-    fn a_road_is_steady_only_while_speed_and_height_are() {
-        let mut ring = Ring::new(8);
-        for step in 0..8 {
-            let mut sample = sample(f64::from(step) * 0.02, 0.0);
-            sample.path_speed_m_s = if step < 5 { 0.05 } else { 0.03 };
-            ring.push(sample);
-        }
-        assert_eq!(ring.steady_road((0.01, 0.07), 0.05), Some((0.05, 2e-4)));
-        assert_eq!(ring.steady_road((0.03, 0.09), 0.05), None);
-        assert_eq!(ring.steady_road((0.03, 0.2), 0.05), None);
-    }
-
-    #[test]
-    fn the_oldest_makes_room() {
-        let mut ring = Ring::new(2);
-        for stamp in 0..3 {
-            ring.push((f64::from(stamp), 10.0 * f64::from(stamp)));
-        }
-        assert_eq!(ring.value_at(0.5), None);
-        assert_eq!(ring.value_at(1.5), Some(15.0));
-        assert_eq!(ring.newest_until(1.9), Some((1.0, 10.0)));
-    }
-}
+mod tests;

@@ -138,6 +138,8 @@ pub(crate) fn within(value: f64, (low, high): (f64, f64)) -> Result<f64, Reason>
 pub(crate) fn check_status(status: &PrinterStatus) -> Result<(), Reason> {
     finite(status.motor_position_m)?;
     finite(status.planned_feed_m_s)?;
+    finite(status.position_m[0])?;
+    finite(status.position_m[1])?;
     within(status.path_speed_m_s, (0.0, f64::MAX))?;
     within(status.hotend_duty, (0.0, 1.0))?;
     within(status.fan, (0.0, 1.0))?;

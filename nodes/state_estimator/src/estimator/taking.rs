@@ -77,6 +77,7 @@ impl Estimator {
             wanted_m: status.wanted_position_m,
             slip: status.trims.slip.unwrap_or(0.0),
             path_speed_m_s: status.path_speed_m_s,
+            tool_m: [status.position_m[0], status.position_m[1]],
             height_m: status.layer_height_m,
             depositing: status.depositing,
         });

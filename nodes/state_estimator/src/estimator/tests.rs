@@ -266,6 +266,7 @@ fn nan_range_order_and_age_are_refused_and_counted() {
         Event::Encoder { stamp, position_m: f64::INFINITY },
         Event::Width { exposed: stamp, width_m: f64::NAN, sigma_m: 1e-5 },
         Event::Printer(PrinterStatus { fan: f64::NAN, ..status(1.005, rig.motor_m) }),
+        Event::Printer(PrinterStatus { position_m: [0.1, f64::NAN, 0.0], ..status(1.005, rig.motor_m) }),
         Event::Hotend { stamp, temp: Celsius(800.0) },
         Event::Nozzle { stamp, temp: Celsius(f64::NAN) },
         Event::Nozzle { stamp, temp: Celsius(800.0) },
@@ -286,7 +287,7 @@ fn nan_range_order_and_age_are_refused_and_counted() {
         crate::Refused { not_finite: 1, disordered: 1, stale: 1, ..Default::default() }
     );
     assert_eq!(refused.width, crate::Refused { not_finite: 1, out_of_range: 1, ..Default::default() });
-    assert_eq!(refused.printer, crate::Refused { not_finite: 1, disordered: 1, ..Default::default() });
+    assert_eq!(refused.printer, crate::Refused { not_finite: 2, disordered: 1, ..Default::default() });
     assert_eq!(refused.tick, crate::Refused { not_finite: 1, disordered: 1, ..Default::default() });
     let estimate = rig.run(10);
     assert!(estimate.x.iter().all(|value| value.is_finite()));

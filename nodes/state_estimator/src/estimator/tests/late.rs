@@ -41,6 +41,7 @@ fn an_encoders_speed_is_known_as_well_as_its_times() {
             wanted_m: 0.0,
             slip: 0.0,
             path_speed_m_s: SPEED_M_S,
+            tool_m: [0.0; 2],
             height_m: Some(HEIGHT_M),
             depositing: true,
         };
