@@ -113,6 +113,14 @@ mod tests {
         assert!((base.error() - 0.06).abs() < 1e-12);
         base.clear();
         assert!(base.error().abs() < 1e-15);
+        let mut thin = after(1, |_| 0.1);
+        assert!((thin.error() + 0.01).abs() < 1e-9);
+        (0..2000).for_each(|_| thin.on_gain(0.1, 0.05));
+        assert!((thin.error() + 0.06).abs() < 1e-12);
+        let mut narrow = Base::new(PARAMS, 0.03);
+        (0..2000).for_each(|_| narrow.on_gain(3.0, 0.05));
+        assert!((narrow.error() - 0.03).abs() < 1e-12, "no more than the feed's range");
+        assert!((thin.retuned(PARAMS, 0.02).error() + 0.02).abs() < 1e-12);
         let mut off = Base::new(PARAMS, 0.0);
         off.on_gain(1.05, 0.05);
         assert!((off.feed() - 1.0).abs() < 1e-15);

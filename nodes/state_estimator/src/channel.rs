@@ -4,6 +4,9 @@ use crate::history::Ring;
 use crate::params::{RawHealth, RawTrust};
 use crate::ukf::Update;
 
+/// How long what was used of a channel counts as telling `[s]`: a travel, a pause of the tool or a stretch of corners is shorter.
+const TOLD_FOR_S: f64 = 30.0;
+
 /// Number of channels.
 pub const CHANNELS: usize = 4;
 /// Samples of the windowed statistics: chi-square with 20 degrees of freedom (model book 1.6).
@@ -170,6 +173,11 @@ impl Record {
     /// Newest sample not older than the channel's limit.
     pub(crate) fn alive(&self, now_s: f64) -> bool {
         self.seen_s.is_some_and(|seen_s| now_s - seen_s <= self.trust.age_limit_s)
+    }
+
+    /// Whether it is alive and something of it was used lately: what is left out all the time tells of nothing.
+    pub(crate) fn tells(&self, now_s: f64) -> bool {
+        self.alive(now_s) && self.used_s.is_some_and(|used_s| now_s - used_s <= TOLD_FOR_S)
     }
 
     /// Whether the window is of now and too large for a model that fits.

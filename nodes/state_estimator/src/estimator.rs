@@ -219,7 +219,7 @@ impl Estimator {
             measured: Channel::ALL.map(|channel| records[channel as usize].count),
             gated: Channel::ALL.map(|channel| records[channel as usize].gated),
             alive: Channel::ALL.map(|channel| records[channel as usize].alive(now_s)),
-            observed: observed(Channel::ALL.map(|channel| records[channel as usize].alive(now_s))),
+            observed: observed(Channel::ALL.map(|channel| records[channel as usize].tells(now_s))),
             window: Channel::ALL.map(|channel| records[channel as usize].window()),
             reference_feed_m_s: self.filter.reference_feed_m_s(),
             steps: self.filter.steps(),
@@ -232,7 +232,7 @@ impl Estimator {
     }
 }
 
-/// What a set of living channels tells of (model book 1.5): the nozzle by its own sensor, else only through the model of the
+/// What a set of channels tells of (model book 1.5): the nozzle by its own sensor, else only through the model of the
 /// joint, flow and slip through the encoder, the gain through widths. Without the encoder widths tell of all three: of flow and
 /// gain as one product, of the slip by what strokes of pressure advance lose, or as what changes faster than a spool.
 fn observed([thermistor, encoder, width, nozzle]: [bool; CHANNELS]) -> [bool; state::COUNT] {

@@ -6,6 +6,8 @@ use std::collections::VecDeque;
 const SLIP_TELLING: f64 = 0.01;
 /// Reports that are further apart hide a corner that the tool slows down for `[s]`: 30 mm/s lost and won again at 1 m/s2.
 const HIDING_S: f64 = 0.06;
+/// Largest angle of an arc between two reports, halved `[rad]`: a steeper one is not told from a corner.
+const STEEPEST: f64 = 1.2;
 /// Longest way back between two reports that is believed `[m]`: a retraction.
 const BACK_MAX_M: f64 = 0.01;
 
@@ -100,17 +102,37 @@ impl Sample {
     }
 }
 
-impl Sample {
-    /// The tool went less far, or farther, since the report before than the speeds at both tell.
-    fn hides_a_corner(&self, before: &Self, spread: f64) -> bool {
-        let (span_s, [x, y]) = (self.stamp_s - before.stamp_s, self.tool_m);
-        let told_m = 0.5 * (before.path_speed_m_s + self.path_speed_m_s) * span_s;
-        let way_m = (x - before.tool_m[0]).hypot(y - before.tool_m[1]);
-        span_s > HIDING_S && (way_m - told_m).abs() > spread * told_m
-    }
-}
-
 impl Ring<Sample> {
+    /// Way of the tool from report `index` to the next, straight `[m]`.
+    fn chord(&self, index: usize) -> Option<[f64; 2]> {
+        let (left, right) = (self.values.get(index)?, self.values.get(index + 1)?);
+        Some([right.tool_m[0] - left.tool_m[0], right.tool_m[1] - left.tool_m[1]])
+    }
+
+    /// The tool went less far, or farther, from report `index` to the next than the speeds at both tell of a straight road, or of
+    /// an arc that turns as its neighbours do: one of an angle `a` is longer than its chord by `(a / 2) / sin(a / 2)`.
+    fn hides_a_corner(&self, index: usize, spread: f64) -> Option<bool> {
+        let (left, right) = (self.values.get(index)?, self.values.get(index + 1)?);
+        let span_s = right.stamp_s - left.stamp_s;
+        if span_s <= HIDING_S {
+            return Some(false);
+        }
+        let [x, y] = self.chord(index)?;
+        let turn = |other: usize| {
+            let [other_x, other_y] = self.chord(other)?;
+            let other_s = self.values.get(other + 1)?.stamp_s - self.values.get(other)?.stamp_s;
+            let angle = (other_x * y - other_y * x).atan2(other_x * x + other_y * y);
+            Some(angle.abs() * span_s / (0.5 * (span_s + other_s)))
+        };
+        let turns = [index.checked_sub(1).and_then(turn), turn(index + 1)];
+        let half = (0.5 * turns.into_iter().flatten().fold(f64::INFINITY, f64::min)).min(STEEPEST);
+        let bend = if turns == [None, None] || half < 1e-3 { 1.0 } else { half.sin() / half };
+        let told_m = 0.5 * (left.path_speed_m_s + right.path_speed_m_s) * span_s;
+        let way_m = x.hypot(y);
+        let shortest_m = (1.0 - spread) * bend * told_m;
+        Some(!(shortest_m..=(1.0 + spread) * told_m).contains(&way_m))
+    }
+
     /// Motor position at `at_s`, interpolated.
     ///
     /// Between two reports the speed may have changed at any time: the position is known to the change of speed
@@ -164,13 +186,12 @@ impl Ring<Sample> {
         let first = self.values.partition_point(|sample| sample.stamp_s <= from_s).checked_sub(1)?;
         let last = self.values.partition_point(|sample| sample.stamp_s < to_s);
         self.values.get(last)?;
+        if (first..last).any(|index| self.hides_a_corner(index, spread).unwrap_or(false)) {
+            return None;
+        }
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         let height_m = self.values.get(last)?.height_m?;
-        let mut before: Option<&Sample> = None;
         for sample in self.values.range(first..=last) {
-            if before.replace(sample).is_some_and(|before| sample.hides_a_corner(before, spread)) {
-                return None;
-            }
             let same = sample.height_m.is_some_and(|other| (other - height_m).abs() <= spread * height_m);
             if !sample.depositing || !same {
                 return None;

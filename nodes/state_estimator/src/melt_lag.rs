@@ -132,6 +132,7 @@ mod tests {
     #[test]
     fn it_stays_within_its_reach_and_a_reach_of_zero_learns_nothing() {
         assert!((after(400, 3.0, 0.0).factor() - 1.4).abs() < 1e-12);
+        assert!((after(400, 0.1, 0.0).factor() - 0.6).abs() < 1e-12);
         let mut lag = after(200, 1.3, 0.0);
         lag.retune(RawMeltLag { reach: 0.0, ..PARAMS });
         assert!((lag.factor() - 1.0).abs() < 1e-12);

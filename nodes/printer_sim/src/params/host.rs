@@ -48,6 +48,13 @@ pub(super) fn link(raw: &RawSimulator) -> Result<Option<RawLink>, ParamError> {
     })
 }
 
+/// So many moves that a firmware knows ahead.
+fn moves(name: &'static str, count: usize) -> Result<usize, ParamError> {
+    #[allow(clippy::cast_precision_loss, reason = "what counts is far below 2^52")]
+    in_range(name, count as f64, "-", (1.0, 1e4))?;
+    Ok(count)
+}
+
 /// Settings of the host and the firmware's motion.
 pub(super) fn executor(raw: &RawSimulator) -> Result<Settings, ParamError> {
     Ok(Settings {
@@ -57,10 +64,10 @@ pub(super) fn executor(raw: &RawSimulator) -> Result<Settings, ParamError> {
             RawHost::Moonraker => HostProfile::Moonraker,
             RawHost::Octoprint => HostProfile::Octoprint,
         },
-        serial_buffer_moves: raw.serial_buffer_moves.max(1),
+        serial_buffer_moves: moves("serial_buffer_moves", raw.serial_buffer_moves)?,
         serial_buffer_s: in_range("serial_buffer_s", raw.serial_buffer_s, "s", (0.0, 10.0))?,
         serial_piece_s: in_range("serial_piece_s", raw.serial_piece_s, "s", (0.01, 10.0))?,
-        plan_moves: raw.plan_moves.max(1),
+        plan_moves: moves("plan_moves", raw.plan_moves)?,
         plan_s: in_range("plan_s", raw.plan_s, "s", (0.0, 10.0))?,
         schedule_advance_max_s: in_range(
             "schedule_advance_max_s",

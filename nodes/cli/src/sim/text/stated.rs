@@ -26,16 +26,21 @@ pub(super) fn covered(text: &mut String, group: &Group) {
     );
 }
 
-/// NEES of what sensors tell of, where that is less than all: its mean over the runs, and the band that holds 95 %.
+/// NEES of what sensors tell of, where that is less than all and the same in all runs: its mean over them, and the band that holds 95 %.
 fn told_of(group: &Group) -> Option<String> {
+    let first = group.runs.iter().find_map(|run| run.nees_told.as_ref())?;
     let told: Vec<_> = group.runs.iter().filter_map(|run| run.nees_told.as_ref()).collect();
-    let first = told.first().filter(|first| first.states.len() < STATE_NAMES.len())?;
+    if first.states.len() == STATE_NAMES.len() || told.iter().any(|told| told.states != first.states) {
+        return None;
+    }
     #[allow(clippy::cast_precision_loss, reason = "seeds are few")]
     let mean = told.iter().map(|told| told.nees_median).sum::<f64>() / told.len() as f64;
     let [low, high] = first.band;
-    let mark = if (low..=high).contains(&mean) { "within" } else { "OUTSIDE" };
-    let states = first.states.len();
-    Some(format!("; of the {states} that sensors tell of {mean:.2}, {mark} {low:.2} to {high:.2}"))
+    let mark = if (low..=high).contains(&mean) { "" } else { " OUTSIDE" };
+    let (states, truth) = (first.states.join(", "), first.true_median);
+    Some(format!(
+        "; of {states} alone, of which sensors tell, {mean:.2}, of a true one {truth:.2}, 95 % of its moments {low:.2} to {high:.2}{mark}"
+    ))
 }
 
 fn told(name: &str, share: f64) -> String {
@@ -57,6 +62,14 @@ pub(super) fn blind(text: &mut String, group: &Group) {
     };
     let list = run.states_not_observed.join(", ");
     _ = writeln!(text, "{:<9} no sensor tells of: {list}{held}", group.control);
+    if run.states_not_observed.contains(&"slip") && group.control != "off" {
+        let advice = "`--advance material` or `--control off` does less harm, see nodes/README.md";
+        _ = writeln!(
+            text,
+            "{:<9} WARNING: what slips stays so, and a planned advance makes it worse: {advice}",
+            group.control
+        );
+    }
 }
 
 #[cfg(test)]
@@ -89,18 +102,23 @@ mod tests {
         let run = |nees_median: f64, states: &[&'static str]| Run {
             coverage: Some([1.0; 6]),
             coverage_states: STATE_NAMES,
-            nees_told: Some(Told { states: states.to_vec(), nees_median, band: [0.216, 9.35] }),
+            nees_told: Some(Told {
+                states: states.to_vec(),
+                nees_median,
+                true_median: 2.366,
+                band: [0.216, 9.35],
+            }),
             ..Run::default()
         };
         let three = &STATE_NAMES[..3];
         let told = |nees: f64| table(&[Group::of("mpc".to_owned(), vec![run(nees, three), run(1.0, three)])]);
-        assert!(
-            told(3.0).contains("; of the 3 that sensors tell of 2.00, within 0.22 to 9.35"),
-            "{}",
-            told(3.0)
-        );
-        assert!(told(27.0).contains(" of 14.00, OUTSIDE 0.22 to 9.35"), "{}", told(27.0));
-        assert!(!one(run(3.0, &STATE_NAMES)).contains("tell of"), "all of them: the NEES of the table");
+        let of = "; of block, nozzle, thermistor alone, of which sensors tell, 2.00, of a true one 2.37, 95 % of its";
+        assert!(told(3.0).contains(&format!("{of} moments 0.22 to 9.35\n")), "{}", told(3.0));
+        let outside = "tell, 14.00, of a true one 2.37, 95 % of its moments 0.22 to 9.35 OUTSIDE";
+        assert!(told(27.0).contains(outside), "{}", told(27.0));
+        let mixed = table(&[Group::of("mpc".to_owned(), vec![run(3.0, three), run(1.0, &STATE_NAMES[..2])])]);
+        assert!(!mixed.contains("sensors tell,"), "one band does not fit both: {mixed}");
+        assert!(!one(run(3.0, &STATE_NAMES)).contains("sensors tell,"), "all of them: the NEES of the table");
     }
 
     /// A share of 90 % holds.
@@ -123,6 +141,10 @@ mod tests {
             blind.contains("no sensor tells of: nozzle, flow, slip; held at what is believed: slip"),
             "{blind}"
         );
+        assert!(!blind.contains("WARNING"), "nothing is planned: {blind}");
+        let nothing = Run { states_not_observed: vec!["nozzle", "slip"], ..Run::default() };
+        let closed = table(&[Group::of("mpc".to_owned(), vec![nothing])]);
+        assert!(closed.contains("WARNING: what slips stays so"), "{closed}");
         let tip = one(Run { with: vec!["nozzle".to_owned()], ..Run::default() });
         assert!(tip.contains(", with nozzle, 1 seed(s)"), "{tip}");
         let whole = one(Run { states_not_observed: vec!["nozzle"], ..Run::default() });

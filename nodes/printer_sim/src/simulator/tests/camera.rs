@@ -27,7 +27,7 @@ fn photographed(faults: &Scenario) -> (Simulator, Shared, Vec<[f64; 3]>, u64) {
     let mut simulator = Simulator::new(params, cube(1), faults, 1).unwrap();
     simulator.fit(Box::new(camera.clone()));
     simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: Some(Celsius(60.0)) });
-    let (mut path, mut frames) = (Vec::new(), 0);
+    let (mut path, mut frames, mut shifted) = (Vec::new(), 0, 0);
     for _ in 0..60_000 {
         simulator.step(Seconds(1e-3));
         let truth = simulator.truth();
@@ -40,10 +40,13 @@ fn photographed(faults: &Scenario) -> (Simulator, Shared, Vec<[f64; 3]>, u64) {
                 // twice a second, a fifth of the period sooner or later
                 let off_s = (exposed.0 - 0.5 * (frames + 1) as f64).abs();
                 assert!(off_s < 0.5 * 0.2 + 2e-3 && sequence == frames, "{off_s}");
+                shifted += u64::from(off_s > 0.02);
                 frames += 1;
             }
         }
     }
+    // four of five lie more than a fifth of that off the beat
+    assert!(shifted * 3 > frames * 2, "{shifted} of {frames}");
     (simulator, camera, path, frames)
 }
 
