@@ -21,7 +21,7 @@ pub(crate) struct Sample {
     /// Share of the feed that is made up for.
     pub(crate) slip: f64,
     pub(crate) path_speed_m_s: f64,
-    /// Place of the tool over the bed.
+    /// Place of the tool over the bed: x, y.
     pub(crate) tool_m: [f64; 2],
     pub(crate) height_m: Option<f64>,
     pub(crate) depositing: bool,
@@ -109,28 +109,35 @@ impl Ring<Sample> {
         Some([right.tool_m[0] - left.tool_m[0], right.tool_m[1] - left.tool_m[1]])
     }
 
-    /// The tool went less far, or farther, from report `index` to the next than the speeds at both tell of a straight road, or of
-    /// an arc that turns as its neighbours do: one of an angle `a` is longer than its chord by `(a / 2) / sin(a / 2)`.
-    fn hides_a_corner(&self, index: usize, spread: f64) -> Option<bool> {
-        let (left, right) = (self.values.get(index)?, self.values.get(index + 1)?);
-        let span_s = right.stamp_s - left.stamp_s;
+    /// Angle that the tool turns by from report `index` to the next, by how it goes on from or to report `other` `[rad]`.
+    fn turning(&self, index: usize, other: usize) -> Option<f64> {
+        let ([x, y], [other_x, other_y]) = (self.chord(index)?, self.chord(other)?);
+        let angle = (other_x * y - other_y * x).atan2(other_x * x + other_y * y);
+        let (span_s, other_s) = (self.span_s(index)?, self.span_s(other)?);
+        Some(angle.abs() * span_s / (0.5 * (span_s + other_s)))
+    }
+
+    /// Time from report `index` to the next `[s]`.
+    fn span_s(&self, index: usize) -> Option<f64> {
+        Some(self.values.get(index + 1)?.stamp_s - self.values.get(index)?.stamp_s)
+    }
+
+    /// The tool went as far from report `index` to the next as the speeds at both tell, of a straight road, or of an arc that
+    /// turns as its neighbours do: one of an angle `a` is longer than its chord by `(a / 2) / sin(a / 2)`.
+    fn goes_straight_on(&self, index: usize, spread: f64) -> Option<bool> {
+        let span_s = self.span_s(index)?;
         if span_s <= HIDING_S {
-            return Some(false);
+            return Some(true);
         }
-        let [x, y] = self.chord(index)?;
-        let turn = |other: usize| {
-            let [other_x, other_y] = self.chord(other)?;
-            let other_s = self.values.get(other + 1)?.stamp_s - self.values.get(other)?.stamp_s;
-            let angle = (other_x * y - other_y * x).atan2(other_x * x + other_y * y);
-            Some(angle.abs() * span_s / (0.5 * (span_s + other_s)))
-        };
-        let turns = [index.checked_sub(1).and_then(turn), turn(index + 1)];
-        let half = (0.5 * turns.into_iter().flatten().fold(f64::INFINITY, f64::min)).min(STEEPEST);
-        let bend = if turns == [None, None] || half < 1e-3 { 1.0 } else { half.sin() / half };
-        let told_m = 0.5 * (left.path_speed_m_s + right.path_speed_m_s) * span_s;
-        let way_m = x.hypot(y);
-        let shortest_m = (1.0 - spread) * bend * told_m;
-        Some(!(shortest_m..=(1.0 + spread) * told_m).contains(&way_m))
+        let before = index.checked_sub(1).and_then(|before| self.turning(index, before));
+        let turns = [before, self.turning(index, index + 1)];
+        let half =
+            turns.into_iter().flatten().reduce(f64::min).map_or(0.0, |turn| (0.5 * turn).min(STEEPEST));
+        let bend = if half < 1e-3 { 1.0 } else { half.sin() / half };
+        let speed_m_s =
+            0.5 * (self.values.get(index)?.path_speed_m_s + self.values.get(index + 1)?.path_speed_m_s);
+        let (told_m, [x, y]) = (speed_m_s * span_s, self.chord(index)?);
+        Some(((1.0 - spread) * bend * told_m..=(1.0 + spread) * told_m).contains(&x.hypot(y)))
     }
 
     /// Motor position at `at_s`, interpolated.
@@ -186,7 +193,7 @@ impl Ring<Sample> {
         let first = self.values.partition_point(|sample| sample.stamp_s <= from_s).checked_sub(1)?;
         let last = self.values.partition_point(|sample| sample.stamp_s < to_s);
         self.values.get(last)?;
-        if (first..last).any(|index| self.hides_a_corner(index, spread).unwrap_or(false)) {
+        if !(first..last).all(|index| self.goes_straight_on(index, spread).unwrap_or(false)) {
             return None;
         }
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);

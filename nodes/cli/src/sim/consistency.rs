@@ -1,11 +1,10 @@
 //! Whether the estimator's stated uncertainty holds against the truth: NEES, model book 1.5.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{DMatrix, DVector, SVector};
 use printer_sim::Truth;
 use serde::Serialize;
 use state_estimator::Estimate;
+use std::collections::BTreeMap;
 
 /// Deviations of the stated 95 % interval.
 const COVERED: f64 = 1.96;
