@@ -15,7 +15,7 @@ pub struct StateEstimate {
     pub x: Vec<f64>,
     /// Row-major, names x names `[products of the units]`.
     pub covariance: Vec<f64>,
-    /// One per name: a living sensor tells of the state itself, not only the model.
+    /// One per name: a sensor that is used tells of the state itself, not only the model.
     pub observed: Vec<bool>,
     /// One per name: nothing tells of the state, which is frozen while its variance grows.
     pub held: Vec<bool>,

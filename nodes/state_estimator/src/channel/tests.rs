@@ -49,3 +49,16 @@ fn what_spoke_against_a_filter_is_over_when_it_starts_anew() {
     record.restart();
     assert_eq!(note(&mut record, 10), Verdict::Rejected);
 }
+
+/// What is alive but was never used, or not for half a minute, tells of nothing; nor does what was used and is silent.
+#[test]
+fn a_channel_tells_while_it_is_alive_and_something_of_it_is_used() {
+    let told = |seen_s: Option<f64>, used_s: Option<f64>| {
+        let mut record = Record::new(TRUST, HEALTH, false);
+        (record.seen_s, record.used_s) = (seen_s, used_s);
+        record.tells(100.0)
+    };
+    assert!(told(Some(99.6), Some(99.6)) && told(Some(99.6), Some(70.1)));
+    assert!(!told(Some(99.6), None) && !told(Some(99.6), Some(69.9)));
+    assert!(!told(Some(99.4), Some(99.4)) && !told(None, None));
+}

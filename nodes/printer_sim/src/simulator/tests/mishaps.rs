@@ -89,6 +89,26 @@ fn a_missing_road_has_no_width_to_measure() {
     assert!(!exposures.is_empty() && exposures.iter().all(|exposed_s| *exposed_s < 3.0), "{exposures:?}");
 }
 
+/// A fifth of half a second, sooner or later, where nothing is left out; on the beat without.
+#[test]
+fn widths_are_exposed_off_the_beat_by_no_more_than_their_dither() {
+    let off_s = |width_dither: f64| {
+        let mut params = params();
+        params.simulator.sensors.width_dither = width_dither;
+        let mut simulator = Simulator::new(params, straight_job(10), &Scenario::default(), 1).unwrap();
+        simulator.warm_up(&Preheat { hotend: Some(Celsius(226.0)), bed: Some(Celsius(60.0)) });
+        run_for(&mut simulator, 8.0);
+        std::iter::from_fn(|| simulator.poll())
+            .filter_map(
+                |output| if let Output::Width { exposed, .. } = output { Some(exposed.0) } else { None },
+            )
+            .map(|exposed_s| (exposed_s / 0.5 - (exposed_s / 0.5).round()).abs() * 0.5)
+            .fold(0.0, f64::max)
+    };
+    assert!((0.05..0.102).contains(&off_s(0.2)), "{}", off_s(0.2));
+    assert!(off_s(0.0) < 2e-3);
+}
+
 #[test]
 fn a_printer_without_the_stand_in_gives_no_widths() {
     let mut params = params();

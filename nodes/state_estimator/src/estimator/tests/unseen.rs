@@ -99,6 +99,20 @@ fn a_slip_that_nothing_tells_of_is_held() {
     assert!(!estimate.observed[state::SLIP] && !estimate.observed[state::FLOW]);
 }
 
+/// Widths of roads that are laid slower than 8 mm/s come in and are left out: nothing tells of flow, slip and gain.
+#[test]
+fn widths_that_are_left_out_tell_of_nothing() {
+    let mut rig = Rig::new();
+    rig.encoder = false;
+    rig.host = Box::new(|status| status.path_speed_m_s = 0.005);
+    let unused = rig.run(1000);
+    assert!(unused.alive[Channel::Width as usize]);
+    assert_eq!([state::FLOW, state::SLIP, state::GAIN].map(|index| unused.observed[index]), [false; 3]);
+    rig.host = Box::new(|_| ());
+    let used = rig.run(1000);
+    assert_eq!([state::FLOW, state::SLIP, state::GAIN].map(|index| used.observed[index]), [true; 3]);
+}
+
 /// Which states are told of, and which are frozen, stands in the message beside their names.
 #[cfg(feature = "ros")]
 #[test]
