@@ -77,9 +77,10 @@ fn add_column<const N: usize, const M: usize>(
 ) {
     let mut column: [f64; N] = std::array::from_fn(|i| matrix[(i, j)]);
     for k in 0..M {
-        let factor = weight * columns[(j, k)];
+        let other = columns[(j, k)];
         for i in from..N {
-            column[i] += columns[(i, k)] * factor;
+            // the weight comes last: a product is the same to the bit whichever of the two comes first
+            column[i] += columns[(i, k)] * other * weight;
         }
     }
     for (i, entry) in column.into_iter().enumerate() {

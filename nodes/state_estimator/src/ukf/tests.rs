@@ -73,6 +73,17 @@ fn an_indefinite_covariance_and_a_nan_are_outcomes() {
     assert_eq!(filter.belief().mean, vector![0.0]);
 }
 
+/// A weight that is no power of two, on columns whose products with it round: each half of the matrix is computed on its own.
+#[test]
+fn a_square_with_a_weight_is_symmetric_to_the_last_bit() {
+    let columns = SMatrix::<f64, 5, 3>::from_fn(|row, column| (1.0 + (3 * row + column) as f64).sqrt() / 3.0);
+    for weight in [1.91, -0.37, 1.0 / 3.0] {
+        let mut matrix = SMatrix::<f64, 5, 5>::identity() * 1e-3;
+        crate::small::add_square(&mut matrix, &columns, weight);
+        assert!((matrix - matrix.transpose()).amax() <= 0.0, "{weight}: {matrix:e}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
