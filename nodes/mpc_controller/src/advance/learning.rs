@@ -38,7 +38,7 @@ struct Moment {
     stamp_s: f64,
     /// Since when a road has been laid without a break `[s]`.
     since_s: f64,
-    /// Since when the feed has been constant `[s]`; for ever where the drive smooths around the present.
+    /// Since when the feed has been constant `[s]`.
     calm_since_s: f64,
     target_width_m: f64,
     /// `h`: what an error of each coefficient does to the relative width `[-]`.
@@ -160,7 +160,7 @@ impl Learning {
         self.moments.push_back(Moment {
             stamp_s,
             since_s,
-            calm_since_s: if is_ahead(status) { f64::NEG_INFINITY } else { self.calm_since_s },
+            calm_since_s: self.calm_since_s,
             target_width_m,
             levers: (wanted_m - self.held_m) / (slope_s(feed_m_s) * feed_m_s) * (1.0 - sides),
             shares,
@@ -175,7 +175,7 @@ impl Learning {
     pub(crate) fn on_width(&mut self, exposed_s: f64, width_m: f64) -> f64 {
         let after = self.moments.partition_point(|moment| moment.stamp_s < exposed_s);
         let Some(moment) = self.moments.get(after).copied() else { return 0.0 };
-        // In a ramp the smoothing of a drive that only sees the present shows, which is no lag of the melt.
+        // In a ramp and just behind it a width shows how the drive smooths its advance, which is no lag of the melt.
         let settled = moment.stamp_s - moment.since_s >= self.settings.settle_s
             && moment.stamp_s - moment.calm_since_s >= self.settings.calm_s;
         if moment.stamp_s - exposed_s > self.settings.pairing_s

@@ -31,7 +31,7 @@ impl Controller {
         self.look_for_clog(exposed, width_m);
         let road = self.roads.at(exposed.0, self.params.clog.settles_s);
         let (Some(road), Level::Mpc) = (road, self.params.control) else { return };
-        let steady = exposed.0 >= self.steady_since_s + self.params.trims.steady_s;
+        let steady = exposed.0 >= self.steady_since_s + self.settles_s();
         let error = width_m / road.target_m - 1.0;
         if !error.is_finite() {
             self.report.refusals.width.invalid += 1;
@@ -61,6 +61,12 @@ impl Controller {
         let (feed, speed) = trimmed(&gains, (self.held[input::FEED], self.held[input::SPEED]), error, &[]);
         self.held[input::FEED] = feed;
         self.held[input::SPEED] = speed;
+    }
+
+    /// How long after a change of path speed a frame tells of the plan `[s]`.
+    pub(super) fn settles_s(&self) -> f64 {
+        let trims = &self.params.trims;
+        if self.clog.is_beyond() { trims.steady_clogged_s } else { trims.steady_s }
     }
 
     /// Learns what is the spool's own, where nothing else passes through the nozzle. Without an encoder the gain is that of

@@ -50,6 +50,7 @@ pub(super) fn trims(raw: &RawTrims) -> Result<(), ParamError> {
     in_range("trims.transient_speed", raw.transient_speed, "-", (0.0, 1.0))?;
     in_range("trims.transient_lags", raw.transient_lags, "lags", (0.0, 20.0))?;
     in_range("trims.steady_s", raw.steady_s, "s", (0.0, 10.0))?;
+    in_range("trims.steady_clogged_s", raw.steady_clogged_s, "s", (0.0, 10.0))?;
     in_range("trims.speed_spread", raw.speed_spread, "-", (0.0, 1.0))?;
     let samples = (raw.delay_s / raw.frame_period_s).ceil();
     ordered(

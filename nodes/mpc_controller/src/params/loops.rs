@@ -40,6 +40,8 @@ pub struct RawTrims {
     pub transient_lags: f64,
     /// Wait after a change of path speed `[s]`.
     pub steady_s: f64,
+    /// The same behind a nozzle that has narrowed beyond what the laws of coming moves follow `[s]`.
+    pub steady_clogged_s: f64,
     /// What counts as a change of path speed `[-]`.
     pub speed_spread: f64,
 }

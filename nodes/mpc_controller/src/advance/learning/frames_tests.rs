@@ -3,6 +3,7 @@
 use super::super::tests::{LEARNING, status};
 use super::tests::{FORETOLD_S, HEIGHT_M, TARGET_M, foretold};
 use super::*;
+use models::command::Trims;
 
 /// Feed before and after the step `[m/s]`.
 const STEP_M_S: [f64; 2] = [0.5e-3, 3e-3];
@@ -15,12 +16,21 @@ const SHARE: f64 = 0.5 / FORETOLD_S;
 
 /// A road with that step, told from status to status up to `until_s` after the step began.
 fn stepped(settings: RawLearning, until_s: f64) -> Learning {
+    stepped_with(settings, until_s, |status| status)
+}
+
+/// The same, told by a host of its own.
+fn stepped_with(
+    settings: RawLearning,
+    until_s: f64,
+    host: impl Fn(PrinterStatus) -> PrinterStatus,
+) -> Learning {
     let mut learning = Learning::new(settings);
     let told = |step: u32| TICK_S * f64::from(step);
     for at_s in (0..).map(told).take_while(|at_s| *at_s <= BEGUN_S + until_s + 1e-9) {
         let [before, after] = STEP_M_S;
         let feed_m_s = if at_s < BEGUN_S + 0.5 * TICK_S { before } else { after };
-        learning.on_status(&status(at_s, feed_m_s), &foretold());
+        learning.on_status(&host(status(at_s, feed_m_s)), &foretold());
     }
     learning
 }
@@ -77,6 +87,30 @@ fn large_errors_of_a_width_count_as_the_largest_believed() {
         let (told, product) = learning.fit.told();
         assert!((told - answer).abs() < 1e-12, "{error_max} {error}: {told}");
         assert!((product - lever(0.4) * answer).abs() < 1e-12, "{error_max} {error}");
+    }
+}
+
+/// The drive's smoothing shows behind a ramp, which ends with the status after the step's, whether one K is executed or the laws of
+/// moves.
+#[test]
+fn frames_close_behind_a_ramp_are_left_out() {
+    for is_ahead in [false, true] {
+        for calm_s in [0.06, 0.2] {
+            for step in 2..30_u32 {
+                let since_s = TICK_S * f64::from(step);
+                let settings = RawLearning { calm_s, settle_s: 0.1, lever_max: 2.0, ..LEARNING };
+                let mut learning = stepped_with(settings, since_s, |status| {
+                    let advance_s = is_ahead.then_some(status.advance_s);
+                    PrinterStatus { trims: Trims { advance_s, ..Trims::NEUTRAL }, ..status }
+                });
+                learning.on_width(BEGUN_S + since_s, TARGET_M);
+                let behind_s = since_s - TICK_S;
+                // at the limit itself rounding decides
+                if (behind_s - calm_s).abs() > 1e-9 {
+                    assert_eq!(learning.frames() > 0.0, behind_s > calm_s, "{is_ahead} {calm_s} {behind_s}");
+                }
+            }
+        }
     }
 }
 

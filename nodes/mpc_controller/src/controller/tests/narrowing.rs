@@ -16,9 +16,10 @@ fn see(rig: &mut Rig, lacking: f64, shape: impl Fn(Estimate) -> Estimate) {
     rig.controller.on_event(Event::Width { exposed: Seconds(rig.now_s()), width_m });
 }
 
-/// 3 s of a sound road, then a dip that fades with 1 s; the law that a move gets then.
+/// A sound road, settled before its first frame, then a dip that fades with 1 s; the law that a move gets before and behind it.
 fn after_a_dip(shape: impl Fn(Estimate) -> Estimate + Copy) -> (Rig, MotionTrim, MotionTrim) {
     let mut rig = Rig::new(Level::Mpc);
+    rig.run(100, shape);
     for _ in 0..6 {
         see(&mut rig, 0.0, shape);
     }
@@ -43,9 +44,28 @@ fn laws_grow_by_what_a_dip_took_from_the_roads_and_push_none_of_it() {
     let lacked_m = FEED_M_S * 0.25 * 1.25;
     assert!((0.8..1.5).contains(&(after.carried_m / lacked_m)), "{} of {lacked_m} m", after.carried_m);
     assert!(after.advance.shear > 1.3 * before.advance.shear, "{before:?} {after:?}");
-    assert!((after.advance.linear_s / before.advance.linear_s - 1.0).abs() < 0.05, "{before:?} {after:?}");
+    // what the loop's own trims of the dip teach of the whole law is some per cent: the rig's flow follows its feed at once
+    assert!((after.advance.linear_s / before.advance.linear_s - 1.0).abs() < 0.1, "{before:?} {after:?}");
     let pushed_m = after.advance.held_m(FEED_M_S) - after.carried_m - before.advance.held_m(FEED_M_S);
     assert!(pushed_m.abs() < 0.1 * after.carried_m, "{pushed_m} of {} m", after.carried_m);
+}
+
+/// Beyond what the laws follow each change of speed leaves the widths off for longer: frames are waited for.
+#[test]
+fn behind_a_nozzle_that_cannot_be_followed_a_frame_has_to_wait_longer() {
+    let mut rig = Rig::new(Level::Mpc);
+    let waits_s = |rig: &Rig| rig.controller.settles_s();
+    let (sound_s, clogged_s) =
+        (rig.controller.params.trims.steady_s, rig.controller.params.trims.steady_clogged_s);
+    assert!(sound_s < clogged_s);
+    rig.run(100, |estimate| estimate);
+    (0..4).for_each(|_| see(&mut rig, 0.0, |estimate| estimate));
+    assert!((waits_s(&rig) - sound_s).abs() < 1e-12);
+    for frame in 0..20 {
+        see(&mut rig, 0.75 * (-f64::from(frame) * 0.1).exp(), |estimate| estimate);
+    }
+    assert!(rig.controller.clog.is_beyond());
+    assert!((waits_s(&rig) - clogged_s).abs() < 1e-12);
 }
 
 /// Nobody vouches for the feed: what lacks may not have been fed.
