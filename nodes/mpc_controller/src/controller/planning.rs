@@ -64,7 +64,7 @@ impl Controller {
     }
 
     /// How long after a change of path speed a frame tells of the plan `[s]`.
-    pub(super) fn settles_s(&self) -> f64 {
+    fn settles_s(&self) -> f64 {
         let trims = &self.params.trims;
         if self.clog.is_beyond() { trims.steady_clogged_s } else { trims.steady_s }
     }
