@@ -6,13 +6,15 @@
 //! nothing where the nozzle narrowed, and the right amount wherever the speed changes.
 
 mod dip;
+mod likely;
 
 use crate::params::RawClog;
 pub(crate) use dip::{Dips, Look};
+use likely::Likely;
 use models::command::AdvanceLaw;
 
 /// Share of what is open of a force that its dip has told `[-]`: it tells a force of 1.4 to 2.5 to some per cent.
-const TOLD_DOUBT: f64 = 0.3;
+const TOLD_DOUBT: f64 = 0.15;
 
 /// The force factor rho, and what is held for it.
 #[derive(Debug, Clone)]
@@ -70,31 +72,29 @@ impl Clog {
         }
     }
 
-    /// A frame of a steady road while the encoder speaks. A nozzle that needs more than `force_max` is not followed: the drive
-    /// could not push so much.
+    /// A frame of a steady road while the encoder speaks.
     pub(crate) fn on_look(&mut self, look: Look) {
         let melt_m = self.factor * look.melt_m;
-        if let Some(held_m) = self.dips.on_look(Look { melt_m, ..look }) {
-            self.follow(held_m, melt_m);
+        if let Some(likely) = self.dips.on_look(Look { melt_m, ..look }) {
+            self.follow(likely, melt_m);
         }
     }
 
     /// The same of a road that is not settled, at a feed `[m/s]`.
     pub(crate) fn on_unsettled(&mut self, feed_m_s: f64) {
-        if let Some((held_m, melt_m)) = self.dips.on_unsettled(feed_m_s) {
-            self.follow(held_m, melt_m);
+        if let Some((likely, melt_m)) = self.dips.on_unsettled(feed_m_s) {
+            self.follow(likely, melt_m);
         }
     }
 
-    /// The nozzle holds so much more than the `melt_m` of its law.
-    fn follow(&mut self, held_m: f64, melt_m: f64) {
+    /// The nozzle comes to need more than the law's force, which holds `melt_m` at the feed of the dip: as far as the drive can
+    /// push, the law grows, and what the nozzle does not hold yet is pushed.
+    fn follow(&mut self, likely: Likely, melt_m: f64) {
         let before = self.factor;
-        let factor = (before * (1.0 + held_m / melt_m)).max(1.0);
-        self.beyond = factor > self.settings.force_max;
-        if !self.beyond {
-            self.factor = factor;
-            self.carry((factor / before - 1.0) * melt_m);
-        }
+        let needed = (before * likely.force).max(1.0);
+        self.beyond = needed > self.settings.force_max;
+        self.factor = needed.min(self.settings.force_max);
+        self.carry(likely.share * (self.factor / before - 1.0) * melt_m);
     }
 }
 

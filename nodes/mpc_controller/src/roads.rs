@@ -26,9 +26,11 @@ pub(crate) struct Road {
 }
 
 impl Road {
-    /// What its section is off by, over what its width is `[-]`.
+    /// What its section is off by, over what its width is `[-]`: its round sides change neither, `w = A / h + h (1 - pi/4)`. 0 of a
+    /// road that is no wider than they are.
     pub(crate) fn section(&self) -> f64 {
-        self.height_m.map_or(1.0, |height_m| (1.0 - height_m * ROUND_SIDES / self.target_m).max(0.0))
+        let flat = self.height_m.map_or(1.0, |height_m| 1.0 - height_m * ROUND_SIDES / self.target_m);
+        if flat > 0.0 { flat.recip() } else { 0.0 }
     }
 
     /// Whether it is fed, and as it has been on the mean: a short corner leaves nothing in a melt that is slower.
@@ -120,6 +122,7 @@ impl Laid {
 pub(crate) mod tests {
     use super::*;
     use crate::advance::tests::status;
+    use models::bead::stadium;
 
     const FEED_M_S: f64 = 1.8e-3;
 
@@ -161,6 +164,17 @@ pub(crate) mod tests {
         let road = roads.at(2.1, 0.3).unwrap();
         assert!((road.target_m - 6.0e-4).abs() < 1e-12);
         assert!((road.steady_s - 0.1).abs() < 1e-9, "{road:?}");
+    }
+
+    /// A stadium's round sides stay what they are: of a section that lacks a half, the width lacks less.
+    #[test]
+    fn a_width_tells_the_section_of_a_stadium() {
+        let road = Road { height_m: Some(2e-4), ..roads().at(1.9, 0.3).unwrap() };
+        let half_m2 = 0.5 * stadium::area_m2(road.target_m, 2e-4);
+        let width = stadium::width_of_area_m(half_m2, 2e-4) / road.target_m - 1.0;
+        assert!((road.section() * width + 0.5).abs() < 1e-12, "{width}");
+        assert!((Road { height_m: None, ..road }.section() - 1.0).abs() < 1e-15);
+        assert!(Road { height_m: Some(3e-3), ..road }.section().abs() < 1e-15, "all of it round");
     }
 
     #[test]

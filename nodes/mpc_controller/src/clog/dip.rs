@@ -1,20 +1,13 @@
-//! The dip that a narrowing nozzle leaves in the roads, and what it tells of the melt's force.
+//! The dip that a narrowing nozzle leaves in the roads, from its first frame until it has passed.
 //!
-//! What the nozzle holds compressed is what went in and did not come out: the filament that lacks in the roads, plus what
-//! passed the encoder beyond the slicer's own feed. A nozzle that narrows at a feed u holds `(rho - rho') a u^n` more once the
-//! dip has passed, `a u^n` the melt's part of the law of a sound one. A dip that does not pass tells of no force: a leak.
+//! What each force would leave in them, and so which it is, [`super::likely`] tells. A dip that does not pass tells of none: a leak.
 
+use super::likely::Likely;
 use crate::params::RawClog;
 
 /// Least share of its deepest that counts as left of a dip, and least that counts as gone: between them it fades by a time
 /// constant `[-]`.
 const REST_MIN: f64 = 0.01;
-
-/// Rounds in which what lacked before the first frame and the force are found together: each brings half a digit and more.
-const ROUNDS: u32 = 6;
-
-/// Halvings of an interval: to a millionth.
-const HALVINGS: u32 = 20;
 
 /// What a frame of a steady road tells, and what the encoder does.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,16 +29,14 @@ pub(crate) struct Look {
 }
 
 /// A dip under way.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Dip {
     /// The sound road before it.
     before: Look,
-    first: Look,
-    last: Look,
+    /// Its frames, one at least.
+    looks: Vec<Look>,
     /// Largest share that lacked, or was too much, `[-]`, > 0.
     deepest: f64,
-    /// What lacked since the first frame `[m]`.
-    lacked_m: f64,
 }
 
 /// Frames in turn, and the dip in them.
@@ -66,45 +57,48 @@ impl Dips {
     /// Share of the flow that lacks at `now_s` by a dip under way, or by what is left of one `[-]`, 0 or more.
     pub(crate) fn rest(&self, now_s: f64) -> f64 {
         let left = |dip: &Dip| {
-            dip.rest() * dip.deepest * (-(now_s - dip.last.exposed_s).max(0.0) / dip.fade_s()).exp()
+            dip.rest() * dip.deepest * (-(now_s - dip.last().exposed_s).max(0.0) / dip.fade_s()).exp()
         };
-        let late = |dip: &&Dip| now_s - dip.first.exposed_s > self.settings.lasts_s;
+        let late = |dip: &&Dip| now_s - dip.first().exposed_s > self.settings.lasts_s;
         let under_way = self.dip.as_ref().filter(|dip| !late(dip)).map(|dip| dip.deepest);
         under_way.or_else(|| self.passed.as_ref().map(left)).unwrap_or(0.0)
     }
 
-    /// How much more filament is held, once a dip has passed or another road has cut it off `[m]`.
-    pub(crate) fn on_look(&mut self, look: Look) -> Option<f64> {
+    /// What a dip tells: once it has passed or another road has cut it off, or by its second frame where it is so deep that it
+    /// would last for whole roads.
+    pub(super) fn on_look(&mut self, look: Look) -> Option<Likely> {
         let before = self.before.replace(look)?;
         let Some(mut dip) = self.dip.take() else {
             self.dip = self.begin(before, look);
             self.has_begun |= self.dip.is_some();
             return None;
         };
-        if look.exposed_s - dip.first.exposed_s > self.settings.lasts_s {
+        if look.exposed_s - dip.first().exposed_s > self.settings.lasts_s {
             return None;
         }
-        if !self.belongs(dip.last, look) || self.differs(dip.first, look) {
+        if !self.belongs(dip.last(), look) || self.differs(dip.first(), look) {
             return self.cut_off(dip);
         }
-        dip.lacked_m += lacked_m(dip.last, look);
-        dip.last = look;
-        let depth = look.lacking * dip.first.lacking.signum();
-        dip.deepest = dip.deepest.max(depth);
+        let depth = dip.take(look);
+        if self.is_deep(&dip)
+            && let Some(likely) = dip.likely()
+        {
+            return Some(likely);
+        }
         if depth > self.settings.passed * dip.deepest {
             self.dip = Some(dip);
             return None;
         }
-        self.passed = Some(dip);
-        Some(dip.held_m())
+        self.pass(dip)
     }
 
-    /// How much more filament is held, beside what the melt held `[m]`, where a road at this feed `[m/s]` that is not settled yet is
-    /// faster than that of a dip, and cuts it off: a slower one may be a corner of the same.
-    pub(super) fn on_unsettled(&mut self, feed_m_s: f64) -> Option<(f64, f64)> {
-        let faster = |dip: &mut Dip| feed_m_s > (1.0 + self.settings.feed_spread) * dip.first.feed_m_s;
+    /// The same where a road at this feed `[m/s]` that is not settled yet is faster than that of a dip, and cuts it off: a slower
+    /// one may be a corner of the same; and what the melt held at its end `[m]`.
+    pub(super) fn on_unsettled(&mut self, feed_m_s: f64) -> Option<(Likely, f64)> {
+        let faster = |dip: &mut Dip| feed_m_s > (1.0 + self.settings.feed_spread) * dip.first().feed_m_s;
         let dip = self.dip.take_if(faster)?;
-        Some((self.cut_off(dip)?, dip.last.melt_m))
+        let melt_m = dip.last().melt_m;
+        Some((self.cut_off(dip)?, melt_m))
     }
 
     /// Whether a dip has been seen to begin.
@@ -113,10 +107,19 @@ impl Dips {
     }
 
     /// What was seen of it has to do, where it was seen to fade.
-    fn cut_off(&mut self, dip: Dip) -> Option<f64> {
-        let fades = dip.rest() <= self.settings.cut_off;
-        self.passed = fades.then_some(dip).or(self.passed);
-        fades.then(|| dip.held_m())
+    fn cut_off(&mut self, dip: Dip) -> Option<Likely> {
+        if dip.rest() <= self.settings.cut_off { self.pass(dip) } else { None }
+    }
+
+    /// By all its frames, and what it holds then as much as it ever will: what little lacks yet is no matter of a push.
+    fn pass(&mut self, dip: Dip) -> Option<Likely> {
+        let likely = dip.likely().map(|likely| Likely { share: 1.0, ..likely });
+        self.passed = Some(dip);
+        likely
+    }
+
+    fn is_deep(&self, dip: &Dip) -> bool {
+        dip.looks.len() == 2 && dip.first().lacking > 0.0 && dip.deepest > self.settings.deep
     }
 
     /// A dip begins beside a sound road: at the start of one that was thin already, nobody knows when.
@@ -125,10 +128,8 @@ impl Dips {
         let deep = look.lacking.abs() > self.settings.begins;
         (sound && deep && self.belongs(before, look) && !self.differs(before, look)).then(|| Dip {
             before,
-            first: look,
-            last: look,
+            looks: vec![look],
             deepest: look.lacking.abs(),
-            lacked_m: 0.0,
         })
     }
 
@@ -142,60 +143,34 @@ impl Dips {
 }
 
 impl Dip {
-    /// What is held more than before `[m]`; the rest fades as the dip has faded.
-    fn held_m(&self) -> f64 {
-        let rest = self.first.lacking.signum() * self.rest() * self.deepest;
-        let coming_m = rest * self.last.feed_m_s * self.fade_s();
-        let fed_m = self.last.excess_m - self.before.excess_m;
-        let since_first_m = self.lacked_m + coming_m + fed_m;
-        (0..ROUNDS).fold(since_first_m, |held_m, _| {
-            since_first_m + self.before_first_m(1.0 + held_m / self.last.melt_m)
-        })
+    fn first(&self) -> Look {
+        self.looks[0]
     }
 
-    /// What lacked before the first frame, in a nozzle that needs `force` times the melt's force since `[m]`: from what it let
-    /// through at first it had faded to what the frame shows, or the last sound road was later than that.
-    fn before_first_m(&self, force: f64) -> f64 {
-        let (seen, gap_s) = (self.first.lacking.abs(), self.first.exposed_s - self.before.exposed_s);
-        let began = if self.first.lacking > 0.0 { self.first.lacks_at_first(force).max(seen) } else { seen };
-        let since_s = if began > seen { self.fade_s() * (began / seen).ln() } else { 0.5 * gap_s };
-        0.5 * (began + seen) * self.first.lacking.signum() * self.first.feed_m_s * since_s.min(gap_s)
+    fn last(&self) -> Look {
+        self.looks[self.looks.len() - 1]
     }
-}
 
-impl Look {
-    /// Share of the flow that lacks just after the nozzle has come to need `force` times the melt's force: it holds the same
-    /// filament still, `force a w^n + K w = a u^n + K u` `[-]`.
-    fn lacks_at_first(&self, force: f64) -> f64 {
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let share = 0.5 * (low + high);
-            let holds_m = force * self.melt_m * f64::powf(share, self.index) + self.linear_m * share;
-            if holds_m < self.melt_m + self.linear_m { low = share } else { high = share }
-        }
-        1.0 - low
+    /// Its next frame; how deep it is there, to its own side `[-]`.
+    fn take(&mut self, look: Look) -> f64 {
+        self.looks.push(look);
+        let depth = look.lacking * self.first().lacking.signum();
+        self.deepest = self.deepest.max(depth);
+        depth
     }
-}
 
-impl Dip {
+    fn likely(&self) -> Option<Likely> {
+        Likely::of(self.before, &self.looks)
+    }
+
     /// What is left of its deepest `[-]`.
     fn rest(&self) -> f64 {
-        (self.first.lacking.signum() * self.last.lacking / self.deepest).clamp(REST_MIN, 1.0 - REST_MIN)
+        let left = self.first().lacking.signum() * self.last().lacking / self.deepest;
+        left.clamp(REST_MIN, 1.0 - REST_MIN)
     }
 
     /// Time constant with which it has faded `[s]`.
     fn fade_s(&self) -> f64 {
-        (self.last.exposed_s - self.first.exposed_s) / -self.rest().ln()
+        (self.last().exposed_s - self.first().exposed_s) / -self.rest().ln()
     }
-}
-
-/// What lacked from one frame to the next, fading from one share to the other `[m]`.
-fn lacked_m(last: Look, look: Look) -> f64 {
-    let (from, to) = (last.lacking * last.feed_m_s, look.lacking * look.feed_m_s);
-    let mean = if from * to > 0.0 && (from / to - 1.0).abs() > 1e-3 {
-        (from - to) / (from / to).ln()
-    } else {
-        0.5 * (from + to)
-    };
-    mean * (look.exposed_s - last.exposed_s)
 }

@@ -4,9 +4,10 @@ use super::*;
 
 pub(crate) const SETTINGS: RawClog = RawClog {
     force_max: 3.5,
-    sound: 0.08,
-    begins: 0.15,
+    sound: 0.095,
+    begins: 0.18,
     passed: 0.4,
+    deep: 0.8,
     cut_off: 0.75,
     lasts_s: 12.0,
     gap_s: 3.0,
@@ -85,7 +86,7 @@ fn the_force_of_a_narrowed_nozzle_is_read_off_its_dip() {
         for first_s in [0.02, 0.15, 0.25, 0.35, 0.48] {
             let (_, clog) = narrowed(force, first_s);
             let error = clog.factor() / force - 1.0;
-            assert!(error.abs() < 0.07, "{force} seen after {first_s} s: {}", clog.factor());
+            assert!(error.abs() < 0.1, "{force} seen after {first_s} s: {}", clog.factor());
             let carried_m = (clog.factor() - 1.0) * melt_m;
             assert!(
                 (clog.carried_m() / carried_m - 1.0).abs() < 1e-9,
@@ -94,6 +95,44 @@ fn the_force_of_a_narrowed_nozzle_is_read_off_its_dip() {
             );
         }
     }
+}
+
+/// A deep dip is told of by its second frame: what the nozzle holds by then is carried, what it will hold more is pushed, and
+/// no more than the drive can. With `deep` at 1 it has to pass first.
+#[test]
+fn a_deep_dip_is_told_of_by_its_second_frame() {
+    let melt_m = SOUND.shear * FEED_M_S.powf(SOUND.index);
+    let seen = |settings: RawClog, (force, first_s): (f64, f64)| {
+        let (mut melt, mut clog) = (Melt::steady(), Clog::new(settings));
+        melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+        melt.run(&mut clog, (first_s + 0.25, first_s), force, 1.0);
+        assert!((clog.factor() - 1.0).abs() < 1e-15, "by its first frame");
+        // The second frame is the last of this.
+        melt.run(&mut clog, (0.2501, 0.25), force, 1.0);
+        (clog, melt.held_m - SOUND.held_m(FEED_M_S))
+    };
+    for case in [(3.5, 0.05), (3.5, 0.2), (5.0, 0.05), (5.0, 0.25), (5.0, 0.45)] {
+        let (clog, held_m) = seen(RawClog { force_max: 10.0, ..SETTINGS }, case);
+        assert!((clog.factor() / case.0 - 1.0).abs() < 0.15, "{case:?}: {}", clog.factor());
+        let (whole_m, carried_m) = ((case.0 - 1.0) * melt_m, clog.carried_m());
+        assert!((carried_m - held_m).abs() < 0.1 * whole_m, "{case:?}: {carried_m} of {held_m} m");
+        assert!(carried_m < 0.6 * whole_m, "{case:?}: {carried_m} m, all of it");
+        let (clog, _) = seen(RawClog { deep: 1.0, ..SETTINGS }, case);
+        assert!((clog.factor() - 1.0).abs() < 1e-15, "{case:?}: {}", clog.factor());
+    }
+    let (clog, _) = seen(SETTINGS, (5.0, 0.25));
+    assert!(clog.is_beyond() && (clog.factor() - SETTINGS.force_max).abs() < 1e-12, "{}", clog.factor());
+}
+
+/// Frames that no force explains tell of none: a road that gets thin at the second of them only.
+#[test]
+fn frames_that_no_force_explains_tell_of_none() {
+    let (mut clog, mut melt) = (Clog::new(SETTINGS), Melt::steady());
+    for lacking in [0.0, 0.0, 0.2, 0.95] {
+        melt.now_s += 0.5;
+        clog.on_look(melt.look(lacking));
+    }
+    assert!((clog.factor() - 1.0).abs() < 1e-15 && clog.doubt() > 0.0, "{}", clog.factor());
 }
 
 /// A law that has grown, less what is carried, is the sound one's at the feed of the dip, and `rho` times as steep in the melt.
@@ -128,20 +167,23 @@ fn what_did_not_pass_the_encoder_is_not_held() {
     assert!((clog.factor() - 1.0).abs() < 0.3, "{}", clog.factor());
 }
 
-/// A leak lacks as much all the time; one that is thin already when it is first seen began nobody knows when; and beyond
-/// `force_max` the drive could not push.
+/// A leak lacks as much all the time, a large one, too; and one that is thin already when it is first seen began nobody knows when.
 #[test]
-fn what_tells_of_no_force_that_can_be_followed_changes_nothing() {
+fn what_tells_of_no_force_changes_nothing() {
     let (mut leak, mut melt) = (Clog::new(SETTINGS), Melt::steady());
     for _ in 0..60 {
         melt.now_s += 0.5;
         leak.on_look(melt.look(if melt.now_s < 3.0 { 0.0 } else { 0.25 }));
     }
+    let (mut large, mut melt) = (Clog::new(SETTINGS), Melt::steady());
+    for _ in 0..60 {
+        melt.now_s += 0.5;
+        large.on_look(melt.look(if melt.now_s < 3.0 { 0.0 } else { 0.7 }));
+    }
     let (mut thin, mut melt) = (Clog::new(SETTINGS), Melt::steady());
     melt.run(&mut thin, (12.0, 0.25), 2.5, 1.0);
-    let (_, narrow) = narrowed(5.0, 0.25);
-    assert!(narrow.is_beyond() && !leak.is_beyond() && !thin.is_beyond());
-    for clog in [leak, thin, narrow] {
+    for clog in [leak, large, thin] {
+        assert!(!clog.is_beyond());
         assert_eq!((clog.factor(), clog.carried_m()), (1.0, 0.0), "{clog:?}");
     }
 }
@@ -193,7 +235,7 @@ fn a_faster_road_cuts_a_dip_off_before_it_is_settled() {
     assert!((slower - 1.0).abs() < 1e-15, "{slower}");
     let (single, doubt, _) = factor_after(0.3, 2.0);
     assert!((single - 1.0).abs() < 1e-15 && (doubt - 1.0).abs() < 1e-15, "{single}");
-    let (_, narrow) = narrowed(5.0, 0.25);
+    let (_, narrow) = narrowed(9.0, 0.25);
     assert!(narrow.is_beyond() && narrow.doubt() <= 0.0);
 }
 

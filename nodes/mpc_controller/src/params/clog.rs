@@ -15,6 +15,8 @@ pub struct RawClog {
     pub begins: f64,
     /// Share of its deepest at which it has passed `[-]`.
     pub passed: f64,
+    /// Share from which on its second frame tells already, and the laws push what the nozzle does not hold yet `[-]`.
+    pub deep: f64,
     /// Share of its deepest up to which one that another road cuts off tells of a force `[-]`.
     pub cut_off: f64,
     /// One that lasts longer tells of no force `[s]`.
@@ -37,6 +39,7 @@ impl RawClog {
         in_range("clog.sound", self.sound, "-", (0.0, 0.5))?;
         in_range("clog.begins", self.begins, "-", (self.sound, 1.0))?;
         in_range("clog.passed", self.passed, "-", (0.05, 0.9))?;
+        in_range("clog.deep", self.deep, "-", (self.begins, 1.0))?;
         in_range("clog.cut_off", self.cut_off, "-", (0.0, 0.95))?;
         in_range("clog.lasts_s", self.lasts_s, "s", (0.5, 120.0))?;
         in_range("clog.gap_s", self.gap_s, "s", (0.1, 10.0))?;
