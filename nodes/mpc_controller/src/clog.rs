@@ -3,14 +3,14 @@
 //! A nozzle that has narrowed needs `rho` times the melt's force at every feed, and holds as many times the filament (model
 //! book 1.2). A law for the sound nozzle pushes and draws back too little at each change of speed from then on. What the
 //! narrowing itself took from the roads is held already: the law grows, and is less by that at every feed. So it pushes
-//! nothing where the nozzle narrowed, and the right amount wherever the speed changes.
+//! nothing where the nozzle narrowed (of a deep dip, what it does not hold yet), and the right amount wherever the speed changes.
 
 mod dip;
 mod likely;
 
 use crate::params::RawClog;
+use dip::Word;
 pub(crate) use dip::{Dips, Look};
-use likely::Likely;
 use models::command::AdvanceLaw;
 
 /// Share of what is open of a force that its dip has told `[-]`: it tells a force of 1.4 to 2.5 to some per cent.
@@ -21,20 +21,22 @@ const TOLD_DOUBT: f64 = 0.15;
 pub(crate) struct Clog {
     settings: RawClog,
     dips: Dips,
-    factor: f64,
+    /// Force over that of a sound nozzle, however much `[-]`.
+    needed: f64,
     carried_m: f64,
-    beyond: bool,
+    /// Both before the last dip told of a force.
+    before: (f64, f64),
 }
 
 impl Clog {
     /// A sound nozzle.
     pub(crate) fn new(settings: RawClog) -> Self {
-        Self { settings, dips: Dips::new(settings), factor: 1.0, carried_m: 0.0, beyond: false }
+        Self { settings, dips: Dips::new(settings), needed: 1.0, carried_m: 0.0, before: (1.0, 0.0) }
     }
 
-    /// Force over that of a sound nozzle `[-]`, 1 or more.
+    /// Force over that of a sound nozzle, as far as it is followed `[-]`, 1 or more.
     pub(crate) fn factor(&self) -> f64 {
-        self.factor
+        self.needed.min(self.settings.force_max)
     }
 
     /// Filament that is held for it without an advance that pushed it `[m]`, 0 or more.
@@ -44,7 +46,7 @@ impl Clog {
 
     /// Whether the nozzle has been seen to need more than what is followed.
     pub(crate) fn is_beyond(&self) -> bool {
-        self.beyond
+        self.needed > self.settings.force_max
     }
 
     /// The nozzle is known to hold so much more, or less, at the feed as it is `[m]`: no law has to push it.
@@ -54,7 +56,7 @@ impl Clog {
 
     /// A law of the sound nozzle for the one that there is.
     pub(crate) fn law(&self, sound: AdvanceLaw) -> AdvanceLaw {
-        AdvanceLaw { shear: sound.shear * self.factor, ..sound }
+        AdvanceLaw { shear: sound.shear * self.factor(), ..sound }
     }
 
     /// Share of the flow that lacks, or is too much, at `now_s` by a dip that has not passed wholly `[-]`.
@@ -63,9 +65,9 @@ impl Clog {
     }
 
     /// How much is open of a nozzle's force since a dip has begun: all where it was cut off before it told any or the nozzle
-    /// has come free, none without a dip or behind one that cannot be followed `[-]`.
+    /// has come free, none without a dip or behind one that is followed in part `[-]`.
     pub(crate) fn doubt(&self) -> f64 {
-        match (self.dips.has_begun() && !self.beyond, self.factor > 1.0) {
+        match (self.dips.has_begun() && !self.is_beyond(), self.factor() > 1.0) {
             (false, _) => 0.0,
             (true, false) => 1.0,
             (true, true) => TOLD_DOUBT,
@@ -74,27 +76,29 @@ impl Clog {
 
     /// A frame of a steady road while the encoder speaks.
     pub(crate) fn on_look(&mut self, look: Look) {
-        let melt_m = self.factor * look.melt_m;
-        if let Some(likely) = self.dips.on_look(Look { melt_m, ..look }) {
-            self.follow(likely, melt_m);
-        }
+        let word = self.dips.on_look(Look { melt_m: self.needed * look.melt_m, ..look });
+        self.follow(word);
     }
 
     /// The same of a road that is not settled, at a feed `[m/s]`.
     pub(crate) fn on_unsettled(&mut self, feed_m_s: f64) {
-        if let Some((likely, melt_m)) = self.dips.on_unsettled(feed_m_s) {
-            self.follow(likely, melt_m);
-        }
+        let word = self.dips.on_unsettled(feed_m_s);
+        self.follow(word);
     }
 
-    /// The nozzle comes to need more than the law's force, which holds `melt_m` at the feed of the dip: as far as the drive can
-    /// push, the law grows, and what the nozzle does not hold yet is pushed.
-    fn follow(&mut self, likely: Likely, melt_m: f64) {
-        let before = self.factor;
-        let needed = (before * likely.force).max(1.0);
-        self.beyond = needed > self.settings.force_max;
-        self.factor = needed.min(self.settings.force_max);
-        self.carry(likely.share * (self.factor / before - 1.0) * melt_m);
+    /// The nozzle comes to need more than it did: as far as the drive can push, the law grows, and what the nozzle does not hold yet
+    /// is pushed.
+    fn follow(&mut self, word: Option<Word>) {
+        match word {
+            Some(Word::Narrowed(likely, melt_m)) => {
+                let (needed, factor) = (self.needed, self.factor());
+                self.before = (needed, self.carried_m);
+                self.needed = (needed * likely.force).max(1.0);
+                self.carry(likely.share * (self.factor() - factor) * melt_m / needed);
+            }
+            Some(Word::Withdrawn) => (self.needed, self.carried_m) = self.before,
+            None => {}
+        }
     }
 }
 

@@ -9,6 +9,9 @@ use crate::params::RawClog;
 /// constant `[-]`.
 const REST_MIN: f64 = 0.01;
 
+/// Frames that tell of a deep dip. By one more no push has come through: where that is sound, no nozzle was narrow.
+const EARLY: usize = 2;
+
 /// What a frame of a steady road tells, and what the encoder does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Look {
@@ -28,6 +31,15 @@ pub(crate) struct Look {
     pub(crate) index: f64,
 }
 
+/// What a dip tells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Word {
+    /// Of the nozzle, and what the law's melt held at the feed of the dip until then `[m]`.
+    Narrowed(Likely, f64),
+    /// That what it told early was no narrowing.
+    Withdrawn,
+}
+
 /// A dip under way.
 #[derive(Debug, Clone)]
 struct Dip {
@@ -37,6 +49,8 @@ struct Dip {
     looks: Vec<Look>,
     /// Largest share that lacked, or was too much, `[-]`, > 0.
     deepest: f64,
+    /// It has told of a force already.
+    told: bool,
 }
 
 /// Frames in turn, and the dip in them.
@@ -54,51 +68,52 @@ impl Dips {
         Self { settings, before: None, dip: None, passed: None, has_begun: false }
     }
 
-    /// Share of the flow that lacks at `now_s` by a dip under way, or by what is left of one `[-]`, 0 or more.
+    /// Share of the flow that lacks at `now_s` by a dip under way, or by what is left of one `[-]`, 0 or more. What one lacks that has
+    /// told is being pushed: its frames count.
     pub(crate) fn rest(&self, now_s: f64) -> f64 {
         let left = |dip: &Dip| {
             dip.rest() * dip.deepest * (-(now_s - dip.last().exposed_s).max(0.0) / dip.fade_s()).exp()
         };
         let late = |dip: &&Dip| now_s - dip.first().exposed_s > self.settings.lasts_s;
-        let under_way = self.dip.as_ref().filter(|dip| !late(dip)).map(|dip| dip.deepest);
+        let under_way = self.dip.as_ref().filter(|dip| !late(dip) && !dip.told).map(|dip| dip.deepest);
         under_way.or_else(|| self.passed.as_ref().map(left)).unwrap_or(0.0)
     }
 
     /// What a dip tells: once it has passed or another road has cut it off, or by its second frame where it is so deep that it
-    /// would last for whole roads.
-    pub(super) fn on_look(&mut self, look: Look) -> Option<Likely> {
+    /// would last for whole roads. What that said is withdrawn where the dip lasts, or is over with the next frame.
+    pub(super) fn on_look(&mut self, look: Look) -> Option<Word> {
         let before = self.before.replace(look)?;
         let Some(mut dip) = self.dip.take() else {
             self.dip = self.begin(before, look);
             self.has_begun |= self.dip.is_some();
             return None;
         };
-        if look.exposed_s - dip.first().exposed_s > self.settings.lasts_s {
+        let lasts = look.exposed_s - dip.first().exposed_s > self.settings.lasts_s;
+        if lasts && !dip.told {
             return None;
         }
         if !self.belongs(dip.last(), look) || self.differs(dip.first(), look) {
             return self.cut_off(dip);
         }
         let depth = dip.take(look);
-        if self.is_deep(&dip)
-            && let Some(likely) = dip.likely()
-        {
-            return Some(likely);
+        if depth <= self.settings.passed * dip.deepest {
+            return self.pass(dip);
         }
-        if depth > self.settings.passed * dip.deepest {
-            self.dip = Some(dip);
-            return None;
+        if lasts {
+            return Some(Word::Withdrawn);
         }
-        self.pass(dip)
+        let word = if self.is_deep(&dip) { dip.word() } else { None };
+        dip.told |= word.is_some();
+        self.dip = Some(dip);
+        word
     }
 
     /// The same where a road at this feed `[m/s]` that is not settled yet is faster than that of a dip, and cuts it off: a slower
-    /// one may be a corner of the same; and what the melt held at its end `[m]`.
-    pub(super) fn on_unsettled(&mut self, feed_m_s: f64) -> Option<(Likely, f64)> {
+    /// one may be a corner of the same.
+    pub(super) fn on_unsettled(&mut self, feed_m_s: f64) -> Option<Word> {
         let faster = |dip: &mut Dip| feed_m_s > (1.0 + self.settings.feed_spread) * dip.first().feed_m_s;
         let dip = self.dip.take_if(faster)?;
-        let melt_m = dip.last().melt_m;
-        Some((self.cut_off(dip)?, melt_m))
+        self.cut_off(dip)
     }
 
     /// Whether a dip has been seen to begin.
@@ -107,19 +122,24 @@ impl Dips {
     }
 
     /// What was seen of it has to do, where it was seen to fade.
-    fn cut_off(&mut self, dip: Dip) -> Option<Likely> {
-        if dip.rest() <= self.settings.cut_off { self.pass(dip) } else { None }
+    fn cut_off(&mut self, dip: Dip) -> Option<Word> {
+        if dip.told || dip.rest() <= self.settings.cut_off { self.pass(dip) } else { None }
     }
 
-    /// By all its frames, and what it holds then as much as it ever will: what little lacks yet is no matter of a push.
-    fn pass(&mut self, dip: Dip) -> Option<Likely> {
-        let likely = dip.likely().map(|likely| Likely { share: 1.0, ..likely });
+    /// By all its frames, and what it holds then counts as all that it will: a push of what is left makes the next road fat.
+    fn pass(&mut self, dip: Dip) -> Option<Word> {
+        let word = match dip.word().filter(|_| !dip.told) {
+            Some(Word::Narrowed(likely, melt_m)) => {
+                Some(Word::Narrowed(Likely { share: 1.0, ..likely }, melt_m))
+            }
+            _ => (dip.told && dip.looks.len() <= EARLY + 1).then_some(Word::Withdrawn),
+        };
         self.passed = Some(dip);
-        likely
+        word
     }
 
     fn is_deep(&self, dip: &Dip) -> bool {
-        dip.looks.len() == 2 && dip.first().lacking > 0.0 && dip.deepest > self.settings.deep
+        dip.looks.len() == EARLY && dip.first().lacking > 0.0 && dip.deepest > self.settings.deep
     }
 
     /// A dip begins beside a sound road: at the start of one that was thin already, nobody knows when.
@@ -130,6 +150,7 @@ impl Dips {
             before,
             looks: vec![look],
             deepest: look.lacking.abs(),
+            told: false,
         })
     }
 
@@ -159,8 +180,8 @@ impl Dip {
         depth
     }
 
-    fn likely(&self) -> Option<Likely> {
-        Likely::of(self.before, &self.looks)
+    fn word(&self) -> Option<Word> {
+        Likely::of(self.before, &self.looks).map(|likely| Word::Narrowed(likely, self.before.melt_m))
     }
 
     /// What is left of its deepest `[-]`.

@@ -14,12 +14,14 @@ const MOMENTS: u32 = 6;
 /// Scatter of the share that lacks in a frame `[-]`.
 const SCATTER: f64 = 0.04;
 /// Largest mean square of what no force explains, in the scatter, at which frames tell of one.
-const MISFIT_MAX: f64 = 16.0;
+const MISFIT_MAX: f64 = 4.0;
+/// A sum of squares so far beyond that weighs nothing beside one that fits.
+const HOPELESS: f64 = 60.0;
 /// Step of the integration `[s]`: a tenth of the shortest lag.
 const STEP_S: f64 = 0.02;
 /// Least outlet over the feed at which the lag is taken `[-]`: it grows beyond any bound towards rest.
 const OUTLET_MIN: f64 = 0.02;
-/// Halvings of an interval: to a millionth.
+/// Halvings of the interval of an outlet over the feed.
 const HALVINGS: u32 = 20;
 
 /// What the frames of a dip tell of the nozzle.
@@ -43,8 +45,7 @@ impl Likely {
             })
             .collect();
         let least = runs.iter().map(|run| run.misfit).fold(f64::INFINITY, f64::min);
-        let frames = f64::from(u32::try_from(dip.len()).ok()?);
-        if least > MISFIT_MAX * frames {
+        if least > MISFIT_MAX * frames(dip) {
             return None;
         }
         let (mut weight, mut logarithm, mut share) = (0.0, 0.0, 0.0);
@@ -56,6 +57,10 @@ impl Likely {
         }
         Some(Self { force: (logarithm / weight).exp(), share: share / weight })
     }
+}
+
+fn frames(dip: &[Look]) -> f64 {
+    dip.iter().map(|_| 1.0).sum()
 }
 
 /// What a force from a moment on would have left.
@@ -71,11 +76,16 @@ impl Run {
     fn of(sound: Look, dip: &[Look], (force, began_s): (f64, f64)) -> Self {
         let mut nozzle = Nozzle::narrowed(sound, force, began_s);
         let (mut last, mut misfit) = (sound, 0.0);
+        let hopeless = HOPELESS + MISFIT_MAX * frames(dip);
         for look in dip {
-            let excess_m_s = (look.excess_m - last.excess_m) / (look.exposed_s - last.exposed_s);
+            // What slipped before the nozzle narrowed lacks since.
+            let excess_m_s = (look.excess_m - last.excess_m) / (look.exposed_s - nozzle.now_s);
             nozzle.run((look.feed_m_s + excess_m_s) / sound.feed_m_s, look.exposed_s);
             let lacks = 1.0 - nozzle.outlet * sound.feed_m_s / look.feed_m_s;
             misfit += ((look.lacking - lacks) / SCATTER).powi(2);
+            if misfit > hopeless {
+                break;
+            }
             last = *look;
         }
         Self { force, misfit, share: nozzle.share() }

@@ -22,14 +22,14 @@ fn see(rig: &mut Rig, lacking: f64, shape: impl Fn(Estimate) -> Estimate) {
 /// Force over that before `[-]`.
 const FORCE: f64 = 1.5;
 
-/// Shares that lack in frames each half second, the first after a quarter, behind a nozzle that has come to need `FORCE` times the melt's part
-/// of a law.
-fn dip(law: AdvanceLaw) -> [f64; 5] {
+/// Shares that lack in frames each half second, the first after a quarter, behind a nozzle that has come to need `force` times
+/// the melt's part of a law.
+fn dip(law: AdvanceLaw, force: f64) -> [f64; 5] {
     let of = |force: f64| StaticLaw::of_compression(law.index, force * law.shear, law.linear_s);
     let mut pressure = Pressure::steady(&of(1.0), FEED_M_S);
     std::array::from_fn(|frame| {
         for _ in 0..if frame == 0 { 250 } else { 500 } {
-            pressure.step(&of(FORCE), FEED_M_S, Seconds(1e-3));
+            pressure.step(&of(force), FEED_M_S, Seconds(1e-3));
         }
         1.0 - pressure.outlet().speed_m_s / FEED_M_S
     })
@@ -43,7 +43,7 @@ fn after_a_dip(shape: impl Fn(Estimate) -> Estimate + Copy) -> (Rig, MotionTrim,
         see(&mut rig, 0.0, shape);
     }
     let before = coming(&mut rig);
-    dip(before.advance).into_iter().for_each(|lacking| see(&mut rig, lacking, shape));
+    dip(before.advance, FORCE).into_iter().for_each(|lacking| see(&mut rig, lacking, shape));
     let after = coming(&mut rig);
     (rig, before, after)
 }
@@ -83,9 +83,10 @@ fn behind_a_nozzle_that_cannot_be_followed_a_frame_has_to_wait_longer() {
     (0..4).for_each(|_| see(&mut rig, 0.0, |estimate| estimate));
     assert!(!counts(&mut rig, 0.1) && counts(&mut rig, 0.3));
     (0..4).for_each(|_| see(&mut rig, 0.0, |estimate| estimate));
-    for frame in 0..20 {
-        see(&mut rig, 0.75 * (-f64::from(frame) * 0.1).exp(), |estimate| estimate);
-    }
+    let law = coming(&mut rig).advance;
+    dip(law, 2.0 * rig.controller.params.clog.force_max).into_iter().for_each(|lacking| {
+        see(&mut rig, lacking, |estimate| estimate);
+    });
     assert!(rig.controller.clog.is_beyond());
     rig.run(600, |estimate| estimate);
     assert!(!counts(&mut rig, 0.3) && counts(&mut rig, 0.6));
