@@ -26,7 +26,7 @@ pub(crate) struct Road {
 }
 
 impl Road {
-    /// What its section is off by, over what its width is `[-]`: its round sides change neither, `w = A / h + h (1 - pi/4)`. 0 of a
+    /// What its section is off by, over what its width is `[-]`, 1 or more: of `w = A / h + h (1 - pi/4)` the round sides stay. 0 of a
     /// road that is no wider than they are.
     pub(crate) fn section(&self) -> f64 {
         let flat = self.height_m.map_or(1.0, |height_m| 1.0 - height_m * ROUND_SIDES / self.target_m);

@@ -102,10 +102,11 @@ impl Dips {
         if lasts {
             return Some(Word::Withdrawn);
         }
-        let word = if self.is_deep(&dip) { dip.word() } else { None };
-        dip.told |= word.is_some();
+        let early = if self.is_deep(&dip) { dip.likely() } else { None };
+        dip.told |= early.is_some();
+        let melt_m = dip.before.melt_m;
         self.dip = Some(dip);
-        word
+        early.map(|likely| Word::Narrowed(likely, melt_m))
     }
 
     /// The same where a road at this feed `[m/s]` that is not settled yet is faster than that of a dip, and cuts it off: a slower
@@ -121,18 +122,17 @@ impl Dips {
         self.has_begun
     }
 
-    /// What was seen of it has to do, where it was seen to fade.
+    /// What was seen of it has to do, where it was seen to fade. What it told already stands: nothing tells against it.
     fn cut_off(&mut self, dip: Dip) -> Option<Word> {
-        if dip.told || dip.rest() <= self.settings.cut_off { self.pass(dip) } else { None }
+        if dip.told || dip.rest() > self.settings.cut_off { None } else { self.pass(dip) }
     }
 
     /// By all its frames, and what it holds then counts as all that it will: a push of what is left makes the next road fat.
     fn pass(&mut self, dip: Dip) -> Option<Word> {
-        let word = match dip.word().filter(|_| !dip.told) {
-            Some(Word::Narrowed(likely, melt_m)) => {
-                Some(Word::Narrowed(Likely { share: 1.0, ..likely }, melt_m))
-            }
-            _ => (dip.told && dip.looks.len() <= EARLY + 1).then_some(Word::Withdrawn),
+        let word = if dip.told {
+            (dip.looks.len() <= EARLY + 1).then_some(Word::Withdrawn)
+        } else {
+            dip.likely().map(|likely| Word::Narrowed(Likely { share: 1.0, ..likely }, dip.before.melt_m))
         };
         self.passed = Some(dip);
         word
@@ -180,8 +180,8 @@ impl Dip {
         depth
     }
 
-    fn word(&self) -> Option<Word> {
-        Likely::of(self.before, &self.looks).map(|likely| Word::Narrowed(likely, self.before.melt_m))
+    fn likely(&self) -> Option<Likely> {
+        Likely::of(self.before, &self.looks)
     }
 
     /// What is left of its deepest `[-]`.

@@ -1,0 +1,68 @@
+//! Frames that tell of no force, or of no other one.
+
+use super::*;
+
+/// A drive that slips through for a while: the roads lack what did not pass the encoder, and nothing more is held. Taken for held it
+/// would be a force of two to three times.
+#[test]
+fn what_did_not_pass_the_encoder_is_not_held() {
+    for (lasts_s, first_s) in [(0.6, 0.25), (1.0, 0.05), (1.0, 0.3), (1.5, 0.4)] {
+        let (mut melt, mut clog) = (Melt::steady(), Clog::new(SETTINGS));
+        melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+        melt.run(&mut clog, (lasts_s, first_s), 1.0, 0.0);
+        melt.run(&mut clog, (10.0, 0.25), 1.0, 1.0);
+        assert!((clog.factor() - 1.0).abs() < 0.05, "{lasts_s} {first_s}: {}", clog.factor());
+    }
+}
+
+/// A drive that slips while a nozzle narrows: what it lost is no force.
+#[test]
+fn what_slips_while_a_nozzle_narrows_is_not_held() {
+    let (mut melt, mut clog) = (Melt::steady(), Clog::new(SETTINGS));
+    melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+    melt.run(&mut clog, (1.0, 0.25), 2.0, 0.5);
+    melt.run(&mut clog, (10.0, 0.25), 2.0, 1.0);
+    assert!((clog.factor() / 2.0 - 1.0).abs() < 0.1, "{}", clog.factor());
+}
+
+/// Frames in turn, each half second, as what lacks in them.
+fn shown(lacking: impl IntoIterator<Item = f64>) -> Clog {
+    let (mut clog, mut melt) = (Clog::new(SETTINGS), Melt::steady());
+    for lacking in lacking {
+        melt.now_s += 0.5;
+        clog.on_look(melt.look(lacking));
+    }
+    clog
+}
+
+/// A leak lacks as much all the time, a road that is not seen all of it; a bubble is a single frame; and one that is thin already
+/// when it is first seen began nobody knows when.
+#[test]
+fn what_tells_of_no_force_changes_nothing() {
+    let after_sound = |lacking: f64, frames: usize| {
+        [0.0; 5].into_iter().chain(std::iter::repeat_n(lacking, frames)).chain([0.0; 5])
+    };
+    let (mut thin, mut melt) = (Clog::new(SETTINGS), Melt::steady());
+    melt.run(&mut thin, (12.0, 0.25), 2.5, 1.0);
+    let bubbles = (0..10).flat_map(|_| after_sound(0.3, 1));
+    let cases = [
+        ("leak", shown(after_sound(0.25, 60))),
+        ("large leak", shown(after_sound(0.85, 60))),
+        ("no road seen", shown(after_sound(1.1, 60))),
+        ("not seen twice", shown(after_sound(0.95, 2))),
+        ("bubbles", shown(bubbles)),
+        ("thin", thin),
+    ];
+    for (name, clog) in cases {
+        assert!(!clog.is_beyond() && clog.factor() <= 1.0 && clog.carried_m() <= 0.0, "{name}: {clog:?}");
+    }
+}
+
+/// What was told early stands where another road cuts the dip off: its frames still lacked.
+#[test]
+fn a_road_that_cuts_off_what_has_told_takes_nothing_back() {
+    let mut clog = shown([0.0, 0.0, 0.95, 0.85, 0.65]);
+    let told = clog.factor();
+    clog.on_unsettled(2.0 * FEED_M_S);
+    assert!(told > 2.0 && (clog.factor() - told).abs() < 1e-15, "{told}: {}", clog.factor());
+}
