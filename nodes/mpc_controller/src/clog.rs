@@ -3,7 +3,8 @@
 //! A nozzle that has narrowed needs `rho` times the melt's force at every feed, and holds as many times the filament (model
 //! book 1.2). A law for the sound nozzle pushes and draws back too little at each change of speed from then on. What the
 //! narrowing itself took from the roads is held already: the law grows, and is less by that at every feed. So it pushes
-//! nothing where the nozzle narrowed (of a deep dip, what it does not hold yet), and the right amount wherever the speed changes.
+//! nothing at the feed of the road that tells of it (of a deep dip, what it does not hold yet), and the right amount wherever the
+//! speed changes.
 
 mod dip;
 mod likely;

@@ -31,10 +31,17 @@ pub(crate) struct Look {
     pub(crate) index: f64,
 }
 
+impl Look {
+    /// What the law's melt holds at another feed `[m/s]`, `a u^n` `[m]`.
+    fn melt_at_m(&self, feed_m_s: f64) -> f64 {
+        self.melt_m * (feed_m_s / self.feed_m_s).powf(self.index)
+    }
+}
+
 /// What a dip tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Word {
-    /// Of the nozzle, and what the law's melt held at the feed of the dip until then `[m]`.
+    /// Of the nozzle, and what the law's melt held until then at the feed at which what the nozzle holds is told `[m]`.
     Narrowed(Likely, f64),
     /// That what it told early was no narrowing.
     Withdrawn,
@@ -93,11 +100,11 @@ impl Dips {
             return None;
         }
         if !self.belongs(dip.last(), look) || self.differs(dip.first(), look) {
-            return self.cut_off(dip);
+            return self.cut_off(dip, look.melt_m);
         }
         let depth = dip.take(look);
         if depth <= self.settings.passed * dip.deepest {
-            return self.pass(dip);
+            return self.pass(dip, look.melt_m);
         }
         if lasts {
             return Some(Word::Withdrawn);
@@ -114,7 +121,8 @@ impl Dips {
     pub(super) fn on_unsettled(&mut self, feed_m_s: f64) -> Option<Word> {
         let faster = |dip: &mut Dip| feed_m_s > (1.0 + self.settings.feed_spread) * dip.first().feed_m_s;
         let dip = self.dip.take_if(faster)?;
-        self.cut_off(dip)
+        let melt_m = dip.last().melt_at_m(feed_m_s);
+        self.cut_off(dip, melt_m)
     }
 
     /// Whether a dip has been seen to begin.
@@ -123,16 +131,17 @@ impl Dips {
     }
 
     /// What was seen of it has to do, where it was seen to fade. What it told already stands: nothing tells against it.
-    fn cut_off(&mut self, dip: Dip) -> Option<Word> {
-        if dip.told || dip.rest() > self.settings.cut_off { None } else { self.pass(dip) }
+    fn cut_off(&mut self, dip: Dip, melt_m: f64) -> Option<Word> {
+        if dip.told || dip.rest() > self.settings.cut_off { None } else { self.pass(dip, melt_m) }
     }
 
-    /// By all its frames, and what it holds then counts as all that it will: a push of what is left makes the next road fat.
-    fn pass(&mut self, dip: Dip) -> Option<Word> {
+    /// By all its frames. What it holds counts as all that it will at the feed that there is by then, where the law's melt holds
+    /// `melt_m`: until moves have the new law the road has filled by itself, and a push of what is left makes the next one fat.
+    fn pass(&mut self, dip: Dip, melt_m: f64) -> Option<Word> {
         let word = if dip.told {
             (dip.looks.len() <= EARLY + 1).then_some(Word::Withdrawn)
         } else {
-            dip.likely().map(|likely| Word::Narrowed(Likely { share: 1.0, ..likely }, dip.before.melt_m))
+            dip.likely().map(|likely| Word::Narrowed(Likely { share: 1.0, ..likely }, melt_m))
         };
         self.passed = Some(dip);
         word

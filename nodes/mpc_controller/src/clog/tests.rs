@@ -202,6 +202,31 @@ fn a_dip_that_another_road_cuts_off_tells_what_was_seen_of_it() {
     assert!((leak.factor() - 1.0).abs() < 1e-15);
 }
 
+/// The road that cuts a dip off holds what it comes to by itself, at its own feed, before a move has the new law: that is carried.
+#[test]
+fn what_another_road_comes_to_hold_is_carried() {
+    let cut_off = |settled: bool, feed_m_s: f64| {
+        let (mut melt, mut clog) = (Melt::steady(), Clog::new(SETTINGS));
+        melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+        melt.run(&mut clog, (1.2, 0.25), 2.0, 1.0);
+        let melt_m = SOUND.shear * feed_m_s.powf(SOUND.index);
+        if settled {
+            melt.now_s += 0.4;
+            clog.on_look(Look { feed_m_s, melt_m, ..melt.look(0.1) });
+        } else {
+            clog.on_unsettled(feed_m_s);
+        }
+        (clog.carried_m(), (clog.factor() - 1.0) * melt_m)
+    };
+    for (settled, times) in [(true, 3.0), (true, 0.5), (false, 3.0)] {
+        let (carried_m, held_m) = cut_off(settled, times * FEED_M_S);
+        assert!(
+            held_m > 0.0 && (carried_m / held_m - 1.0).abs() < 1e-9,
+            "{settled} {times}: {carried_m} of {held_m} m"
+        );
+    }
+}
+
 /// A frame of a faster road cuts it off as well before that road is settled; one of a slower road may be a corner of the same. A
 /// dip of a single frame tells no force, and yet that there may be one, unless it is more than can be followed.
 #[test]
