@@ -60,7 +60,8 @@ struct Running {
     flows: Ring<(f64, f64)>,
     /// How the flow depends on the factor of its law `[m/s]`, with stamps.
     slopes: Ring<(f64, f64)>,
-    imbalance_m_s: f64,
+    /// How far the flow was lately from what was pushed `[m/s]`, with stamps.
+    imbalances: Ring<(f64, f64)>,
     wander: Wander,
     /// A width that was rejected although the encoder vouches for the flow `[m]`.
     transient: Transient,
@@ -183,6 +184,8 @@ impl Filter {
         let flow_m_s = if status.depositing { status.planned_feed_m_s.max(0.0) } else { 0.0 };
         let mean = State::from([temperature.0, temperature.0, temperature.0, flow_m_s, prior.slip, 1.0]);
         let spread = &self.params.spread;
+        let mut imbalances = Ring::new(FLOWS);
+        imbalances.push((status.stamp.0, flow_std_m_s));
         Running {
             ukf: Engine::new(
                 self.params.filter,
@@ -197,7 +200,7 @@ impl Filter {
             drive: self.drive(status, (0.0, 0.0), None),
             flows: Ring::new(FLOWS),
             slopes: Ring::new(FLOWS),
-            imbalance_m_s: flow_std_m_s,
+            imbalances,
             wander: Wander::default(),
             transient: Transient::default(),
         }

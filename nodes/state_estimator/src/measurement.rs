@@ -150,7 +150,9 @@ pub(crate) struct Past<'a> {
     pub(crate) slopes: &'a Ring<(f64, f64)>,
     pub(crate) flow_m_s: f64,
     pub(crate) at_s: f64,
-    /// Share by which a width may be off behind the recent distance of flow and feed.
+    /// How far the flow was from what was pushed shortly before `[m/s]`.
+    pub(crate) imbalances: &'a Ring<(f64, f64)>,
+    /// Share of that by which a width may be off `[s/m]`.
     pub(crate) imbalance: f64,
     /// How long before an exposure the path must be steady `[s]`.
     pub(crate) steady_s: f64,
@@ -177,8 +179,9 @@ pub(crate) fn width(
     }
     let then_m_s =
         if frame.exposed_s >= past.at_s { past.flow_m_s } else { past.flows.value_at(frame.exposed_s)? };
-    let slope_m_s = past.slopes.value_at(frame.exposed_s.min(past.at_s)).unwrap_or(0.0);
-    let unbalanced_m = past.imbalance * frame.width_m;
+    let known_s = frame.exposed_s.min(past.at_s);
+    let slope_m_s = past.slopes.value_at(known_s).unwrap_or(0.0);
+    let unbalanced_m = past.imbalance * past.imbalances.value_at(known_s)? * frame.width_m;
     let sigma_m = frame.sigma_m.max(sensor.sigma_min_m);
     let passing = (sensor.transient_doubt * past.transient_m).powi(2);
     Some(Observation {

@@ -44,7 +44,8 @@ impl Filter {
                 slopes: &run.slopes,
                 flow_m_s: run.ukf.belief().mean[state::FLOW],
                 at_s: run.at_s,
-                imbalance: imbalance * run.imbalance_m_s / self.reference_feed_m_s,
+                imbalances: &run.imbalances,
+                imbalance: imbalance / self.reference_feed_m_s,
                 steady_s,
                 transient_m: run.transient.rest(run.at_s, self.fade_s()),
             };

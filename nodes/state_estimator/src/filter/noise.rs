@@ -52,9 +52,8 @@ impl Filter {
         };
         variances([
             process.block_k * root,
-            // Without an encoder what the melt cools the nozzle by would tell the flow, surer than a model of the hot end is.
-            if run.nozzle_alive && run.encoder_alive { process.nozzle_seen_k } else { process.nozzle_k }
-                * root,
+            // Where widths tell the slip, what the melt cools the nozzle by would tell it, too, surer than a model of the hot end is.
+            if run.nozzle_alive && !by_widths { process.nozzle_seen_k } else { process.nozzle_k } * root,
             process.sensor_k * root,
             flow_std_m_s,
             if run.encoder_alive {

@@ -71,7 +71,8 @@ impl Filter {
         run.flows.push((run.at_s, x[state::FLOW]));
         let off_m_s = (model.pushed(x, &drive) - x[state::FLOW]).abs();
         let memory_s = self.params.width.memory_lags * model.lag_s();
-        run.imbalance_m_s = off_m_s.max(run.imbalance_m_s * (-dt_s / memory_s).exp());
+        let before_m_s = run.imbalances.newest().map_or(0.0, |imbalance| imbalance.1);
+        run.imbalances.push((to_s, off_m_s.max(before_m_s * (-dt_s / memory_s).exp())));
         health
     }
 

@@ -27,6 +27,26 @@ fn a_late_width_is_of_the_flow_of_its_exposure() {
     assert!((estimate.x[state::GAIN] - 1.0).abs() < 0.01, "{}", estimate.x[state::GAIN]);
 }
 
+/// A width that was exposed before the feed changed, and comes after that, is of a flow in balance; one exposed since is not.
+#[test]
+fn a_late_width_is_as_noisy_as_the_flow_of_its_exposure_was_off_balance() {
+    let nis = |imbalance: &str, exposed_after_s: f64| {
+        let imbalance = format!("imbalance: {imbalance} ");
+        let mut rig = Rig::with(&[("imbalance: 0.002 ", &imbalance)]);
+        rig.run(3000);
+        (rig.width_noise_m, rig.feed_m_s) = (f64::NAN, 0.5 * FEED_M_S);
+        let changed_s = f64::from(rig.step) * 0.01;
+        rig.run(20);
+        let width_m = 1.05 * models::bead::stadium::width_m(FEED_M_S * 2.405_281_875e-6, SPEED_M_S, HEIGHT_M);
+        let exposed = Seconds(changed_s + exposed_after_s);
+        rig.estimator.on_event(Event::Width { exposed, width_m, sigma_m: 1e-5 });
+        rig.run(5).nis[Channel::Width as usize].unwrap()
+    };
+    let ratio = |exposed_after_s: f64| nis("5.0", exposed_after_s) / nis("0.002", exposed_after_s);
+    assert!((0.8..1.2).contains(&ratio(-0.02)), "{}", ratio(-0.02));
+    assert!(ratio(0.1) < 0.2, "{}", ratio(0.1));
+}
+
 /// The motor goes from 1 to 5 mm/s within the interval: stamps that are off by 2 ms shift 8 um from one side to the other.
 #[test]
 fn an_encoders_speed_is_known_as_well_as_its_times() {
