@@ -152,8 +152,8 @@ pub(crate) struct Past<'a> {
     pub(crate) at_s: f64,
     /// How far the flow was from what was pushed shortly before `[m/s]`.
     pub(crate) imbalances: &'a Ring<(f64, f64)>,
-    /// Share of that by which a width may be off `[s/m]`.
-    pub(crate) imbalance: f64,
+    /// Share of a width that it may be off by for each of that `[s/m]`.
+    pub(crate) off_s_m: f64,
     /// How long before an exposure the path must be steady `[s]`.
     pub(crate) steady_s: f64,
     /// Rest of a dip that passes by itself `[m]`.
@@ -181,7 +181,7 @@ pub(crate) fn width(
         if frame.exposed_s >= past.at_s { past.flow_m_s } else { past.flows.value_at(frame.exposed_s)? };
     let known_s = frame.exposed_s.min(past.at_s);
     let slope_m_s = past.slopes.value_at(known_s).unwrap_or(0.0);
-    let unbalanced_m = past.imbalance * past.imbalances.value_at(known_s)? * frame.width_m;
+    let unbalanced_m = past.off_s_m * past.imbalances.value_at(known_s)? * frame.width_m;
     let sigma_m = frame.sigma_m.max(sensor.sigma_min_m);
     let passing = (sensor.transient_doubt * past.transient_m).powi(2);
     Some(Observation {

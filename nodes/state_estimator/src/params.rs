@@ -77,9 +77,9 @@ pub struct RawProcess {
     pub substep_s: f64,
     /// Block `[K]`.
     pub block_k: f64,
-    /// Nozzle of which only the model tells, or a sensor without an encoder `[K]`.
+    /// Nozzle of which only the model tells, or a sensor where widths stand for an encoder `[K]`.
     pub nozzle_k: f64,
-    /// Nozzle of which a sensor tells beside an encoder `[K]`.
+    /// Nozzle of which a sensor tells otherwise `[K]`.
     pub nozzle_seen_k: f64,
     /// Thermistor `[K]`.
     pub sensor_k: f64,

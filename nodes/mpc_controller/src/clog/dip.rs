@@ -41,7 +41,7 @@ impl Look {
 /// What a dip tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Word {
-    /// Of the nozzle, and what the law's melt held until then at the feed at which what the nozzle holds is told `[m]`.
+    /// Of the nozzle, and what the law's melt held at the feed at which it is booked `[m]`.
     Narrowed(Likely, f64),
     /// That what it told early was no narrowing.
     Withdrawn,

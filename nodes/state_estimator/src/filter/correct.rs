@@ -45,7 +45,7 @@ impl Filter {
                 flow_m_s: run.ukf.belief().mean[state::FLOW],
                 at_s: run.at_s,
                 imbalances: &run.imbalances,
-                imbalance: imbalance / self.reference_feed_m_s,
+                off_s_m: imbalance / self.reference_feed_m_s,
                 steady_s,
                 transient_m: run.transient.rest(run.at_s, self.fade_s()),
             };

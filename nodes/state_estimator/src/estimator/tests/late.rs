@@ -33,14 +33,18 @@ fn a_late_width_is_as_noisy_as_the_flow_of_its_exposure_was_off_balance() {
     let nis = |imbalance: &str, exposed_after_s: f64| {
         let imbalance = format!("imbalance: {imbalance} ");
         let mut rig = Rig::with(&[("imbalance: 0.002 ", &imbalance)]);
-        rig.run(3000);
+        // A tenth of a second after a frame, and no other comes.
+        rig.run(3010);
         (rig.width_noise_m, rig.feed_m_s) = (f64::NAN, 0.5 * FEED_M_S);
         let changed_s = f64::from(rig.step) * 0.01;
         rig.run(20);
+        let refused = rig.estimator.refusals().width;
         let width_m = 1.05 * models::bead::stadium::width_m(FEED_M_S * 2.405_281_875e-6, SPEED_M_S, HEIGHT_M);
         let exposed = Seconds(changed_s + exposed_after_s);
         rig.estimator.on_event(Event::Width { exposed, width_m, sigma_m: 1e-5 });
-        rig.run(5).nis[Channel::Width as usize].unwrap()
+        let nis = rig.run(5).nis[Channel::Width as usize].unwrap();
+        assert_eq!(rig.estimator.refusals().width, refused);
+        nis
     };
     let ratio = |exposed_after_s: f64| nis("5.0", exposed_after_s) / nis("0.002", exposed_after_s);
     assert!((0.8..1.2).contains(&ratio(-0.02)), "{}", ratio(-0.02));

@@ -87,6 +87,18 @@ fn a_nozzles_sensor_tells_no_slip() {
     }
 }
 
+/// With neither encoder nor widths the slip is held, and what the same sensor tells of the flow stays within what is stated.
+#[test]
+fn a_nozzles_sensor_alone_leaves_the_flow() {
+    let mut rig = Rig::new();
+    (rig.encoder, rig.width_noise_m, rig.nozzle) = (false, f64::NAN, Some(Celsius(205.0)));
+    let estimate = rig.run(6000);
+    let (error, std) =
+        (rig.flow_m_s - estimate.x[state::FLOW], estimate.p[(state::FLOW, state::FLOW)].sqrt());
+    assert!(estimate.held()[state::SLIP] && error.abs() < 2.0 * std, "{error} of {std}");
+    assert!(error.abs() < 0.05 * rig.flow_m_s, "{error}");
+}
+
 /// With neither encoder nor widths nothing tells of the slip: it is held.
 #[test]
 fn a_slip_that_nothing_tells_of_is_held() {
