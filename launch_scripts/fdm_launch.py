@@ -82,7 +82,7 @@ def files_of(node, config, material):
         "mpc_controller": nominal,
         "defect_classifier": ["quality.yaml"] + nominal,
         "advance_predictor": ["advance/physics.yaml"],
-        "printer_sim": ["plants/ender3.yaml", "printers/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml"]
+        "printer_sim": ["plants/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml"]
         + nominal[1:],
     }
     return [os.path.join(config, name) for name in own + more.get(node, [])]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from graph import BEST_EFFORT, LATCHED, RELIABLE, ROOT, Node, Peer, check, run, until
 
-PRINTER = ["plants/ender3.yaml", "printers/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml", "materials/pla.yaml"]
+PRINTER = ["plants/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml", "materials/pla.yaml"]
 ROOT_FRAME = "printer"
 PARTS = {"printer", "bed", "toolhead", "nozzle", "hotend", "camera_optical", "imu"}
 #: Topics that name a frame: `sensor_msgs` as the tools know them, and our own beside them.

@@ -257,7 +257,7 @@ def namespaces(domain: int) -> str:
     """Two printers in one domain: no endpoint of the one is the other's, and a stop of the left one is none of the right."""
     peer, names = Peer(domain), ("/left", "/right")
     nominal = ["printers/ender3.yaml", "materials/pla.yaml"]
-    printer = ["plants/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml", *nominal]
+    printer = ["plants/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml", nominal[1]]
     files = {"safety_supervisor": [], "thermistor": [], "state_estimator": nominal, "printer_sim": printer}
     gcode = ROOT / "tests/data/gcode/quirks_handmade.gcode"
     for namespace in names:

@@ -214,7 +214,7 @@ def unconfigured(domain: int) -> str:
 def described(domain: int) -> str:
     """All that the node with most parameters says of them comes in one answer each: one above 64 KiB would not come."""
     peer = Peer(domain)
-    printer = ["plants/ender3.yaml", "printers/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml"]
+    printer = ["plants/ender3.yaml", "printers/ender3_motion.yaml", "quality.yaml"]
     files = ["printer_sim.param.yaml", *printer, "materials/pla.yaml"]
     gcode = ROOT / "tests/data/gcode/quirks_handmade.gcode"
     Node("printer_sim", files, "-p", f'run.gcode:="{gcode}"', ROS_DOMAIN_ID=domain)

@@ -140,7 +140,6 @@ impl ConfigDir {
             "printer_sim" => vec![
                 own,
                 "plants/ender3.yaml".into(),
-                "printers/ender3.yaml".into(),
                 "printers/ender3_motion.yaml".into(),
                 "quality.yaml".into(),
                 material,
@@ -238,7 +237,7 @@ impl ConfigDir {
         let simulator = read("printer_sim", &simulated)?;
         let printer: Printer = estimator.block("printer")?;
         let material: Material = estimator.block("material")?;
-        let simulated = printer_sim::load::simulator_params(&simulator, &printer, &material)?;
+        let simulated = printer_sim::load::simulator_params(&simulator, &material)?;
         Ok(Setup {
             motion: simulator.block("printer_motion")?,
             estimator: estimator.without(&nominal).parse()?,

@@ -131,8 +131,7 @@ impl GcodeFile {
     /// The same file with the set-points of the material in use.
     #[must_use]
     pub fn with_set_points(mut self, setup: &Setup) -> Self {
-        let nominal = &setup.printer.hotend;
-        self.wishes.set_points = Some(setup.simulated.set_points(nominal, &setup.material));
+        self.wishes.set_points = Some(setup.simulated.set_points(&setup.material));
         self
     }
 

@@ -27,6 +27,15 @@ pub fn positive(option: &str, value: f64, unit: &str) -> anyhow::Result<f64> {
     bail!("{option} {value}{unit}: must be finite and > 0{unit}")
 }
 
+/// Refuses a list that names something twice: which of the two is meant, or why it stands there again, nobody can tell.
+///
+/// # Errors
+/// Option, list and name.
+pub fn distinct(option: &str, names: &[String]) -> anyhow::Result<()> {
+    let twice = names.iter().enumerate().find(|(at, name)| names[..*at].contains(name));
+    twice.map_or(Ok(()), |(_, name)| bail!("{option} {}: '{name}' stands twice", names.join(",")))
+}
+
 /// Refuses options that would change nothing: each of `given` that was typed needs `wanted`, which was typed or not.
 ///
 /// # Errors
@@ -90,6 +99,14 @@ mod tests {
         let said = needs("--height", false, &given).unwrap_err().to_string();
         assert_eq!(said, "--gain: has an effect only together with --height, which was not given");
         assert!(needs("--height", true, &given).is_ok() && needs("--height", false, &given[..1]).is_ok());
+    }
+
+    #[test]
+    fn a_name_that_stands_twice_is_refused() {
+        let names = |names: [&str; 3]| distinct("--control", &names.map(str::to_owned));
+        let said = names(["off", "mpc", "off"]).unwrap_err().to_string();
+        assert_eq!(said, "--control off,mpc,off: 'off' stands twice");
+        assert!(names(["off", "mpc", "encoder"]).is_ok());
     }
 
     #[test]

@@ -64,7 +64,8 @@ impl Json {
     /// # Errors
     /// A file that cannot be written, or that the command line names as something else too.
     pub fn check(&self) -> anyhow::Result<()> {
-        self.0.as_deref().filter(|_| !self.is_stdout()).map_or(Ok(()), check_writable)
+        let file = self.0.as_deref().filter(|_| !self.is_stdout());
+        file.map_or(Ok(()), |file| check_writable("--json", file))
     }
 
     /// Writes one object.
@@ -155,20 +156,19 @@ pub fn check_apart(output: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
     }
 }
 
-/// Tells before long work that a file could not be written, or that it is an input.
+/// Tells before long work that the file that `option` names could not be written, or that it is an input.
 ///
 /// # Errors
-/// The file, and what the system says; a file that the command line names as something else too.
-pub fn check_writable(path: &Path) -> anyhow::Result<()> {
+/// Option and file, and what the system says; a file that the command line names as something else too.
+pub fn check_writable(option: &str, path: &Path) -> anyhow::Result<()> {
     check_named_once(path)?;
+    let told = || format!("{option} {}", path.display());
     let is_new = !path.exists();
     let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
-    file.map(drop).with_context(|| path.display().to_string())?;
+    file.map(drop).with_context(told)?;
     // Whoever interrupts the work finds no empty file; a link that leads nowhere stays one.
     match is_new {
-        true => std::fs::canonicalize(path)
-            .and_then(std::fs::remove_file)
-            .with_context(|| path.display().to_string()),
+        true => std::fs::canonicalize(path).and_then(std::fs::remove_file).with_context(told),
         false => Ok(()),
     }
 }
@@ -238,11 +238,13 @@ mod tests {
         };
         let before = names();
         for path in [&new, &link, &old] {
-            check_writable(path).unwrap();
+            check_writable("--json", path).unwrap();
         }
         assert_eq!(names(), before);
         assert!(std::fs::read(&old).unwrap() == b"x" && link.is_symlink());
-        assert!(check_writable(&folder.join("nowhere/new.json")).is_err());
+        let nowhere = folder.join("nowhere/new.json");
+        let told = check_writable("--json", &nowhere).unwrap_err().to_string();
+        assert_eq!(told, format!("--json {}", nowhere.display()));
         std::fs::remove_dir_all(folder).unwrap();
     }
 

@@ -214,7 +214,8 @@ impl TryFrom<RawParams> for Params {
 
     fn try_from(raw: RawParams) -> Result<Self, ParamError> {
         in_range("period_s", raw.period_s, "s", (0.05, 1.0))?;
-        in_range("validity_s", raw.validity_s, "s", (0.1, 1.0))?;
+        // A command counts until the next one comes.
+        in_range("validity_s", raw.validity_s, "s", (raw.period_s.max(0.1), 1.0))?;
         in_range("estimate_age_limit_s", raw.estimate_age_limit_s, "s", (0.05, 2.0))?;
         in_range("status_age_limit_s", raw.status_age_limit_s, "s", (0.05, 2.0))?;
         in_range("ambient_k", raw.ambient_k, "K", (200.0, 400.0))?;

@@ -1,7 +1,7 @@
 //! From the node's parameters to a simulator with its job; reads the files that they name.
 
 use crate::node::darkroom::Darkroom;
-use crate::params::Params;
+use crate::params::{Params, PlantParams, SimulatorParams};
 use crate::run_params::{Chosen, ProcessKind, RunParams};
 use crate::scenario::Scenario;
 use crate::simulator::{JobSource, Simulator};
@@ -10,7 +10,6 @@ use models::gcode::Header;
 use models::material::Material;
 use models::motion::MotionParams;
 use models::params::ParamError;
-use models::printer::Printer;
 use runtime::params::{ParamFileError, Parameters, from_yaml, sha256_hex};
 use runtime::{FrameParams, RuntimeError};
 use std::path::{Path, PathBuf};
@@ -81,8 +80,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParamFileError> {
             _ = parameters.block::<RunParams>("run")?;
             _ = parameters.block::<MotionParams>("printer_motion")?;
             _ = parameters.optional::<FrameParams>("frames")?;
-            let (printer, material) = (parameters.block("printer")?, parameters.block("material")?);
-            simulator_params(parameters, &printer, &material).map(drop)
+            simulator_params(parameters, &parameters.block("material")?).map(drop)
         }
     }
 }
@@ -93,10 +91,9 @@ pub fn check(parameters: &Parameters) -> Result<(), ParamFileError> {
 /// [`LoadError`], one line.
 pub fn load(parameters: &Parameters) -> Result<Loaded, LoadError> {
     let run: RunParams = parameters.block("run")?;
-    let printer: Printer = parameters.block("printer")?;
     let material: Material = parameters.block("material")?;
     let motion: MotionParams = parameters.block("printer_motion")?;
-    let params = simulator_params(parameters, &printer, &material)?;
+    let params = simulator_params(parameters, &material)?;
     let bytes: Arc<[u8]> = read("gcode", &run.gcode)?.into();
     let scenario = match run.scenario.as_os_str().is_empty() {
         true => Scenario::default(),
@@ -104,7 +101,7 @@ pub fn load(parameters: &Parameters) -> Result<Loaded, LoadError> {
     };
     let ends = motion.read.header_bytes.min(bytes.len());
     let header = Header::scan(&bytes[..ends], &bytes[bytes.len() - ends..]);
-    let override_by = run.material_set_points.then_some((&printer.hotend, &material));
+    let override_by = run.material_set_points.then_some(&material);
     let job = JobSource::from_gcode(&bytes, &header, &motion, params.wishes(run.layers, override_by));
     let quantum_m = params.simulator.sensors.encoder_quantum_m;
     let preheat = job.preheat;
@@ -130,15 +127,11 @@ pub fn load(parameters: &Parameters) -> Result<Loaded, LoadError> {
 ///
 /// # Errors
 /// File, line, field, value and range of what is refused.
-pub fn simulator_params(
-    parameters: &Parameters,
-    printer: &Printer,
-    material: &Material,
-) -> Result<Params, ParamFileError> {
-    let plant: crate::params::PlantParams = parameters.block("plant")?;
-    let simulator = parameters.block("simulator")?;
+pub fn simulator_params(parameters: &Parameters, material: &Material) -> Result<Params, ParamFileError> {
+    let plant: PlantParams = parameters.block("plant")?;
+    let simulator: SimulatorParams = parameters.block("simulator")?;
     Ok(Params {
-        nozzle_drop_k: Params::nominal_drop_k(&printer.hotend, material, &simulator, plant.ambient()),
+        nozzle_drop_k: plant.nozzle_drop_k(material, simulator.firmware.reference_flow_m3_s),
         plant,
         material: material.clone(),
         simulator,

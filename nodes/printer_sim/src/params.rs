@@ -2,13 +2,14 @@
 //! (`config/printer_sim.param.yaml`).
 
 use crate::camera::CameraParams;
+use crate::sliced::SlicedFor;
 use crate::structure::{ImpactParams, StructureParams};
 use crate::{drive, executor, fan, imu, sensors};
 use models::bed::Bed;
 use models::command::{DeadManParams, Limits};
 use models::extruder::{Extruder, Filament, SlipParams};
 use models::heater::PidParams;
-use models::hotend::{Hotend, Inputs as HeatInputs};
+use models::hotend::Hotend;
 use models::latent::Cooling;
 use models::material::{Deviation, Material};
 use models::params::{ParamError, in_range};
@@ -45,6 +46,8 @@ pub struct PlantParams {
     pub structure: StructureParams,
     /// Blows to the tool head.
     pub impact: ImpactParams,
+    /// The printer that files are sliced for.
+    pub sliced_for: SlicedFor,
     /// Room and incoming filament `[K]`.
     pub ambient_temp_k: f64,
 }
@@ -227,26 +230,6 @@ pub struct Params {
     /// How much colder than its block the nozzle is at reference conditions `[K]`: the file's set-point less this
     /// counts as the right nozzle temperature.
     pub nozzle_drop_k: f64,
-}
-
-impl Params {
-    /// How much colder than its block the nozzle of the nominal printer is at the reference flow `[K]`.
-    #[must_use]
-    pub fn nominal_drop_k(
-        nominal: &Hotend,
-        material: &Material,
-        simulator: &SimulatorParams,
-        air: Kelvin,
-    ) -> f64 {
-        let inputs = HeatInputs {
-            heater_w: 0.0,
-            fan: material.fan,
-            ambient_k: air.0,
-            filament_k: air.0,
-            melt_w_k: material.heat_flow_w_k(simulator.firmware.reference_flow_m3_s),
-        };
-        nominal.steady(material.nozzle_temp_k, &inputs).block_k - material.nozzle_temp_k
-    }
 }
 
 impl PlantParams {

@@ -81,7 +81,10 @@ pub struct Parameters {
     use_sim_time: bool,
     autostart: bool,
     start_after: Vec<String>,
-    last_file: Option<PathBuf>,
+    files: Vec<PathBuf>,
+    /// Those of them that say nothing of the node, and its name.
+    silent: Vec<PathBuf>,
+    node: String,
 }
 
 impl Parameters {
@@ -95,12 +98,15 @@ impl Parameters {
         node: &NodePath,
     ) -> Result<Self, ParamFileError> {
         let (mut merged, mut descriptions) = (Tree::default(), Descriptions::default());
+        let mut silent = Vec::new();
         for file in files {
             let text = crate::input::text(file).map_err(|error| ParamFileError::Unreadable {
                 file: file.clone(),
                 reason: error.to_string(),
             })?;
+            let before = merged.clone();
             tree::merge_file(&mut merged, &text, file, node)?;
+            silent.extend((merged == before).then(|| file.clone()));
             descriptions.read(&file.display().to_string(), &text, &merged);
         }
         for (name, value) in overrides {
@@ -109,8 +115,8 @@ impl Parameters {
         let use_sim_time = flag(&mut merged, USE_SIM_TIME, false)?;
         let autostart = flag(&mut merged, AUTOSTART, true)?;
         let start_after = names(&mut merged, START_AFTER)?;
-        let last_file = files.last().cloned();
-        Ok(Self { tree: merged, descriptions, use_sim_time, autostart, start_after, last_file })
+        let (files, node) = (files.to_vec(), node.base.clone());
+        Ok(Self { tree: merged, descriptions, use_sim_time, autostart, start_after, files, silent, node })
     }
 
     /// Whether the node's time comes from `/clock`.
@@ -161,10 +167,7 @@ impl Parameters {
             alone.tree = Tree::Block(vec![(name.to_owned(), tree, origin)]);
         }
         let mut blocks: BTreeMap<String, T> = alone.parse()?;
-        blocks.remove(name).ok_or_else(|| ParamFileError::Refused {
-            at: self.fallback(name),
-            message: format!("{name}: this block is missing; is a --params-file missing?"),
-        })
+        blocks.remove(name).ok_or_else(|| self.missing(name, "; is a --params-file missing?"))
     }
 
     /// As [`Parameters::block`] for what need not be there.

@@ -71,7 +71,6 @@ pub(crate) fn start_printer() -> Child {
     let files = [
         "printer_sim.param.yaml",
         "plants/ender3.yaml",
-        "printers/ender3.yaml",
         "printers/ender3_motion.yaml",
         "quality.yaml",
         "materials/pla.yaml",

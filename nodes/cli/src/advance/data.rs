@@ -28,7 +28,7 @@ pub struct DataArgs {
 /// A file that cannot be written.
 pub fn run(args: &DataArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
-    args.out.as_deref().map_or(Ok(()), output::check_writable)?;
+    args.out.as_deref().map_or(Ok(()), |file| output::check_writable("--out", file))?;
     Setup::check_apart(args.out.as_deref(), &config, None)?;
     let set = Setup::load(&config)?.lines(&Settings::load(&config)?, args.drive.into());
     let text = text(&set);

@@ -41,6 +41,21 @@ fn corrections_are_off_where_the_file_says_so_without_quotes() {
     );
 }
 
+/// Commands that are over before the next one comes would leave the printer alone for half the time.
+#[test]
+fn a_command_counts_until_the_next_one_comes() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+    let config = ConfigDir::find(Some(&root)).unwrap();
+    let path = NodePath { qualified: "/printer/mpc_controller".into(), base: "mpc_controller".into() };
+    let validity = [("validity_s".to_owned(), "0.2".to_owned())];
+    let read = Parameters::read(&config.files_of("mpc_controller", "PLA"), &validity, &path).unwrap();
+    let parsed = read.without(&["printer", "material"]).parse::<mpc_controller::Params>();
+    assert_eq!(
+        parsed.unwrap_err().to_string(),
+        "-p validity_s:=0.2: validity_s = 0.2 s: must be in [0.25, 1]"
+    );
+}
+
 /// What `ros2 param describe` says: something of every parameter of every node, whatever material and host.
 #[test]
 fn every_parameter_of_every_node_is_described() {

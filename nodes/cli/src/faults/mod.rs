@@ -89,7 +89,7 @@ pub fn run(args: &FaultsArgs) -> anyhow::Result<()> {
     }
     let json = Json::new(args.json.as_deref());
     json.check()?;
-    args.html.as_deref().map_or(Ok(()), output::check_writable)?;
+    args.html.as_deref().map_or(Ok(()), |page| output::check_writable("--html", page))?;
     let config = ConfigDir::find(args.config.as_deref())?;
     let catalogue = Catalogue::read(&config.file("faults.yaml"))?;
     let chosen = chosen(&catalogue, &args.only)?;

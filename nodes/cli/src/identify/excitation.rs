@@ -23,17 +23,14 @@ struct Moment {
     depositing: bool,
 }
 
-/// Everything that the bag lacks, one line each; nothing where it holds enough.
-pub(super) fn lacking(
+/// Everything that the print lacks whose topics are all there, one line each; nothing where it holds enough.
+pub(super) fn print(
     recorded: &Recorded,
     extruder: &Extruder,
     wanted: &Excitation,
     with_flow: bool,
 ) -> Vec<String> {
-    let mut lacking = streams(recorded, wanted, with_flow);
-    if !lacking.is_empty() {
-        return lacking;
-    }
+    let mut lacking = Vec::new();
     let fed_m = recorded.fed_m();
     let flow_m3_s = |at_s: f64| {
         let fed_m = series::at(&fed_m, at_s) - series::at(&fed_m, at_s - FLOW_S);
@@ -57,8 +54,8 @@ pub(super) fn lacking(
     lacking
 }
 
-/// Topics that are not there, or too slow.
-fn streams(recorded: &Recorded, wanted: &Excitation, with_flow: bool) -> Vec<String> {
+/// Topics that are not there, or too slow, one line each.
+pub(super) fn streams(recorded: &Recorded, wanted: &Excitation, with_flow: bool) -> Vec<String> {
     let state_hz = if with_flow { wanted.motion_hz } else { wanted.state_hz };
     let times = |samples: &[At]| series::rate_hz(samples.iter().map(|(at_s, _)| *at_s));
     let mut lacking = Vec::new();

@@ -4,11 +4,11 @@
 //! is held compressed at each flow: `x(u) = X (u/u_r)^n + K_lin u`. The force itself is not seen: the compliance is that
 //! which goes with the melt of the material's file.
 
+use super::gains::Gains;
 use super::heat::HeatFit;
 use super::least_squares::{Fit, Problem};
 use super::params::IdentifyParams;
 use super::record::{At, Recorded};
-use super::series;
 use models::bead::stadium;
 use models::extruder::{Extruder, Pressure, StaticLaw};
 use models::material::Material;
@@ -51,27 +51,6 @@ pub(super) struct Nominal {
     pub(super) compression_m: f64,
 }
 
-/// The filament's section as widths tell it: what of it is still unknown is the melt's heat as well.
-#[derive(Debug, Clone)]
-pub(super) struct Gains {
-    /// Place among the knots against time: number of the knot before, and the share of the way to the next.
-    pub(super) places: Vec<At>,
-    /// Inverse root of the covariance of the gain at the knots.
-    pub(super) whitener: DMatrix<f64>,
-}
-
-impl Gains {
-    /// Knot before a time, and the share of the way to the next one.
-    pub(super) fn at(&self, time_s: f64) -> (usize, f64) {
-        let place = series::at(&self.places, time_s).max(0.0);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 or more, and few")]
-        let knot = (place.floor() as usize).min(self.whitener.nrows().saturating_sub(2));
-        #[allow(clippy::cast_precision_loss, reason = "a count of knots")]
-        let before = knot as f64;
-        (knot, (place - before).min(1.0))
-    }
-}
-
 /// Its answer.
 #[derive(Debug, Clone)]
 pub(super) struct FlowFit {
@@ -85,6 +64,9 @@ pub(super) struct FlowFit {
     /// Lag at the speeds of the file `[s]`, and the covariance.
     pub(super) lags_s: [f64; 3],
     pub(super) lags_covariance: DMatrix<f64>,
+    /// Filament held compressed at the speeds of the file `[m]`, and the covariance.
+    pub(super) held_m: [f64; 3],
+    pub(super) held_covariance: DMatrix<f64>,
     /// Noise of a width `[m]`.
     pub(super) sigma_m: f64,
     pub(super) widths: usize,
@@ -98,16 +80,16 @@ impl<'a> Flow<'a> {
         heat: &HeatFit,
         (extruder, material): (Extruder, &Material),
         params: &'a IdentifyParams,
-    ) -> Option<Self> {
+    ) -> Self {
         let (cells, knots) = cells::cells(recorded, heat, &params.fit);
         let seen = cells::seen(recorded, &cells, &params.fit);
         let hot: Vec<f64> =
             cells.iter().filter(|cell| cell.road.is_some()).map(|cell| cell.nozzle_k).collect();
         #[allow(clippy::cast_precision_loss, reason = "a count of cells")]
-        let at_k = hot.iter().sum::<f64>() / hot.len() as f64;
+        let at_k =
+            if hot.is_empty() { material.nozzle_temp_k } else { hot.iter().sum::<f64>() / hot.len() as f64 };
         let nominal = Nominal::new(&extruder, material, at_k, params.fit.lag_speeds_m_s[1]);
-        let enough = at_k.is_finite() && !seen.is_empty();
-        enough.then(|| Self {
+        Self {
             params,
             extruder,
             material: material.clone(),
@@ -116,11 +98,19 @@ impl<'a> Flow<'a> {
             seen,
             knots,
             nominal,
-        })
+        }
+    }
+
+    /// What left the nozzle so far by the law of the files, against time.
+    pub(super) fn by_files(&self) -> Option<Vec<At>> {
+        self.simulate(&DVector::zeros(GAIN + self.knots)).map(|(_, volume_m3)| volume_m3)
     }
 
     /// Fits from `start` on, or from the nominal printer.
     pub(super) fn fit(&self, start: Option<&Fit>) -> Option<FlowFit> {
+        if self.seen.is_empty() {
+            return None;
+        }
         let residuals = |parameters: &DVector<f64>| self.residuals(parameters);
         let fitting = &self.params.fit;
         let problem = Problem {
@@ -132,6 +122,7 @@ impl<'a> Flow<'a> {
         let start = start.map_or_else(|| DVector::zeros(GAIN + self.knots), |fit| fit.parameters.clone());
         let fit = problem.solve(start)?;
         let (lags_s, slopes) = self.lags(&fit.parameters);
+        let (held_m, held_slopes) = self.held(&fit.parameters);
         let (_, volume_m3) = self.simulate(&fit.parameters)?;
         let stated: f64 = self.seen.iter().map(|seen| seen.sigma_m.powi(2)).sum();
         #[allow(clippy::cast_precision_loss, reason = "a count of widths")]
@@ -144,6 +135,8 @@ impl<'a> Flow<'a> {
             material: self.material.clone(),
             lags_s,
             lags_covariance: &slopes * &fit.covariance * slopes.transpose(),
+            held_m,
+            held_covariance: &held_slopes * &fit.covariance * held_slopes.transpose(),
             sigma_m,
             widths: self.seen.len(),
             volume_m3,
@@ -176,6 +169,22 @@ impl<'a> Flow<'a> {
             held_s + linear_s
         });
         (lags, slopes)
+    }
+
+    /// `x(u) = X (u/u_r)^n + K_lin u` and its slopes to the parameters.
+    fn held(&self, parameters: &DVector<f64>) -> ([f64; 3], DMatrix<f64>) {
+        let (compression_m, linear_s, index) = self.law(parameters);
+        let mut slopes = DMatrix::zeros(3, parameters.len());
+        let speeds = self.params.fit.lag_speeds_m_s;
+        let held = std::array::from_fn(|row| {
+            let ratio = speeds[row] / self.nominal.speed_m_s;
+            let (sheared_m, linear_m) = (compression_m * ratio.powf(index), linear_s * speeds[row]);
+            slopes[(row, COMPRESSION)] = sheared_m;
+            slopes[(row, LINEAR_LAG)] = linear_m;
+            slopes[(row, FLOW_INDEX)] = sheared_m * ratio.ln();
+            sheared_m + linear_m
+        });
+        (held, slopes)
     }
 
     /// Compression at the reference `[m]`, linear lag `[s]`, index `[-]`.

@@ -4,7 +4,7 @@
 //! are; the fan and the melt act on the nozzle, and tell the fifth. The scale of all is the heater's power, which is taken
 //! as given: it is printed on the heater, and measured with an ohmmeter.
 
-use super::flow::Gains;
+use super::gains::Gains;
 use super::least_squares::{Fit, Problem};
 use super::params::{IdentifyParams, Prior};
 use super::record::{At, Recorded};

@@ -1,6 +1,7 @@
 //! From readings to numbers with intervals.
 
 use super::flow::{self, Flow, FlowFit, Nominal};
+use super::gains::Gains;
 use super::heat::{self, Heat, HeatFit};
 use super::params::IdentifyParams;
 use super::record::{At, Recorded};
@@ -71,26 +72,26 @@ pub(super) fn learn(
     let mut volume_m3: Vec<At> =
         recorded.fed_m().into_iter().map(|(at_s, fed_m)| (at_s, fed_m * area_m2)).collect();
     let (mut heat, mut flow): (Option<HeatFit>, Option<FlowFit>) = (None, None);
+    // No width tells the section: what is not known of it makes the hot end's intervals wider.
+    let believed = (!with_flow).then(|| Gains::believed(&recorded.fed_m(), params));
     for _ in 0..params.fit.rounds {
-        let known = flow.as_ref().map(|flow| flow.gains.clone());
+        let known = flow.as_ref().map(|flow| flow.gains.clone()).or_else(|| believed.clone());
         let problem = Heat::new(recorded, (&volume_m3, known.as_ref()), (printer.hotend, material), params)
             .context("no readings of the hot end")?;
         let fitted = problem
             .fit(heat.as_ref().map(|heat| &heat.fit))
             .context("the readings of the hot end have no unique answer")?;
+        let problem = Flow::new(recorded, &fitted, (printer.extruder, material), params);
         if with_flow {
-            let problem = Flow::new(recorded, &fitted, (printer.extruder, material), params)
-                .context("no widths of steady roads")?;
             let found = problem
                 .fit(flow.as_ref().map(|flow| &flow.fit))
-                .context("the widths have no unique answer")?;
+                .context("no widths of steady roads, or none with a unique answer")?;
             volume_m3.clone_from(&found.volume_m3);
             flow = Some(found);
+        } else {
+            volume_m3 = problem.by_files().context("no flow by the files")?;
         }
         heat = Some(fitted);
-        if !with_flow {
-            break;
-        }
     }
     let heat = heat.context("no round")?;
     let mut quantities = of_heat(&heat, (printer, material), params);
@@ -169,7 +170,7 @@ fn of_flow(flow: &FlowFit, params: &IdentifyParams) -> Vec<Quantity> {
             straight(LAGS[row], "s", found, before_s[row], params.prior.compression_rel * before_s[row])
         })
         .collect();
-    let (law, covariance) = as_filed(flow, &flow.lags_s, speeds);
+    let (law, covariance) = as_filed(flow, &flow.held_m, speeds);
     let compliance = (law[0], covariance[(0, 0)]);
     let (before, prior) = (flow.extruder.compliance_m_n, params.prior.compression_rel);
     quantities.push(straight("extruder.compliance_m_n", "m/N", compliance, before, prior * before));
@@ -208,20 +209,29 @@ fn force_slopes(
     })
 }
 
-/// Compliance and linear lag that come nearest to lags at the speeds with the melt of the material's file: what the file
-/// of a printer has to say so that both files together are right. And their covariance.
+/// Compliance and linear lag that hold as much filament at the speeds as was learned, with the melt of the material's file:
+/// what the file of a printer has to say so that both files together are right. And their covariance.
+///
+/// Lags alone do not tell it: the same slopes go with other lengths where the flow index is another, and what starts a road
+/// or ends it is the whole length.
 pub(super) fn as_filed(
     flow: &FlowFit,
-    lags_s: &[f64; 3],
+    held_m: &[f64; 3],
     speeds_m_s: [f64; 3],
 ) -> (Vector2<f64>, DMatrix<f64>) {
-    let slopes = force_slopes(&flow.extruder, &flow.material, &flow.nominal, speeds_m_s);
-    let design = Matrix3x2::from_fn(|row, column| if column == 0 { slopes[row] } else { 1.0 });
-    // The force's slopes differ, so the two columns do, and the inverse is there.
+    let melt = Melt::new(&flow.material, &flow.extruder);
+    let forces_n = speeds_m_s.map(|speed_m_s| {
+        melt.force_n(flow.extruder.filament_area_m2() * speed_m_s, Kelvin(flow.nominal.at_k))
+    });
+    // In shares of what is held, so that the slow speed counts as much.
+    let design = Matrix3x2::from_fn(|row, column| {
+        (if column == 0 { forces_n[row] } else { speeds_m_s[row] }) / held_m[row]
+    });
+    // A force does not rise in proportion to the speed, so the two columns differ, and the inverse is there.
     let inverse = (design.transpose() * design).try_inverse().unwrap_or_default() * design.transpose();
-    let spread = DMatrix::from_fn(2, 3, |row, column| inverse[(row, column)]);
-    let covariance = &spread * &flow.lags_covariance * spread.transpose();
-    (inverse * Vector3::from(*lags_s), covariance)
+    let spread = DMatrix::from_fn(2, 3, |row, column| inverse[(row, column)] / held_m[column]);
+    let covariance = &spread * &flow.held_covariance * spread.transpose();
+    (inverse * Vector3::from_element(1.0), covariance)
 }
 
 /// A standard deviation out of `count` residuals is known to one over the root of twice their number.

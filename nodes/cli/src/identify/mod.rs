@@ -5,6 +5,7 @@
 mod excitation;
 mod file;
 mod flow;
+mod gains;
 mod heat;
 mod learn;
 mod least_squares;
@@ -30,7 +31,7 @@ use std::path::{Path, PathBuf};
 /// Learns a printer from a recorded heat-up and test line: hot end, pressure lag, noise, each with its 95 % interval.
 ///
 /// Record a print of tests/data/gcode/identify.gcode that begins cold, with corrections off:
-/// `fdm sim tests/data/gcode/identify.gcode --control off --advance none --bag bags/cold`.
+/// `fdm sim tests/data/gcode/identify.gcode --control off --bag bags/cold`.
 /// Capacities and losses come in units of the heater's power, which is taken from the printer's file.
 #[derive(Debug, Args)]
 pub struct IdentifyArgs {
@@ -44,7 +45,7 @@ pub struct IdentifyArgs {
     #[arg(long, requires = "out")]
     overwrite: bool,
     /// Learn only this; the rest stays as the printer's file says.
-    #[arg(long, value_enum, conflicts_with = "trial")]
+    #[arg(long, value_enum)]
     only: Option<Part>,
     /// Material that was printed: as the bag says; PLA where it says nothing.
     #[arg(long)]
@@ -105,6 +106,7 @@ pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
     if let Some(out) = &args.out {
         output::check_apart(out, std::slice::from_ref(bag))?;
         check_new(out, args.overwrite)?;
+        output::check_writable("--out", out)?;
     }
     let params = IdentifyParams::load(&config)?;
     let recorded = Recorded::read(bag, args.namespace.as_deref())?;
@@ -163,12 +165,27 @@ fn check(
     (params, with_flow): (&IdentifyParams, bool),
     name: &str,
 ) -> anyhow::Result<()> {
-    let lacking = excitation::lacking(recorded, &setup.printer.extruder, &params.excitation, with_flow);
+    let wanted = &params.excitation;
+    let lacking = excitation::streams(recorded, wanted, with_flow);
+    if !lacking.is_empty() {
+        bail!("{name}: not enough to learn from: {}", lacking.join("; "));
+    }
+    let lacking = excitation::print(recorded, &setup.printer.extruder, wanted, with_flow);
     if lacking.is_empty() {
         return Ok(());
     }
+    let material = &setup.material;
+    let in_pla = if material.fan < wanted.fan_high {
+        format!(
+            ", printed in PLA: {} is printed with the fan at {:.0} %, and what is learned is the printer's",
+            material.name,
+            100.0 * material.fan
+        )
+    } else {
+        String::new()
+    };
     bail!(
-        "{name}: not enough to learn from: {}. tests/data/gcode/identify.gcode holds all of it",
+        "{name}: not enough to learn from: {}. tests/data/gcode/identify.gcode holds all of it{in_pla}",
         lacking.join("; ")
     )
 }

@@ -28,7 +28,8 @@ pub(super) fn written(out: &Path, config: &Path) -> String {
         "\nwritten to {out}. It takes the place of printers/ender3.yaml in a copy of the configuration:\n  \
          cp -r {config} my_config && cp {out} my_config/printers/ender3.yaml\n  \
          fdm sim FILE.gcode --config my_config\n\
-         Its section state_estimator, the noise of the sensors, counts there too."
+         Its section state_estimator, the noise of the sensors, counts there too. What belongs to material and room (melt heat,\n\
+         flow index, lags) stands in its comments for you to read: nothing else reads it there."
     )
 }
 

@@ -65,6 +65,7 @@ pub(super) struct Figures {
 pub(super) fn run(args: &IdentifyArgs, range: &str, config: &ConfigDir) -> anyhow::Result<Figures> {
     let seeds = crate::process::seeds("--trial", range)?;
     let params = IdentifyParams::load(config)?;
+    let with_flow = args.only.is_none();
     let material = args.material.clone().unwrap_or_else(|| "PLA".to_owned());
     let choice = Choice { advance: AdvanceSource::None, ..Choice::of(material.clone(), Level::Off) };
     let setup = config.load(&choice)?;
@@ -78,8 +79,8 @@ pub(super) fn run(args: &IdentifyArgs, range: &str, config: &ConfigDir) -> anyho
         let nozzle_k = print(&drawn.setup, &file, &bag, seed)?;
         let recorded = Recorded::read(&bag, None)?;
         std::fs::remove_dir_all(&bag)?;
-        super::check(&recorded, &setup, (&params, true), &format!("seed {seed}"))?;
-        let mut learned = learn(&recorded, (&setup.printer, &setup.material), &params, true)?;
+        super::check(&recorded, &setup, (&params, with_flow), &format!("seed {seed}"))?;
+        let mut learned = learn(&recorded, (&setup.printer, &setup.material), &params, with_flow)?;
         drawn.tell(&mut learned, nozzle_k);
         runs.push(Run { seed, quantities: learned.quantities });
         progress.inc(1);
@@ -171,8 +172,12 @@ impl Drawn {
 
     /// Puts the truth beside what was learned.
     fn tell(&self, learned: &mut Learned, nozzle_k: f64) {
-        let lags_s = learned.flow.as_ref().map(|flow| (self.lags_s(learned, nozzle_k), flow));
-        let filed = lags_s.map(|(lags_s, flow)| (lags_s, learn::as_filed(flow, &lags_s, flow.speeds_m_s).0));
+        let told = learned.flow.as_ref().and_then(|flow| Some((self.law(nozzle_k)?, flow)));
+        let filed = told.map(|(law, flow)| {
+            let held_m = flow.speeds_m_s.map(|speed_m_s| law.compression_m(speed_m_s));
+            let lags_s = flow.speeds_m_s.map(|speed_m_s| law.lag_s(speed_m_s));
+            (lags_s, learn::as_filed(flow, &held_m, flow.speeds_m_s).0)
+        });
         let (plant, sensors) = (&self.setup.simulated.plant, &self.setup.simulated.simulator.sensors);
         let (hotend, deviation) = (&plant.hotend, &plant.material_deviation);
         let material = &self.setup.material;
@@ -204,17 +209,12 @@ impl Drawn {
         }
     }
 
-    /// The plant's own lag at the speeds of the learned one and its own mean temperature of the nozzle.
-    fn lags_s(&self, learned: &Learned, nozzle_k: f64) -> [f64; 3] {
+    /// The plant's own law at its own mean temperature of the nozzle.
+    fn law(&self, nozzle_k: f64) -> Option<StaticLaw> {
         let plant = &self.setup.simulated.plant;
-        let (Some(flow), Ok(material)) =
-            (&learned.flow, plant.material_deviation.apply(&self.setup.simulated.material))
-        else {
-            return [f64::NAN; 3];
-        };
+        let material = plant.material_deviation.apply(&self.setup.simulated.material).ok()?;
         let melt = Melt::new(&material, &plant.extruder);
-        let law = StaticLaw::new(&melt, &plant.extruder, Kelvin(nozzle_k), 1.0);
-        flow.speeds_m_s.map(|speed_m_s| law.lag_s(speed_m_s))
+        Some(StaticLaw::new(&melt, &plant.extruder, Kelvin(nozzle_k), 1.0))
     }
 }
 

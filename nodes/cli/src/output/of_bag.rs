@@ -73,16 +73,18 @@ mod tests {
         ] {
             let output = folder.join(name);
             let before = std::fs::read(&output).ok();
-            for refused in
-                [check_writable(&output), check_apart(&output, &[]), write_whole(&output, "figures")]
-            {
+            for refused in [
+                check_writable("--json", &output),
+                check_apart(&output, &[]),
+                write_whole(&output, "figures"),
+            ] {
                 let error = refused.unwrap_err().to_string();
                 assert!(error.contains(name) && error.ends_with("choose another file"), "{error}");
             }
             assert_eq!(std::fs::read(&output).ok(), before, "{name}");
         }
         for name in ["bag/figures.json", "metadata.yaml", "counts.json", "page.html", "bag/a_0.mcap.html"] {
-            check_writable(&folder.join(name)).unwrap();
+            check_writable("--json", &folder.join(name)).unwrap();
             write_whole(&folder.join(name), "figures").unwrap();
         }
         std::fs::remove_dir_all(folder).unwrap();

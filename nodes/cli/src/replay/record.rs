@@ -1,7 +1,8 @@
 //! A bag in memory: the messages that brains hear and say, in their order.
 
 use super::brains::{CLASSIFIER, SUPERVISOR};
-use super::settings::{Recorded, Sessions};
+use super::recorded::Recorded;
+use super::settings::Sessions;
 use crate::report::bag::Bag;
 use crate::report::decode::decode;
 use crate::report::scan::{Raw, Visitor, scan_what_is_there};

@@ -35,7 +35,8 @@ impl Set {
             .and_then(|(path, value)| path.split_once('.').map(|(node, name)| (node, name, value)))
             .filter(|(_, name, value)| !name.is_empty() && !value.is_empty());
         let Some((node, name, value)) = parts else {
-            bail!("--set {text}: must be node.parameter=value");
+            let what = if text.ends_with('=') { "the value is missing" } else { "cannot be read" };
+            bail!("--set {text}: {what}: must be node.parameter=value");
         };
         match BRAINS.iter().find(|brain| **brain == node) {
             Some(node) => Ok(Self { node, name: name.to_owned(), value: value.to_owned() }),
@@ -52,7 +53,12 @@ mod tests {
     fn what_is_set_is_refused_by_name() {
         let said = |text| Set::parse(text).unwrap_err().to_string();
         assert!(Set::parse("mpc_controller.trims.delay_s=0.2").is_ok());
-        assert_eq!(said("mpc_controller=2"), "--set mpc_controller=2: must be node.parameter=value");
+        let form = "must be node.parameter=value";
+        assert_eq!(said("mpc_controller=2"), format!("--set mpc_controller=2: cannot be read: {form}"));
+        assert_eq!(
+            said("mpc_controller.trims.delay_s="),
+            format!("--set mpc_controller.trims.delay_s=: the value is missing: {form}")
+        );
         assert!(
             said("thermistor.x=1").contains("no brain 'thermistor' is replayed; there are state_estimator")
         );

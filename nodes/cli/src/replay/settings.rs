@@ -1,5 +1,6 @@
 //! The parameters with which a bag was recorded, and those that are set instead.
 
+use super::recorded::Recorded;
 use super::set::Set;
 use crate::config::{ConfigDir, Foresight, Sight};
 use anyhow::anyhow;
@@ -60,31 +61,6 @@ pub(crate) struct Settings {
     pub(crate) sessions: Sessions,
 }
 
-/// What a bag says of its parameters: names and values by node.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Recorded(BTreeMap<String, Vec<(String, String)>>);
-
-impl Recorded {
-    /// Reads the configuration text of a record: `# node sha256`, then `name: value` line by line.
-    pub(crate) fn parse(text: &str) -> Self {
-        let mut nodes: BTreeMap<String, Vec<(String, String)>> = BTreeMap::new();
-        let mut current = None;
-        for line in text.lines() {
-            if let Some(head) = line.strip_prefix("# ") {
-                current = head.split_whitespace().next().map(str::to_owned);
-            } else if let (Some(node), Some((name, value))) = (&current, line.split_once(": ")) {
-                nodes.entry(node.clone()).or_default().push((name.to_owned(), value.to_owned()));
-            }
-        }
-        Self(nodes)
-    }
-
-    /// Whether it says anything of a brain.
-    pub(crate) fn is_empty(&self) -> bool {
-        !BRAINS.iter().any(|node| self.0.contains_key(*node))
-    }
-}
-
 /// Where parameters come from.
 pub(crate) struct Source<'a> {
     pub(crate) config: &'a ConfigDir,
@@ -136,7 +112,7 @@ impl Source<'_> {
         // The record of another build may lack what this one asks for, and know what it does not.
         let files = self.config.files_of(node, self.material);
         let unknown = self.unlike(node)?.unknown;
-        let recorded = self.recorded.0.get(node).into_iter().flatten();
+        let recorded = self.recorded.of(node).into_iter().flatten();
         let mut values: Vec<_> = recorded.filter(|(name, _)| !unknown.contains(name)).cloned().collect();
         let networks = match node {
             "defect_classifier" => self.config.model_overrides(node, self.material)?,
@@ -161,7 +137,7 @@ impl Source<'_> {
     /// What this build asks of a node and the record does not say, and the other way round; nothing of a node that the
     /// record does not know at all.
     fn unlike(&self, node: &str) -> anyhow::Result<Unlike> {
-        let Some(recorded) = self.recorded.0.get(node) else { return Ok(Unlike::default()) };
+        let Some(recorded) = self.recorded.of(node) else { return Ok(Unlike::default()) };
         let path = NodePath { qualified: format!("/printer/{node}"), base: node.to_owned() };
         let shipped = Parameters::read(&self.config.files_of(node, self.material), &[], &path)?.text();
         let shipped: BTreeMap<&str, &str> =
@@ -223,19 +199,6 @@ fn is_there(value: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_configuration_is_read_node_by_node() {
-        let text =
-            "# state_estimator 0f\nperiod_s: 0.05\nq.names: [\"a: b\"]\n\n# imu 1a\nuse_sim_time: true\n";
-        let recorded = Recorded::parse(text);
-        let pair = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
-        assert_eq!(
-            recorded.0["state_estimator"],
-            [("period_s", "0.05"), ("q.names", "[\"a: b\"]")].map(pair)
-        );
-        assert!(!recorded.is_empty() && Recorded::parse("no config").is_empty());
-    }
 
     /// A bag outlives a build that asks for more, and one that asks for less; both are told.
     #[test]

@@ -61,12 +61,13 @@ impl From<Run> for RunCounts {
 impl Bag {
     /// Finds the files of a folder, or takes the one file.
     pub(crate) fn find(path: &Path) -> anyhow::Result<Self> {
-        let found = std::fs::metadata(path).with_context(|| {
-            format!(
-                "{}: `fdm up` names the bag of a print at its end, below bags/ of its folder",
+        if !path.exists() {
+            bail!(
+                "{}: no such bag: `fdm up` names the bag of a print at its end, below bags/ of its folder",
                 path.display()
-            )
-        })?;
+            );
+        }
+        let found = std::fs::metadata(path).with_context(|| path.display().to_string())?;
         let named = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
         if !found.is_dir() {
             input::open(path).with_context(|| path.display().to_string())?;

@@ -46,6 +46,7 @@ pub fn run(args: &ReportArgs) -> anyhow::Result<()> {
     if let Some(other) = &args.against {
         check_out(&path, other)?;
     }
+    output::check_writable(if args.out.is_some() { "--out" } else { "page" }, &path)?;
     let text = page_against(&args.bag, args.namespace.as_deref(), args.against.as_deref())?;
     output::write_whole(&path, &text)?;
     output::line(&format!("{} ({})", path.display(), view::words::bytes(text.len() as u64)))
@@ -81,6 +82,9 @@ pub fn page_against(path: &Path, namespace: Option<&str>, other: Option<&Path>) 
     }
     if let Some(unlike) = beside.as_ref().and_then(|beside| gathered.unlike(beside)) {
         output::note(&unlike);
+    }
+    for print in std::iter::once(&gathered).chain(&beside) {
+        print.torn.iter().for_each(|torn| output::note(&format!("{}: {torn}", print.bag.name)));
     }
     let beside =
         beside.as_ref().map(|beside| view::against::Other { bag: &beside.bag, record: &beside.record });

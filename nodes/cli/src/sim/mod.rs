@@ -19,6 +19,7 @@ pub mod width_trace;
 
 use crate::config::{Choice, ConfigDir};
 use crate::job::GcodeFile;
+use crate::options::distinct;
 use crate::output::{self, Json};
 use crate::process;
 use anyhow::bail;
@@ -35,7 +36,11 @@ use task::{Names, Task};
 use width_trace::WidthTrace;
 
 /// Simulates a print in virtual time; every figure is a simulated one.
+///
+/// A print that the loop pauses or that fails is a result as any other: the exit code is 0, the table and `ended` in the
+/// JSON say how it ended.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub struct SimArgs {
     /// File to print.
     gcode: PathBuf,
@@ -97,6 +102,11 @@ pub const ADVANCES: [&str; 5] = ["none", "file", "material", "planned", "predict
 pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     let seeds = seeds(args)?;
     Json::new(args.json.as_deref()).check()?;
+    for (option, names) in
+        [("--control", &args.control), ("--without", &args.without), ("--with", &args.with)]
+    {
+        distinct(option, names)?;
+    }
     let levels = args.control.iter().map(|name| level(name)).collect::<anyhow::Result<Vec<_>>>()?;
     let config = ConfigDir::find(args.config.as_deref())?;
     let file = GcodeFile::read_telling(&args.gcode, &config.motion()?, args.layers)?;

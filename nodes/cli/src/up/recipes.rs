@@ -171,8 +171,7 @@ impl Plan {
                     _ = parameters.without(&["latch_file"]).parse::<safety_supervisor::Params>()?;
                 }
                 "printer_sim" => {
-                    let (printer, material) = (parameters.block("printer")?, parameters.block("material")?);
-                    _ = printer_sim::load::simulator_params(&parameters, &printer, &material)?;
+                    _ = printer_sim::load::simulator_params(&parameters, &parameters.block("material")?)?;
                     _ = parameters.block::<printer_sim::run_params::RunParams>("run")?;
                 }
                 _ => {}

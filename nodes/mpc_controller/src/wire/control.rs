@@ -50,7 +50,8 @@ impl TryFrom<RawLoop> for LoopParams {
 
     fn try_from(raw: RawLoop) -> Result<Self, ParamError> {
         in_range("period_s", raw.period_s, "s", (0.05, 1.0))?;
-        in_range("validity_s", raw.validity_s, "s", (0.1, 5.0))?;
+        // A command counts until the next one comes.
+        in_range("validity_s", raw.validity_s, "s", (raw.period_s.max(0.1), 5.0))?;
         in_range("status_age_limit_s", raw.status_age_limit_s, "s", (0.05, 2.0))?;
         in_range("height_age_limit_s", raw.height_age_limit_s, "s", (0.1, 60.0))?;
         Ok(Self(raw))

@@ -52,7 +52,7 @@ struct SimulatorFile {
     limits: Limits,
 }
 
-fn load<T: DeserializeOwned>(path: &str) -> T {
+pub(crate) fn load<T: DeserializeOwned>(path: &str) -> T {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config").join(path);
     let text = std::fs::read_to_string(&path).unwrap();
     let mut file: HashMap<String, RosFile<T>> = serde_saphyr::from_str(&text).unwrap();

@@ -4,6 +4,10 @@ use super::bounds::Bounds;
 use super::tree::Origin;
 use super::{ParamFileError, Parameters, join};
 use crate::args::ends;
+use std::path::PathBuf;
+
+/// Where a value stands of which no file says anything, for there is none.
+const NO_FILE: &str = "no --params-file given";
 
 impl Parameters {
     /// Refuses the first number that is not finite or outside of the range that stands beside it.
@@ -19,6 +23,10 @@ impl Parameters {
 
     /// Puts file and line in front of what the struct said, and the whole name in place of a block's own.
     pub(super) fn explain(&self, path: &str, said: &str) -> ParamFileError {
+        let missing = said.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`'));
+        if let Some(name) = missing {
+            return self.missing(&join(path, name), "");
+        }
         // `models::params` begins its messages with `name = value`, the name relative to its block or to the file.
         let named = said.split_once(" = ").filter(|(name, _)| !name.contains(' '));
         if let Some((name, rest)) = named.and_then(|(name, rest)| Some((self.whole(path, name)?, rest))) {
@@ -67,8 +75,7 @@ impl Parameters {
 
     /// How late a value was set: by a file, by the last one, by an option, by a request.
     fn rank(&self, name: &str) -> u8 {
-        let is_last =
-            |file: &str| self.last_file.as_ref().is_some_and(|last| last.display().to_string() == file);
+        let is_last = |file: &str| self.files.last().is_some_and(|last| last.display().to_string() == file);
         match self.tree.origin(name) {
             None => 0,
             Some(Origin::File(file, _)) => u8::from(is_last(file)),
@@ -77,20 +84,34 @@ impl Parameters {
         }
     }
 
-    /// Where a path stands, or the nearest block above it, or the last file.
-    pub(super) fn fallback(&self, path: &str) -> String {
-        let mut path = path;
-        if let Some(origin) = self.tree.origin(path) {
-            return origin.to_string();
-        }
-        while let Some((above, _)) = path.rsplit_once('.') {
-            if let Some(origin) = self.tree.origin(above) {
-                return origin.to_string();
+    /// A value, or a block, that no file gives: the block that lacks it is named, else the files, and first of all those
+    /// that say nothing.
+    pub(super) fn missing(&self, name: &str, advice: &str) -> ParamFileError {
+        let names = |files: &[PathBuf]| {
+            files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ")
+        };
+        let name = ends(name);
+        let (at, message) = match (self.standing(&name), &self.silent[..], &self.files[..]) {
+            (Some(origin), ..) => (origin.to_string(), format!("{name}: missing")),
+            (None, [], []) => (NO_FILE.to_owned(), format!("{name}: missing")),
+            (None, [], files) => (names(files), format!("{name}: missing")),
+            (None, silent, _) => {
+                (names(silent), format!("holds nothing for {}; {name} is missing", self.node))
             }
-            path = above;
-        }
-        self.last_file
-            .as_ref()
-            .map_or_else(|| "no --params-file given".to_owned(), |file| file.display().to_string())
+        };
+        ParamFileError::Refused { at, message: message + advice }
+    }
+
+    /// Where a path stands, or the nearest block above it.
+    fn standing(&self, path: &str) -> Option<&Origin> {
+        let ends = path.rmatch_indices('.').map(|(end, _)| end);
+        let mut blocks = std::iter::once(path.len()).chain(ends).map(|end| &path[..end]);
+        blocks.find_map(|block| self.tree.origin(block))
+    }
+
+    /// The same, or the last file.
+    pub(super) fn fallback(&self, path: &str) -> String {
+        let last = || self.files.last().map_or_else(|| NO_FILE.to_owned(), |file| file.display().to_string());
+        self.standing(path).map_or_else(last, ToString::to_string)
     }
 }

@@ -97,9 +97,33 @@ fn unknown_missing_and_mistyped_keys_are_named_with_their_line() {
     let unknown = refusal(&GOOD.replace("flow_max: 1.2", "flow_max: 1.2\n      flow_mux: 1"));
     assert!(unknown.starts_with(":7: limits.flow_mux") && unknown.contains("unknown field"), "{unknown}");
     let missing = refusal(&GOOD.replace("      flow_max: 1.2\n", ""));
-    assert!(missing.starts_with(":4: limits") && missing.contains("missing field `flow_max`"), "{missing}");
+    assert_eq!(missing, ":4: limits.flow_max: missing");
+    let flat = refusal(&GOOD[..GOOD.find("    limits").unwrap()]);
+    assert_eq!(flat, ": limits: missing");
     let mistyped = refusal(&GOOD.replace("rate_hz: 4", "rate_hz: fast"));
     assert_eq!(mistyped, ":3: rate_hz = \"fast\": must be a number");
+    let error = parse(&[GOOD], &[("limits", "3")]).unwrap_err().to_string();
+    assert_eq!(error, "-p limits:=3: limits = 3: must be a block of names and values");
+}
+
+/// What is missing is blamed on the file that says nothing, not on the last one.
+#[test]
+fn a_file_that_says_nothing_is_named() {
+    let other = "/**:\n  ros__parameters:\n    names: [a]\n";
+    for silent in
+        ["", "# nothing\n", "/**:\n  ros__parameters:\n", "mpcs:\n  ros__parameters: {rate_hz: 1}\n"]
+    {
+        let parameters = read(&[silent, other], &[]).unwrap();
+        let error = parameters.parse::<Params>().unwrap_err().to_string();
+        let first = parameters.files[0].display();
+        assert_eq!(error, format!("{first}: holds nothing for mpc; rate_hz is missing"), "{silent}");
+    }
+    let parameters = read(&[other, other], &[]).unwrap();
+    let error = parameters.parse::<Params>().unwrap_err().to_string();
+    let [first, second] = [0, 1].map(|at| parameters.files[at].display().to_string());
+    assert_eq!(error, format!("{first}, {second}: rate_hz: missing"));
+    let error = parameters.block::<Limits>("limits").unwrap_err().to_string();
+    assert!(error.ends_with(": limits: missing; is a --params-file missing?"), "{error}");
 }
 
 #[test]

@@ -113,7 +113,7 @@ fn the_lag_is_learned_from_widths_after_steps() {
         readings: 0,
         nozzle_k: vec![(0.0, NOZZLE_K), (100.0, NOZZLE_K)],
     };
-    let flow = Flow::new(&recorded, &heat, (extruder, &setup.material), &params).unwrap();
+    let flow = Flow::new(&recorded, &heat, (extruder, &setup.material), &params);
     let found = flow.fit(None).unwrap();
     let (index, compression_m, linear_s) = LAW;
     for (row, speed_m_s) in speeds.into_iter().enumerate() {
@@ -122,6 +122,18 @@ fn the_lag_is_learned_from_widths_after_steps() {
         let (lag_s, sigma_s) = (found.lags_s[row], found.lags_covariance[(row, row)].sqrt());
         assert!((lag_s - truth_s).abs() < 1.96 * sigma_s, "{lag_s} +- {sigma_s}, {truth_s}");
         assert!(sigma_s < 0.03 * truth_s, "{lag_s} +- {sigma_s}");
+    }
+    // What the printer's file says holds the same lengths with the index of the material's file, which is another one.
+    let (filed, _) = crate::identify::learn::as_filed(&found, &found.held_m, speeds);
+    let melt = Melt::new(&setup.material, &extruder);
+    for (row, speed_m_s) in speeds.into_iter().enumerate() {
+        let ratio = speed_m_s / speeds[1];
+        let truth_m = compression_m * ratio.powf(index) + linear_s * speed_m_s;
+        let (held_m, sigma_m) = (found.held_m[row], found.held_covariance[(row, row)].sqrt());
+        assert!((held_m - truth_m).abs() < 1.96 * sigma_m, "{held_m} +- {sigma_m}, {truth_m}");
+        let force_n = melt.force_n(extruder.filament_area_m2() * speed_m_s, Kelvin(found.nominal.at_k));
+        let by_files_m = filed[0] * force_n + filed[1] * speed_m_s;
+        assert!((by_files_m / held_m - 1.0).abs() < 0.005, "{by_files_m} for {held_m}");
     }
     // The noise of 150 to 180 widths is known to 6 %.
     assert!(

@@ -3,16 +3,23 @@ use crate::wire::tests::{PARAMS, law, limits};
 use models::status::HostProfile;
 use models::units::Celsius;
 
+const RAW: RawLoop = RawLoop {
+    control: WireLevel::Wire,
+    period_s: 0.25,
+    validity_s: 1.0,
+    status_age_limit_s: 0.3,
+    height_age_limit_s: 2.0,
+};
+
+#[test]
+fn a_command_counts_until_the_next_one_comes() {
+    let refused = LoopParams::try_from(RawLoop { validity_s: 0.2, ..RAW }).unwrap_err().to_string();
+    assert_eq!(refused, "validity_s = 0.2 s: must be in [0.25, 5]");
+}
+
 fn control() -> WireControl {
-    let raw = RawLoop {
-        control: WireLevel::Wire,
-        period_s: 0.25,
-        validity_s: 1.0,
-        status_age_limit_s: 0.3,
-        height_age_limit_s: 2.0,
-    };
     let profile = Params::try_from(PARAMS).unwrap();
-    WireControl::new(raw.try_into().unwrap(), profile, (law(0.635), limits()), 7).unwrap()
+    WireControl::new(RAW.try_into().unwrap(), profile, (law(0.635), limits()), 7).unwrap()
 }
 
 /// The machine lays `layer` (from 0) at a place.
