@@ -18,17 +18,17 @@ fn hotend_of(setup: &Setup, params: &IdentifyParams, recorded: &Recorded) -> Lea
 /// fixed, so the test does not change its mind; an interval that is half as wide as it ought to be leaves three outside.
 #[test]
 fn a_hot_end_is_learned_within_its_intervals() {
-    is_within_intervals(&SCRIPT);
+    is_within_intervals(&SCRIPT, 2);
 }
 
-/// What leaves the nozzle, and takes heat along, lags behind what is fed: taken as one, the nozzle's capacity comes out a
-/// fifth off, and with it all that is told from its speed.
+/// What leaves the nozzle, and takes heat along, lags behind what is fed: taken as one, both losses to the fan come out a
+/// sixth off, and outside.
 #[test]
 fn the_lag_of_the_melt_is_none_of_the_hot_ends() {
-    is_within_intervals(&pulsed());
+    is_within_intervals(&pulsed(), 1);
 }
 
-fn is_within_intervals(script: &[Stretch]) {
+fn is_within_intervals(script: &[Stretch], most_outside: usize) {
     let (_, setup, params) = setup();
     let learned = hotend_of(&setup, &params, &recorded(&setup, script, 1));
     let unlike = unlike(&setup.printer.hotend);
@@ -52,7 +52,7 @@ fn is_within_intervals(script: &[Stretch]) {
         .filter(|(found, truth)| !(found.low..=found.high).contains(truth))
         .map(|(found, truth)| format!("{} {} in [{}, {}]", found.name, truth, found.low, found.high))
         .collect();
-    assert!(outside.len() <= 2, "{outside:?}");
+    assert!(outside.len() <= most_outside, "{outside:?}");
     // Errors over stated deviations, squared: about one each where the intervals are true, a hundredth ten times too wide.
     let squares = learned.quantities.iter().zip(truths).map(|(found, truth)| {
         let deviation = 0.5 * (found.high - found.low) / 1.96;
