@@ -1,6 +1,6 @@
 //! What of a bag a printer is learned from: what a real one records. What a simulation knows beyond is not read.
 
-use crate::report::bag::Bag;
+use crate::report::bag::{Bag, there_are};
 use crate::report::decode::decode;
 use crate::report::scan::{Raw, Visitor, scan_what_is_there};
 use anyhow::bail;
@@ -9,7 +9,7 @@ use models::status::PrinterStatus;
 use models::units::Kelvin;
 use runtime::topics;
 use runtime::wire;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Stamps that fall by more than this belong to another print `[s]`.
@@ -41,6 +41,8 @@ pub(super) struct Recorded {
     /// Messages that say what cannot be.
     pub(super) refused: u64,
     namespace: Option<String>,
+    /// Namespaces other than the chosen one.
+    others: BTreeSet<String>,
     jumped: bool,
     /// Material of the configuration in force.
     material: Option<String>,
@@ -52,10 +54,14 @@ const MATERIAL: &str = "material.name: ";
 impl Recorded {
     /// Reads a bag.
     pub(super) fn read(path: &Path, namespace: Option<&str>) -> anyhow::Result<Self> {
-        let namespace = namespace.map(|name| name.trim_end_matches('/').to_owned());
-        let mut recorded = Self { namespace, ..Self::default() };
+        let chosen = namespace.map(|name| name.trim_end_matches('/').to_owned());
+        let mut recorded = Self { namespace: chosen, ..Self::default() };
         for file in Bag::find(path)?.files {
             scan_what_is_there(&file, &mut recorded)?;
+        }
+        if let (Some(asked), true) = (namespace, recorded.states.is_empty() && recorded.hotend_k.is_empty()) {
+            let others = there_are(&recorded.others);
+            bail!("{}: --namespace {asked}: the bag holds nothing of it{others}", path.display());
         }
         if recorded.jumped {
             bail!("{}: its time jumps back: more than one print is in it", path.display());
@@ -138,7 +144,9 @@ impl Visitor for Recorded {
         });
         let Some((topic, namespace)) = found.filter(|_| raw.encoding == "cdr") else { return };
         let chosen = self.namespace.get_or_insert_with(|| namespace.to_owned());
-        if *chosen == namespace && self.take(topic, raw.payload).is_none() {
+        if *chosen != namespace {
+            _ = self.others.insert(namespace.to_owned());
+        } else if self.take(topic, raw.payload).is_none() {
             self.refused += 1;
         }
     }

@@ -10,7 +10,7 @@ use anyhow::{Context, bail};
 use bag_recorder::file::NOTE;
 use fdm_loop_msgs::{ControlCommand, PrintEvent, PrintInfo};
 use runtime::topics;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Encoding that is read.
@@ -70,6 +70,8 @@ pub(crate) struct Record {
     odd: Option<String>,
     /// Messages of any topic.
     pub(crate) messages: u64,
+    /// Namespaces other than the chosen one.
+    others: BTreeSet<String>,
 }
 
 impl Record {
@@ -85,7 +87,8 @@ impl Record {
         record.check_begin().with_context(|| path.display().to_string())?;
         if record.parts.is_empty() {
             let of = namespace.map_or_else(String::new, |namespace| format!(" of namespace {namespace}"));
-            bail!("{}: nothing{of} that a brain hears", path.display());
+            let others = crate::report::bag::there_are(&record.others);
+            bail!("{}: nothing{of} that a brain hears{others}", path.display());
         }
         Ok(record)
     }
@@ -160,7 +163,11 @@ impl Record {
             Some((*name, namespace))
         })?;
         let chosen = self.namespace.get_or_insert_with(|| namespace.to_owned());
-        (*chosen == namespace).then_some(name)
+        if *chosen == namespace {
+            return Some(name);
+        }
+        _ = self.others.insert(namespace.to_owned());
+        None
     }
 }
 

@@ -1,14 +1,18 @@
 //! The files of a bag.
 
+use super::decode::short;
 use super::stated::Stated;
 use anyhow::{Context, bail};
 use bag_recorder::metadata::RunCounts;
 use runtime::input;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Endings of the files of a bag; the longer one is that of a file being written.
 const ENDINGS: [&str; 2] = [".mcap", ".mcap.active"];
+
+/// Namespaces that are named at most.
+const NAMED: usize = 10;
 
 /// Where a bag lies.
 #[derive(Debug, Clone)]
@@ -98,6 +102,16 @@ impl Bag {
     pub(crate) fn bytes(&self) -> u64 {
         self.files.iter().filter_map(|file| std::fs::metadata(file).ok()).map(|file| file.len()).sum()
     }
+}
+
+/// The printers that a bag holds beside the one that was asked for, for the end of a sentence.
+pub(crate) fn there_are(namespaces: &BTreeSet<String>) -> String {
+    let names: Vec<String> = namespaces
+        .iter()
+        .take(NAMED)
+        .map(|name| short(if name.is_empty() { "/" } else { name }, 80))
+        .collect();
+    if names.is_empty() { String::new() } else { format!("; there are {}", names.join(", ")) }
 }
 
 /// Where a file stands among the others: number, name without ending, finished before active.
