@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 mod cameras;
 mod foresight;
 mod machine;
+mod names;
 mod networks;
 mod sight;
 mod texts;
@@ -176,6 +177,9 @@ impl ConfigDir {
     /// Names the scenarios that there are, or file, line and field.
     pub fn scenario(&self, name: &str) -> anyhow::Result<printer_sim::Scenario> {
         let path = self.scenario_path(name);
+        if !path.exists() && name.ends_with(".yaml") {
+            bail!("scenario {}: no such file", path.display());
+        }
         if !path.exists() {
             bail!("scenario '{name}' is unknown; there are {}", self.names_in("scenarios").join(", "));
         }
@@ -221,6 +225,7 @@ impl ConfigDir {
     /// File, line, field, value and range of what is refused.
     pub fn load(&self, choice: &Choice) -> anyhow::Result<Setup> {
         self.check_material(&choice.material)?;
+        self.check_names(&choice.material, &choice.host)?;
         self.check_machine_budget(&choice.material)?;
         self.check_cameras(&choice.material)?;
         let read = |node: &str, usual: &[(String, String)]| {

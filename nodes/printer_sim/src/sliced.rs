@@ -32,8 +32,8 @@ impl TryFrom<RawSlicedFor> for SlicedFor {
     type Error = ParamError;
 
     fn try_from(raw: RawSlicedFor) -> Result<Self, ParamError> {
-        in_range("coupling_w_k", raw.coupling_w_k, "W/K", (1e-4, 100.0))?;
-        in_range("nozzle_loss_w_k", raw.nozzle_loss_w_k, "W/K", (1e-5, 100.0))?;
+        in_range("coupling_w_k", raw.coupling_w_k, "W/K", (0.05, 100.0))?;
+        in_range("nozzle_loss_w_k", raw.nozzle_loss_w_k, "W/K", (1e-5, 1.0))?;
         in_range("nozzle_loss_fan_w_k", raw.nozzle_loss_fan_w_k, "W/K", (0.0, 1.0))?;
         Ok(Self(raw))
     }

@@ -13,6 +13,7 @@
 //! What the six parameter services say and change stands in `params/store.rs`; a value that somebody asks for passes
 //! through the same `Deserialize`.
 
+mod addressed;
 mod bounds;
 mod comments;
 mod own;
@@ -22,6 +23,8 @@ pub(crate) mod store;
 mod tree;
 mod values;
 mod yaml;
+
+pub use addressed::addressed;
 
 use crate::args::ends;
 use comments::Descriptions;
@@ -104,9 +107,8 @@ impl Parameters {
                 file: file.clone(),
                 reason: error.to_string(),
             })?;
-            let before = merged.clone();
-            tree::merge_file(&mut merged, &text, file, node)?;
-            silent.extend((merged == before).then(|| file.clone()));
+            let said = tree::merge_file(&mut merged, &text, file, node)?;
+            silent.extend((!said).then(|| file.clone()));
             descriptions.read(&file.display().to_string(), &text, &merged);
         }
         for (name, value) in overrides {
@@ -167,7 +169,9 @@ impl Parameters {
             alone.tree = Tree::Block(vec![(name.to_owned(), tree, origin)]);
         }
         let mut blocks: BTreeMap<String, T> = alone.parse()?;
-        blocks.remove(name).ok_or_else(|| self.missing(name, "; is a --params-file missing?"))
+        blocks
+            .remove(name)
+            .ok_or_else(|| self.missing(name, "; a parameter file is lacking, or a name in one is misspelt"))
     }
 
     /// As [`Parameters::block`] for what need not be there.

@@ -10,10 +10,12 @@ fn mistakes_end_with_code_2_and_one_line() {
     let no_move = std::env::temp_dir().join(format!("fdm_no_move_{}.gcode", std::process::id()));
     std::fs::write(&no_move, "; nothing\n").unwrap();
     let no_move = no_move.display().to_string();
-    let cases: [(&[&str], &str); 14] = [
+    let cases: [(&[&str], &str); 16] = [
         (&["sim", "nowhere.gcode"], "nowhere.gcode"),
         (&["sim", &file, "--scenario", "nope"], "slip09"),
         (&["sim", &file, "--control", "pid"], "off, encoder or mpc"),
+        (&["sim", &file, "--control", "mpc,off,mpc"], "'mpc' stands twice"),
+        (&["sim", &file, "--without", "width,width"], "'width' stands twice"),
         (&["sim", &file, "--seeds", "5..1"], "A..B"),
         (&["sim", &file, "--material", "NYLON"], "PETG"),
         (&["gcode", "nowhere.gcode"], "nowhere.gcode"),

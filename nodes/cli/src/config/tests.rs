@@ -4,6 +4,19 @@ use super::*;
 use crate::up::recipes::NODES;
 use std::collections::BTreeSet;
 
+/// A copy of the shipped configuration, to be changed.
+pub(crate) fn copied(name: &str) -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+    let folder = std::env::temp_dir().join(format!("fdm_config_{name}_{}", std::process::id()));
+    for below in ["", "printers", "plants", "materials", "hosts", "advance", "models"] {
+        std::fs::create_dir_all(folder.join(below)).unwrap();
+        for entry in std::fs::read_dir(root.join(below)).unwrap().flatten().filter(|it| it.path().is_file()) {
+            std::fs::copy(entry.path(), folder.join(below).join(entry.file_name())).unwrap();
+        }
+    }
+    folder
+}
+
 /// A folder of changed files alone is no configuration: what to do with it is said, not to give one.
 #[test]
 fn a_folder_that_lacks_files_is_refused_with_what_to_do() {
@@ -54,6 +67,30 @@ fn a_command_counts_until_the_next_one_comes() {
         parsed.unwrap_err().to_string(),
         "-p validity_s:=0.2: validity_s = 0.2 s: must be in [0.25, 1]"
     );
+}
+
+/// Who believes another printer, a learned one say, prints with the same set-points and is scored by the same measure.
+#[test]
+fn what_is_believed_of_the_printer_moves_no_yardstick() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+    let folder = copied("believed");
+    let loaded = |folder: &Path| {
+        let config = ConfigDir::find(Some(folder)).unwrap();
+        let setup = config.load(&Choice::of("PETG".into(), Level::Mpc)).unwrap();
+        (
+            setup.printer.hotend.coupling_w_k,
+            setup.simulated.clone(),
+            setup.simulated.set_points(&setup.material),
+        )
+    };
+    let shipped = loaded(&root);
+    let file = folder.join("printers/ender3.yaml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("coupling_w_k: 0.45", "coupling_w_k: 0.30")).unwrap();
+    let learned = loaded(&folder);
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!((learned.0 - 0.30).abs() < 1e-12 && (shipped.0 - 0.45).abs() < 1e-12);
+    assert_eq!((learned.1, learned.2), (shipped.1, shipped.2));
 }
 
 /// What `ros2 param describe` says: something of every parameter of every node, whatever material and host.

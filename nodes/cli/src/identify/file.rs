@@ -58,7 +58,8 @@ fn head(learned: &Learned, bag: &str) -> String {
     }
     if let Some(flow) = &learned.flow {
         head.push_str(&format!(
-            "# Lags and compliance are for the material's file at {:.1} K in the nozzle; the lags stand at {} mm/s of filament.\n",
+            "# Lags, compliance and linear lag are for this spool, with its material's file at {:.1} K in the nozzle: another material\n\
+             # wants the shipped extruder, or a print of its own to learn from. The lags stand at {} mm/s of filament.\n",
             flow.nominal.at_k,
             flow.speeds_m_s.map(|speed| format!("{:.1}", 1e3 * speed)).join(", ")
         ));

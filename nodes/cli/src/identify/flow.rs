@@ -103,7 +103,7 @@ impl<'a> Flow<'a> {
 
     /// What left the nozzle so far by the law of the files, against time.
     pub(super) fn by_files(&self) -> Option<Vec<At>> {
-        self.simulate(&DVector::zeros(GAIN + self.knots)).map(|(_, volume_m3)| volume_m3)
+        self.simulate(&DVector::zeros(GAIN)).map(|(_, volume_m3)| volume_m3)
     }
 
     /// Fits from `start` on, or from the nominal printer.
@@ -151,6 +151,7 @@ impl<'a> Flow<'a> {
         Some(Gains {
             places: self.cells.iter().map(place).collect(),
             whitener: covariance.cholesky()?.l().try_inverse()?,
+            lag_sigma_s: None,
         })
     }
 
@@ -221,9 +222,9 @@ impl<'a> Flow<'a> {
             let stiffer = (activation_k * (1.0 / melt.0 - 1.0 / self.nominal.at_k)).exp();
             let law = StaticLaw::of_compression(index, scale * stiffer, linear_s);
             let out_m = pressure.step(&law, cell.fed_m / cell.dt_s, Seconds(cell.dt_s));
-            let gain = 1.0
-                + parameters[GAIN + cell.knot] * (1.0 - cell.share)
-                + parameters[GAIN + cell.knot + 1] * cell.share;
+            // Without knots the section is the nominal one.
+            let off = |knot: usize| parameters.get(GAIN + knot).copied().unwrap_or(0.0);
+            let gain = 1.0 + off(cell.knot) * (1.0 - cell.share) + off(cell.knot + 1) * cell.share;
             let laid_m3 = out_m * area_m2 * gain;
             left_m3 += laid_m3;
             section_m2 = cell.road.map(|(width_m, height_m)| {

@@ -5,6 +5,9 @@ use super::record::At;
 use super::series;
 use nalgebra::DMatrix;
 
+/// Knots of a long print `[-]`: the time of a fit grows with their number squared, and no width tells one from the next.
+const KNOTS_MOST: f64 = 40.0;
+
 /// How well the section is known: by widths, or without them by belief alone.
 #[derive(Debug, Clone)]
 pub(super) struct Gains {
@@ -12,12 +15,16 @@ pub(super) struct Gains {
     pub(super) places: Vec<At>,
     /// Inverse root of the covariance of the gain at the knots.
     pub(super) whitener: DMatrix<f64>,
+    /// How well the melt's lag is known `[s]`, where no width tells it.
+    pub(super) lag_sigma_s: Option<f64>,
 }
 
 impl Gains {
-    /// Nothing but the belief: a first gain, and its walk from knot to knot.
-    pub(super) fn believed(fed_m: &[At], params: &IdentifyParams) -> Self {
-        let (origin_m, knot_m) = (fed_m.first().map_or(0.0, |first| first.1), params.fit.gain_knot_m);
+    /// Nothing but the belief: a first gain, and its walk from knot to knot; a lag.
+    pub(super) fn believed(fed_m: &[At], params: &IdentifyParams, lag_sigma_s: f64) -> Self {
+        let origin_m = fed_m.first().map_or(0.0, |first| first.1);
+        let length_m = fed_m.iter().map(|fed| fed.1 - origin_m).fold(0.0, f64::max);
+        let knot_m = params.fit.gain_knot_m.max(length_m / KNOTS_MOST);
         let places: Vec<At> =
             fed_m.iter().map(|(at_s, at_m)| (*at_s, ((at_m - origin_m) / knot_m).max(0.0))).collect();
         let last = places.iter().map(|place| place.1).fold(0.0, f64::max);
@@ -31,7 +38,7 @@ impl Gains {
             (row, column) if row == column + 1 => -1.0 / walk,
             _ => 0.0,
         });
-        Self { places, whitener }
+        Self { places, whitener, lag_sigma_s: Some(lag_sigma_s) }
     }
 
     /// Knot before a time, and the share of the way to the next one.
@@ -42,5 +49,33 @@ impl Gains {
         #[allow(clippy::cast_precision_loss, reason = "a count of knots")]
         let before = knot as f64;
         (knot, (place - before).min(1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::ConfigDir;
+    use std::path::Path;
+
+    /// Of a walk from `gain` on the variance grows by `gain_walk_rel^2` over each metre, however far apart the knots are.
+    #[test]
+    fn the_belief_is_a_walk_along_the_filament() {
+        let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config"));
+        let params = IdentifyParams::load(&ConfigDir::find(Some(folder)).unwrap()).unwrap();
+        for (length_m, most) in [(0.0, 2), (0.63, 12), (30.0, 42)] {
+            let gains = Gains::believed(&[(0.0, 5.0), (100.0, 5.0 + length_m)], &params, 0.2);
+            let root = gains.whitener.clone().try_inverse().unwrap();
+            let covariance = &root * root.transpose();
+            let last = covariance.nrows() - 1;
+            assert!((most - 2..most).contains(&last), "{length_m} m: {last}");
+            // Where the print ends, in knots: so far apart they are.
+            let place = gains.places[1].1;
+            let knot_m = if place > 0.0 { length_m / place } else { params.fit.gain_knot_m };
+            #[allow(clippy::cast_precision_loss, reason = "a count of knots")]
+            let walked_m = knot_m * last as f64;
+            let wanted = params.prior.gain.powi(2) + params.prior.gain_walk_rel.powi(2) * walked_m;
+            assert!((covariance[(last, last)] / wanted - 1.0).abs() < 1e-9, "{length_m} m");
+        }
     }
 }

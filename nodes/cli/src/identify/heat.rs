@@ -8,13 +8,14 @@ use super::gains::Gains;
 use super::least_squares::{Fit, Problem};
 use super::params::{IdentifyParams, Prior};
 use super::record::{At, Recorded};
-use super::series;
+use super::series::{self, Says};
 use models::hotend::{Hotend, Inputs, RawHotend, Thermal};
 use models::material::Material;
 use nalgebra::DVector;
 
 /// Places in the vector of parameters: logarithms of ratios to the nominal printer, the last one in kelvin. Behind them
-/// stands by how much the filament's section is off from what the widths tell, at each knot.
+/// stands by how much the filament's section is off from what the widths tell, at each knot; behind that, where no width
+/// tells the lag, by how much the melt comes later `[s]`.
 const BLOCK_CAPACITY: usize = 0;
 const NOZZLE_CAPACITY: usize = 1;
 const COUPLING: usize = 2;
@@ -28,6 +29,9 @@ pub(super) const AMBIENT: usize = 9;
 /// Number of them.
 pub(super) const COUNT: usize = 10;
 
+/// Half the span of a difference quotient over the melt's lag `[s]`.
+const LATER_S: f64 = 0.1;
+
 /// A loss of nothing has no logarithm `[W/K]`.
 const LOSS_LEAST_W_K: f64 = 1e-4;
 
@@ -38,6 +42,8 @@ struct Step {
     duty: f64,
     fan: f64,
     flow_m3_s: f64,
+    /// By how much the flow is more where it comes later by a second `[m3/s2]`.
+    later_m3_s2: f64,
     /// Knot of the section before, and the share of the way to the next.
     knot: (usize, f64),
     read_k: f64,
@@ -75,12 +81,12 @@ impl<'a> Heat<'a> {
         (nominal, material): (Hotend, &Material),
         params: &'a IdentifyParams,
     ) -> Option<Self> {
-        let of = |value: fn(&models::status::PrinterStatus) -> f64| {
-            series::integral(recorded.states.iter().map(|state| (state.stamp.0, value(state))))
+        let of = |value: fn(&models::status::PrinterStatus) -> f64, says| {
+            series::integral(recorded.states.iter().map(|state| (state.stamp.0, value(state))), says)
         };
         let powered =
             |state: &models::status::PrinterStatus| if state.mains_on { state.hotend_duty } else { 0.0 };
-        let (duty, fan) = (of(powered), of(|state| state.fan));
+        let (duty, fan) = (of(powered, Says::Mean), of(|state| state.fan, Says::Moment));
         let (from_s, to_s) = (duty.first()?.0, duty.last()?.0);
         let known: Vec<At> =
             recorded.hotend_k.iter().filter(|(at_s, _)| (from_s..=to_s).contains(at_s)).copied().collect();
@@ -91,6 +97,7 @@ impl<'a> Heat<'a> {
                 duty: series::mean(&duty, from_s, to_s),
                 fan: series::mean(&fan, from_s, to_s),
                 flow_m3_s: series::mean(volume_m3, from_s, to_s).max(0.0),
+                later_m3_s2: later(volume_m3, from_s, to_s),
                 knot: gains.map_or((0, 0.0), |gains| gains.at(0.5 * (from_s + to_s))),
                 read_k,
             }
@@ -116,8 +123,8 @@ impl<'a> Heat<'a> {
             steps: fitting.steps,
             tolerance: fitting.tolerance,
         };
-        let knots = self.gains.map_or(0, |gains| gains.whitener.nrows());
-        let mut from = DVector::zeros(COUNT + knots);
+        let lag = usize::from(self.lag_sigma_s().is_some());
+        let mut from = DVector::zeros(COUNT + self.knots() + lag);
         if let Some(fit) = start {
             from.rows_mut(0, COUNT).copy_from(&fit.parameters.rows(0, COUNT));
         }
@@ -136,6 +143,16 @@ impl<'a> Heat<'a> {
             nozzle_k,
             fit,
         })
+    }
+
+    /// Knots of the section.
+    fn knots(&self) -> usize {
+        self.gains.map_or(0, |gains| gains.whitener.nrows())
+    }
+
+    /// By how much the melt may come later than it is said `[s]`, where that is not known.
+    fn lag_sigma_s(&self) -> Option<f64> {
+        self.gains.and_then(|gains| gains.lag_sigma_s)
     }
 
     fn hotend(&self, parameters: &DVector<f64>) -> RawHotend {
@@ -159,13 +176,15 @@ impl<'a> Heat<'a> {
         let ambient_k = self.first.1 + parameters[AMBIENT];
         let melt_j_k_m3 = self.melt_j_k_m3 * parameters[MELT_HEAT].exp();
         let mut thermal = Thermal::uniform(ambient_k);
+        let late_s = parameters.get(COUNT + self.knots()).copied().unwrap_or(0.0);
         let step = |step: &Step| {
+            let flow_m3_s = step.flow_m3_s + late_s * step.later_m3_s2;
             let inputs = Inputs {
                 heater_w: hotend.heater_power_w * step.duty,
                 fan: step.fan,
                 ambient_k,
                 filament_k: ambient_k,
-                melt_w_k: melt_j_k_m3 * step.flow_m3_s * (1.0 + self.off(step, parameters)),
+                melt_w_k: melt_j_k_m3 * flow_m3_s * (1.0 + self.off(step, parameters)),
             };
             thermal = hotend.step(thermal, &inputs, models::units::Seconds(step.dt_s));
             thermal
@@ -188,10 +207,14 @@ impl<'a> Heat<'a> {
         let data = self.steps.iter().zip(&simulated).map(off);
         let beliefs =
             parameters.iter().zip(prior(&self.params.prior)).map(|(value, deviation)| value / deviation);
-        let knots = parameters.rows(COUNT, parameters.len() - COUNT);
+        let knots = parameters.rows(COUNT, self.knots());
         let sections = self.gains.map(|gains| &gains.whitener * knots);
-        let all: Vec<f64> =
-            data.chain(beliefs).chain(sections.iter().flat_map(|off| off.iter().copied())).collect();
+        let late = self.lag_sigma_s().map(|sigma_s| parameters[COUNT + self.knots()] / sigma_s);
+        let all: Vec<f64> = data
+            .chain(beliefs)
+            .chain(sections.iter().flat_map(|off| off.iter().copied()))
+            .chain(late)
+            .collect();
         Some(DVector::from_vec(all))
     }
 }
@@ -210,6 +233,12 @@ pub(super) fn prior(prior: &Prior) -> [f64; COUNT] {
         prior.melt_heat_rel,
         prior.ambient_k,
     ]
+}
+
+/// By how much a flow, mean over a time, is more where all of it comes later by a second `[m3/s2]`.
+fn later(volume_m3: &[At], from_s: f64, to_s: f64) -> f64 {
+    let moved = |by_s: f64| series::mean(volume_m3, from_s - by_s, to_s - by_s).max(0.0);
+    (moved(LATER_S) - moved(-LATER_S)) / (2.0 * LATER_S)
 }
 
 /// A loss that has a logarithm `[W/K]`.

@@ -72,8 +72,11 @@ pub(super) fn learn(
     let mut volume_m3: Vec<At> =
         recorded.fed_m().into_iter().map(|(at_s, fed_m)| (at_s, fed_m * area_m2)).collect();
     let (mut heat, mut flow): (Option<HeatFit>, Option<FlowFit>) = (None, None);
-    // No width tells the section: what is not known of it makes the hot end's intervals wider.
-    let believed = (!with_flow).then(|| Gains::believed(&recorded.fed_m(), params));
+    // No width tells section and lag: what is not known of them makes the hot end's intervals wider.
+    let believed = (!with_flow).then(|| {
+        let sigma_s = lag_sigma_s(&printer.extruder, material, params);
+        Gains::believed(&recorded.fed_m(), params, sigma_s)
+    });
     for _ in 0..params.fit.rounds {
         let known = flow.as_ref().map(|flow| flow.gains.clone()).or_else(|| believed.clone());
         let problem = Heat::new(recorded, (&volume_m3, known.as_ref()), (printer.hotend, material), params)
@@ -96,7 +99,9 @@ pub(super) fn learn(
     let heat = heat.context("no round")?;
     let mut quantities = of_heat(&heat, (printer, material), params);
     if let Some(flow) = &flow {
-        quantities.extend(of_flow(flow, params));
+        let of_flow = of_flow(flow, params);
+        quantities
+            .extend(of_flow.context("compliance and linear lag are one: the material's flow_index is 1")?);
     }
     quantities.extend(of_noise(recorded, &heat, flow.as_ref()));
     Ok(Learned { heat, flow, quantities })
@@ -156,7 +161,7 @@ fn of_heat(
     (0..heat::COUNT).map(quantity).collect()
 }
 
-fn of_flow(flow: &FlowFit, params: &IdentifyParams) -> Vec<Quantity> {
+fn of_flow(flow: &FlowFit, params: &IdentifyParams) -> Option<Vec<Quantity>> {
     let speeds = params.fit.lag_speeds_m_s;
     let before_s = lags_of_file(&flow.extruder, &flow.material, &flow.nominal, speeds);
     let straight = |name, unit, (value, variance): (f64, f64), before, prior: f64| {
@@ -170,7 +175,7 @@ fn of_flow(flow: &FlowFit, params: &IdentifyParams) -> Vec<Quantity> {
             straight(LAGS[row], "s", found, before_s[row], params.prior.compression_rel * before_s[row])
         })
         .collect();
-    let (law, covariance) = as_filed(flow, &flow.held_m, speeds);
+    let (law, covariance) = as_filed(flow, &flow.held_m, speeds)?;
     let compliance = (law[0], covariance[(0, 0)]);
     let (before, prior) = (flow.extruder.compliance_m_n, params.prior.compression_rel);
     quantities.push(straight("extruder.compliance_m_n", "m/N", compliance, before, prior * before));
@@ -181,7 +186,15 @@ fn of_flow(flow: &FlowFit, params: &IdentifyParams) -> Vec<Quantity> {
     let index = flow.material.flow_index;
     let found = (index + flow.fit.parameters[place], flow.fit.covariance[(place, place)]);
     quantities.push(straight("material.flow_index", "-", found, index, params.prior.flow_index));
-    quantities
+    Some(quantities)
+}
+
+/// How well a lag is known that files alone tell `[s]`: its parts are believed each by itself.
+fn lag_sigma_s(extruder: &Extruder, material: &Material, params: &IdentifyParams) -> f64 {
+    let (speeds_m_s, prior) = (params.fit.lag_speeds_m_s, &params.prior);
+    let nominal = Nominal::new(extruder, material, material.nozzle_temp_k, speeds_m_s[1]);
+    let sheared_s = lags_of_file(extruder, material, &nominal, speeds_m_s)[1] - extruder.linear_lag_s;
+    (prior.compression_rel * sheared_s).hypot(prior.linear_lag_rel * extruder.linear_lag_s)
 }
 
 /// Lag that files say at the speeds `[s]`.
@@ -213,12 +226,12 @@ fn force_slopes(
 /// what the file of a printer has to say so that both files together are right. And their covariance.
 ///
 /// Lags alone do not tell it: the same slopes go with other lengths where the flow index is another, and what starts a road
-/// or ends it is the whole length.
+/// or ends it is the whole length. `None` for a melt whose force is in proportion to its speed, as the linear lag is.
 pub(super) fn as_filed(
     flow: &FlowFit,
     held_m: &[f64; 3],
     speeds_m_s: [f64; 3],
-) -> (Vector2<f64>, DMatrix<f64>) {
+) -> Option<(Vector2<f64>, DMatrix<f64>)> {
     let melt = Melt::new(&flow.material, &flow.extruder);
     let forces_n = speeds_m_s.map(|speed_m_s| {
         melt.force_n(flow.extruder.filament_area_m2() * speed_m_s, Kelvin(flow.nominal.at_k))
@@ -227,11 +240,10 @@ pub(super) fn as_filed(
     let design = Matrix3x2::from_fn(|row, column| {
         (if column == 0 { forces_n[row] } else { speeds_m_s[row] }) / held_m[row]
     });
-    // A force does not rise in proportion to the speed, so the two columns differ, and the inverse is there.
-    let inverse = (design.transpose() * design).try_inverse().unwrap_or_default() * design.transpose();
+    let inverse = (design.transpose() * design).try_inverse()? * design.transpose();
     let spread = DMatrix::from_fn(2, 3, |row, column| inverse[(row, column)] / held_m[column]);
     let covariance = &spread * &flow.held_covariance * spread.transpose();
-    (inverse * Vector3::from_element(1.0), covariance)
+    Some((inverse * Vector3::from_element(1.0), covariance))
 }
 
 /// A standard deviation out of `count` residuals is known to one over the root of twice their number.

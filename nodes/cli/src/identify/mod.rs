@@ -51,7 +51,7 @@ pub struct IdentifyArgs {
     #[arg(long)]
     material: Option<String>,
     /// Namespace of the printer; the first one in the bag by default.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "trial")]
     namespace: Option<String>,
     /// Instead of a bag: simulated printers with numbers drawn by seeds A..B, what is learned beside the truth: of how many
     /// it lies in the stated interval (about 95 of 100, where the interval is true), of how many within 5 %, of how many in either.
@@ -134,7 +134,7 @@ pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
     if !json.is_stdout() {
         output::line(&text::page(&figures))?;
         if let Some(out) = &args.out {
-            output::line(&text::written(out, &config.file("")))?;
+            output::line(&text::written(out, &config.file(""), figures.lags_at_k.is_some()))?;
         }
     }
     json.write(&figures)
@@ -168,7 +168,11 @@ fn check(
     let wanted = &params.excitation;
     let lacking = excitation::streams(recorded, wanted, with_flow);
     if !lacking.is_empty() {
-        bail!("{name}: not enough to learn from: {}", lacking.join("; "));
+        let refused = match recorded.refused {
+            0 => String::new(),
+            count => format!("; {count} messages say what cannot be, and were left out"),
+        };
+        bail!("{name}: not enough to learn from: {}{refused}", lacking.join("; "));
     }
     let lacking = excitation::print(recorded, &setup.printer.extruder, wanted, with_flow);
     if lacking.is_empty() {

@@ -2,7 +2,7 @@
 
 use crate::config::ConfigDir;
 use anyhow::Context;
-use models::params::{in_range, positive};
+use models::params::{in_range, ordered, positive};
 use serde::Deserialize;
 
 /// The block `identify`; unit, range and meaning stand beside each value in the file.
@@ -146,7 +146,7 @@ impl IdentifyParams {
             ("fit.calm_s", fit.calm_s, (0.0, 10.0)),
             ("fit.calm_rel", fit.calm_rel, (0.0, 1.0)),
             ("fit.road_s", fit.road_s, (0.0, 10.0)),
-            ("fit.rounds", f64::from(fit.rounds), (1.0, 20.0)),
+            ("fit.rounds", f64::from(fit.rounds), (2.0, 20.0)),
             ("fit.steps", f64::from(fit.steps), (1.0, 1000.0)),
             ("fit.informed", fit.informed, (0.0, 1.0)),
             ("trial.hotend_rel", trial.hotend_rel, (0.0, 0.5)),
@@ -163,6 +163,10 @@ impl IdentifyParams {
         }
         for speed_m_s in fit.lag_speeds_m_s {
             in_range("fit.lag_speeds_m_s", speed_m_s, "m/s", (1e-5, 0.05))?;
+        }
+        // Of equal speeds no law could be told.
+        for pair in fit.lag_speeds_m_s.windows(2) {
+            ordered(("fit.lag_speeds_m_s", pair[0]), ("the next one", pair[1]))?;
         }
         Ok(())
     }

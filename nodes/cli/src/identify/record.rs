@@ -15,6 +15,10 @@ use std::path::Path;
 /// Stamps that fall by more than this belong to another print `[s]`.
 const BACK_S: f64 = 1.0;
 
+/// No drive feeds or retracts faster `[m/s]`, and no count steps by more at once `[m]`.
+const FEED_MOST_M_S: f64 = 0.3;
+const FEED_AT_ONCE_M: f64 = 0.01;
+
 /// A reading at a time `[s]`.
 pub(super) type At = (f64, f64);
 
@@ -92,7 +96,9 @@ impl Recorded {
             }
             topic if topic == topics::FILAMENT_MOTION.name() => {
                 let read = wire::filament_from_wire(&decode(payload)?).ok()?;
-                push(&mut self.encoder_m, (read.stamp.0, read.position_m), &mut self.jumped);
+                let reading = (read.stamp.0, read.position_m);
+                let can_be = self.encoder_m.last().is_none_or(|last| is_fed(*last, reading));
+                can_be.then(|| push(&mut self.encoder_m, reading, &mut self.jumped))?;
             }
             topic if topic == topics::PRINTER_STATE.name() => {
                 let state = wire::status_from_wire(&decode(payload)?).ok()?;
@@ -116,6 +122,11 @@ impl Recorded {
         }
         Some(())
     }
+}
+
+/// Whether a drive can have fed from one count to the next.
+fn is_fed(last: At, next: At) -> bool {
+    (next.1 - last.1).abs() <= FEED_MOST_M_S * (next.0 - last.0).abs() + FEED_AT_ONCE_M
 }
 
 /// Takes a reading that is newer than the last one.

@@ -14,13 +14,23 @@ pub(super) fn at(samples: &[At], time_s: f64) -> f64 {
     }
 }
 
-/// Integral of a signal that is held from each sample to the next: a line between its samples, so [`at`] is exact.
-pub(super) fn integral(samples: impl Iterator<Item = At>) -> Vec<At> {
+/// What a sample says of the time between it and the one before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Says {
+    /// It is the mean of that time, as a duty is told.
+    Mean,
+    /// It is of its own moment: between two the signal is a line.
+    Moment,
+}
+
+/// Integral of a signal: a line between its samples, so [`at`] is exact for a mean.
+pub(super) fn integral(samples: impl Iterator<Item = At>, says: Says) -> Vec<At> {
     let mut sum = Vec::new();
     let (mut total, mut last): (f64, Option<At>) = (0.0, None);
     for (at_s, value) in samples {
-        if let Some((before_s, held)) = last {
-            total += held * (at_s - before_s);
+        if let Some((before_s, before)) = last {
+            let mean = if says == Says::Mean { value } else { 0.5 * (before + value) };
+            total += mean * (at_s - before_s);
         }
         sum.push((at_s, total));
         last = Some((at_s, value));
@@ -46,10 +56,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_held_signal_has_the_mean_of_its_pieces() {
-        let sum = integral([(0.0, 1.0), (1.0, 3.0), (3.0, 0.0), (4.0, 0.0)].into_iter());
-        // 0.5 s of 1 and 1 s of 3 over 1.5 s.
-        assert!((mean(&sum, 0.5, 2.0) - 3.5 / 1.5).abs() < 1e-12);
+    fn a_sample_is_the_mean_up_to_it_or_its_own_moment() {
+        let samples = [(0.0, 1.0), (1.0, 3.0), (3.0, 0.0), (4.0, 0.0)];
+        // 0.5 s of 3 and 1 s of 0 over 1.5 s.
+        let told = integral(samples.into_iter(), Says::Mean);
+        assert!((mean(&told, 0.5, 2.0) - 1.0).abs() < 1e-12);
+        // 0.5 s of 2 and 2 s of 1.5.
+        let seen = integral(samples.into_iter(), Says::Moment);
+        assert!((mean(&seen, 0.5, 3.0) - (0.5 * 2.0 + 2.0 * 1.5) / 2.5).abs() < 1e-12);
         assert!((at(&[(0.0, 0.0), (2.0, 4.0)], 0.5) - 1.0).abs() < 1e-12);
         assert!((at(&[(0.0, 7.0)], 9.0) - 7.0).abs() < 1e-12 && at(&[], 1.0).abs() < 1e-12);
     }

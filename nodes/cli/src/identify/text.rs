@@ -19,18 +19,25 @@ fn digits(value: f64) -> String {
     }
 }
 
-/// Where the printer file is, and how it is used.
-pub(super) fn written(out: &Path, config: &Path) -> String {
+/// Where the printer file is, and how it is used; `with_extruder` where it has a learned one.
+pub(super) fn written(out: &Path, config: &Path, with_extruder: bool) -> String {
     // Without the slash at the end.
     let config: PathBuf = config.components().collect();
     let (out, config) = (out.display(), config.display());
-    format!(
+    let mut text = format!(
         "\nwritten to {out}. It takes the place of printers/ender3.yaml in a copy of the configuration:\n  \
          cp -r {config} my_config && cp {out} my_config/printers/ender3.yaml\n  \
          fdm sim FILE.gcode --config my_config\n\
          Its section state_estimator, the noise of the sensors, counts there too. What belongs to material and room (melt heat,\n\
          flow index, lags) stands in its comments for you to read: nothing else reads it there."
-    )
+    );
+    if with_extruder {
+        text.push_str(&format!(
+            "\nWARNING: its compliance and linear lag are of this spool: how stiff the melt was and how much the tube gives nothing\n\
+             tells apart. Print another material with the block extruder of {config}/printers/ender3.yaml, or learn it for itself."
+        ));
+    }
+    text
 }
 
 /// What was learned from a bag.
@@ -123,7 +130,10 @@ mod tests {
 
     #[test]
     fn what_can_be_done_with_the_file_is_told() {
-        let told = written(Path::new("mine.yaml"), Path::new("config/"));
+        let told = written(Path::new("mine.yaml"), Path::new("config/"), true);
+        assert!(told.contains("WARNING: its compliance and linear lag are of this spool"), "{told}");
+        let told = written(Path::new("mine.yaml"), Path::new("config/"), false);
+        assert!(!told.contains("WARNING"), "nothing of it was learned: {told}");
         assert!(
             told.contains("cp -r config my_config && cp mine.yaml my_config/printers/ender3.yaml"),
             "{told}"

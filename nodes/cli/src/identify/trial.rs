@@ -173,10 +173,10 @@ impl Drawn {
     /// Puts the truth beside what was learned.
     fn tell(&self, learned: &mut Learned, nozzle_k: f64) {
         let told = learned.flow.as_ref().and_then(|flow| Some((self.law(nozzle_k)?, flow)));
-        let filed = told.map(|(law, flow)| {
+        let filed = told.and_then(|(law, flow)| {
             let held_m = flow.speeds_m_s.map(|speed_m_s| law.compression_m(speed_m_s));
             let lags_s = flow.speeds_m_s.map(|speed_m_s| law.lag_s(speed_m_s));
-            (lags_s, learn::as_filed(flow, &held_m, flow.speeds_m_s).0)
+            Some((lags_s, learn::as_filed(flow, &held_m, flow.speeds_m_s)?.0))
         });
         let (plant, sensors) = (&self.setup.simulated.plant, &self.setup.simulated.simulator.sensors);
         let (hotend, deviation) = (&plant.hotend, &plant.material_deviation);

@@ -30,7 +30,7 @@ use schedule::{Schedule, Timers};
 use serde::Serialize;
 use set::Set;
 use settings::{Settings, Source};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Runs the brains over a bag in virtual time.
 #[derive(Debug, Args)]
@@ -108,20 +108,19 @@ fn figures(args: &ReplayArgs) -> anyhow::Result<Figures> {
     let sets = Set::parse_all(&args.set)?;
     let judged = args.camera || sets.iter().any(|set| set.node == "defect_classifier");
     let config = ConfigDir::find(args.config.as_deref())?;
-    let material = args.material.as_deref().unwrap_or("PLA");
-    config.check_material(material)?;
+    if let Some(asked) = &args.material {
+        config.check_material(asked)?;
+    }
     let record = Record::read(&args.bag, args.namespace.as_deref(), judged)?;
     let frames = record.has(topics::CAMERA_IMAGE.name());
     let predictions = record.has(topics::ADVANCE_PREDICTION.name());
     refuse_unheard(&sets, frames, predictions)?;
     let recorded = record.parameters();
-    if let (Some(asked), Some(printed)) = (&args.material, recorded.material()) {
-        check_asked(asked, &printed, &args.bag)?;
-    }
+    let material = recorded.material_for(args.material.as_deref(), &config, &args.bag)?;
     let source = Source {
         config: &config,
         recorded: &recorded,
-        material,
+        material: &material,
         frames,
         predictions,
         sessions: record.sessions(),
@@ -148,18 +147,6 @@ fn figures(args: &ReplayArgs) -> anyhow::Result<Figures> {
         identical: outputs.iter().all(Output::is_identical),
         outputs,
     })
-}
-
-/// What the bag says counts: asking for another material would change nothing.
-fn check_asked(asked: &str, printed: &str, bag: &Path) -> anyhow::Result<()> {
-    if asked.eq_ignore_ascii_case(printed) {
-        return Ok(());
-    }
-    bail!(
-        "--material {asked}: {} says the parameters of its print in {printed}, which count; \
-         --set mpc_controller.material... changes one of them",
-        bag.display()
-    )
 }
 
 /// A parameter of a brain that would hear nothing changes nothing.
@@ -268,14 +255,6 @@ fn payloads<'a>(said: &[&'a Said]) -> Vec<&'a [u8]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// It would be left aside without a word.
-    #[test]
-    fn a_material_other_than_the_recorded_one_is_refused() {
-        let refused = check_asked("ABS", "PLA", Path::new("bags/cube")).unwrap_err().to_string();
-        assert!(refused.starts_with("--material ABS: bags/cube says the parameters of its print in PLA"));
-        assert!(check_asked("pla", "PLA", Path::new("bags/cube")).is_ok());
-    }
 
     /// A record that ends at 20 ns, after the first of three words of that instant; what is missing before it is missing.
     #[test]

@@ -1,7 +1,10 @@
 //! What a bag says of the parameters with which it was recorded.
 
 use super::settings::BRAINS;
+use crate::config::ConfigDir;
+use anyhow::bail;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// What a bag says of its parameters: names and values by node.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -33,6 +36,31 @@ impl Recorded {
         names.map(|(_, value)| value.trim_matches('"').to_owned())
     }
 
+    /// Material of what the record does not say: its own, or the one that is asked for where it says none.
+    ///
+    /// # Errors
+    /// Another one than the record's, whose parameters count.
+    pub(crate) fn material_for(
+        &self,
+        asked: Option<&str>,
+        config: &ConfigDir,
+        bag: &Path,
+    ) -> anyhow::Result<String> {
+        let printed = self.material();
+        match (asked, printed) {
+            (Some(asked), Some(printed)) if !asked.eq_ignore_ascii_case(&printed) => bail!(
+                "--material {asked}: {} says the parameters of its print in {printed}, which count; \
+                 --set mpc_controller.material... changes one of them",
+                bag.display()
+            ),
+            (Some(asked), _) => Ok(asked.to_owned()),
+            // One that this configuration does not know is said whole by its record.
+            (None, printed) => Ok(printed
+                .filter(|printed| config.check_material(printed).is_ok())
+                .unwrap_or_else(|| "PLA".to_owned())),
+        }
+    }
+
     /// Whether it says anything of a brain.
     pub(crate) fn is_empty(&self) -> bool {
         !BRAINS.iter().any(|node| self.0.contains_key(*node))
@@ -57,5 +85,24 @@ mod tests {
         let of = |text| Recorded::parse(text).material();
         assert_eq!(of("# mpc_controller 0f\nmaterial.name: \"ABS\"\n").as_deref(), Some("ABS"));
         assert_eq!(recorded.material(), None);
+    }
+    /// What is asked for beside it would be left aside without a word; what it lacks is not filled up from another's file.
+    #[test]
+    fn the_recorded_material_counts() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../config");
+        let config = ConfigDir::find(Some(&root)).unwrap();
+        let of = |recorded: &str, asked| {
+            let recorded = Recorded::parse(&format!("# mpc_controller 0f\n{recorded}"));
+            recorded.material_for(asked, &config, Path::new("bags/cube")).map_err(|error| error.to_string())
+        };
+        let abs = "material.name: \"ABS\"\n";
+        let refused = of(abs, Some("PLA")).unwrap_err();
+        assert!(refused.starts_with("--material PLA: bags/cube says the parameters of its print in ABS"));
+        let cases =
+            [(abs, Some("abs"), "abs"), (abs, None, "ABS"), ("", Some("PETG"), "PETG"), ("", None, "PLA")];
+        for (recorded, asked, taken) in cases {
+            assert_eq!(of(recorded, asked).as_deref(), Ok(taken), "{recorded} {asked:?}");
+        }
+        assert_eq!(of("material.name: \"NYLON\"\n", None).as_deref(), Ok("PLA"));
     }
 }

@@ -65,7 +65,7 @@ impl From<Run> for RunCounts {
 impl Bag {
     /// Finds the files of a folder, or takes the one file.
     pub(crate) fn find(path: &Path) -> anyhow::Result<Self> {
-        if !path.exists() {
+        if matches!(path.try_exists(), Ok(false)) {
             bail!(
                 "{}: no such bag: `fdm up` names the bag of a print at its end, below bags/ of its folder",
                 path.display()

@@ -84,7 +84,15 @@ pub fn page_against(path: &Path, namespace: Option<&str>, other: Option<&Path>) 
         output::note(&unlike);
     }
     for print in std::iter::once(&gathered).chain(&beside) {
-        print.torn.iter().for_each(|torn| output::note(&format!("{}: {torn}", print.bag.name)));
+        for torn in &print.torn {
+            // One file that is a bag is named once.
+            let of = if torn.starts_with(&print.bag.name) {
+                String::new()
+            } else {
+                format!("{}: ", print.bag.name)
+            };
+            output::note(&format!("{of}{torn}"));
+        }
     }
     let beside =
         beside.as_ref().map(|beside| view::against::Other { bag: &beside.bag, record: &beside.record });

@@ -102,11 +102,7 @@ pub const ADVANCES: [&str; 5] = ["none", "file", "material", "planned", "predict
 pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     let seeds = seeds(args)?;
     Json::new(args.json.as_deref()).check()?;
-    for (option, names) in
-        [("--control", &args.control), ("--without", &args.without), ("--with", &args.with)]
-    {
-        distinct(option, names)?;
-    }
+    check_lists(args)?;
     let levels = args.control.iter().map(|name| level(name)).collect::<anyhow::Result<Vec<_>>>()?;
     let config = ConfigDir::find(args.config.as_deref())?;
     let file = GcodeFile::read_telling(&args.gcode, &config.motion()?, args.layers)?;
@@ -162,6 +158,12 @@ pub fn run(args: &SimArgs) -> anyhow::Result<()> {
     }
     progress.finish_and_clear();
     publish(args, groups)
+}
+
+/// Refuses lists that name something twice.
+fn check_lists(args: &SimArgs) -> anyhow::Result<()> {
+    let lists = [("--control", &args.control), ("--without", &args.without), ("--with", &args.with)];
+    lists.into_iter().try_for_each(|(option, names)| distinct(option, names))
 }
 
 /// Refuses a bag that is there, and says what is going to be printed.

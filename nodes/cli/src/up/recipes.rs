@@ -155,6 +155,7 @@ impl Plan {
     /// File, line, field, value and range of what is refused; executables that are missing.
     pub fn check(&self) -> anyhow::Result<()> {
         const NOMINAL: [&str; 2] = ["printer", "material"];
+        self.config.check_names(&self.material, &self.host)?;
         self.config.check_machine_budget(&self.material)?;
         self.config.check_cameras(&self.material)?;
         for (name, _, parameters, _) in self.nodes()? {

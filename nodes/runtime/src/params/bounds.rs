@@ -116,6 +116,7 @@ impl Bounds {
                 "a whole number, 0 or more"
             }
             Some("u8" | "u16" | "u32" | "u64" | "usize" | "i64" | "i32") => "a whole number",
+            Some("a boolean") => "true or false",
             Some(kind) if kind.starts_with("struct ") => "a block of names and values",
             _ => return self.refusal(name, value, said),
         };

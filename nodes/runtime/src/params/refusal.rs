@@ -84,22 +84,21 @@ impl Parameters {
         }
     }
 
-    /// A value, or a block, that no file gives: the block that lacks it is named, else the files, and first of all those
-    /// that say nothing.
+    /// A value, or a block, that no file gives: the block that lacks it is named, else all files, and which of them say
+    /// nothing of the node.
     pub(super) fn missing(&self, name: &str, advice: &str) -> ParamFileError {
-        let names = |files: &[PathBuf]| {
-            files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ")
-        };
         let name = ends(name);
-        let (at, message) = match (self.standing(&name), &self.silent[..], &self.files[..]) {
-            (Some(origin), ..) => (origin.to_string(), format!("{name}: missing")),
-            (None, [], []) => (NO_FILE.to_owned(), format!("{name}: missing")),
-            (None, [], files) => (names(files), format!("{name}: missing")),
-            (None, silent, _) => {
-                (names(silent), format!("holds nothing for {}; {name} is missing", self.node))
-            }
+        let told = |file: &PathBuf| match self.silent.contains(file) {
+            true => format!("{} (holds nothing for {})", file.display(), self.node),
+            false => file.display().to_string(),
         };
-        ParamFileError::Refused { at, message: message + advice }
+        let in_file = |origin: &&Origin| matches!(origin, Origin::File(..));
+        let at = match self.standing(&name).filter(in_file) {
+            Some(origin) => origin.to_string(),
+            None if self.files.is_empty() => NO_FILE.to_owned(),
+            None => self.files.iter().map(told).collect::<Vec<_>>().join(", "),
+        };
+        ParamFileError::Refused { at, message: format!("{name}: missing{advice}") }
     }
 
     /// Where a path stands, or the nearest block above it.

@@ -106,24 +106,28 @@ fn unknown_missing_and_mistyped_keys_are_named_with_their_line() {
     assert_eq!(error, "-p limits:=3: limits = 3: must be a block of names and values");
 }
 
-/// What is missing is blamed on the file that says nothing, not on the last one.
+/// What is missing is blamed on no file alone, the last one say: all are named, and those that say nothing.
 #[test]
 fn a_file_that_says_nothing_is_named() {
     let other = "/**:\n  ros__parameters:\n    names: [a]\n";
-    for silent in
-        ["", "# nothing\n", "/**:\n  ros__parameters:\n", "mpcs:\n  ros__parameters: {rate_hz: 1}\n"]
-    {
-        let parameters = read(&[silent, other], &[]).unwrap();
+    let said = |texts: &[&str], pairs: &[(&str, &str)]| {
+        let parameters = read(texts, pairs).unwrap();
         let error = parameters.parse::<Params>().unwrap_err().to_string();
-        let first = parameters.files[0].display();
-        assert_eq!(error, format!("{first}: holds nothing for mpc; rate_hz is missing"), "{silent}");
+        let names = parameters.files.iter().enumerate().map(|(at, file)| (file.display().to_string(), at));
+        names.fold(error, |error, (name, at)| error.replace(&name, &at.to_string()))
+    };
+    let wrong = GOOD.replace("/**", "mpcs");
+    for silent in ["", "# nothing\n", "/**:\n  ros__parameters:\n", "mpc: {ros__parameters: {}}\n", &wrong] {
+        assert_eq!(said(&[silent, other], &[]), "0 (holds nothing for mpc), 1: rate_hz: missing", "{silent}");
     }
-    let parameters = read(&[other, other], &[]).unwrap();
-    let error = parameters.parse::<Params>().unwrap_err().to_string();
-    let [first, second] = [0, 1].map(|at| parameters.files[at].display().to_string());
-    assert_eq!(error, format!("{first}, {second}: rate_hz: missing"));
-    let error = parameters.block::<Limits>("limits").unwrap_err().to_string();
-    assert!(error.ends_with(": limits: missing; is a --params-file missing?"), "{error}");
+    assert_eq!(said(&[other, other], &[]), "0, 1: rate_hz: missing");
+    let option = [("rate_hz", "4"), ("limits.flow_max", "1.2")];
+    assert_eq!(said(&[&wrong], &option), "0 (holds nothing for mpc): limits.flow_min: missing");
+    let error = read(&[other], &[]).unwrap().block::<Limits>("limits").unwrap_err().to_string();
+    assert!(
+        error.ends_with(": limits: missing; a parameter file is lacking, or a name in one is misspelt"),
+        "{error}"
+    );
 }
 
 #[test]

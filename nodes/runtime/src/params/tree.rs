@@ -153,24 +153,29 @@ impl Tree {
     }
 }
 
-/// Merges the blocks of a file that are meant for `node`.
+/// Merges the blocks of a file that are meant for `node`, and tells whether it says anything of it.
 pub(super) fn merge_file(
     merged: &mut Tree,
     text: &str,
     file: &Path,
     node: &NodePath,
-) -> Result<(), ParamFileError> {
+) -> Result<bool, ParamFileError> {
+    let Some(root) = root_of(text, file)? else { return Ok(false) };
     let name: Arc<str> = Arc::from(file.display().to_string());
-    // An empty file holds no parameters.
+    merge_nodes(merged, &root, "", &Target { file: &name, node })
+}
+
+/// What a file says, each value with its place; `None` for an empty one, which holds no parameters.
+pub(super) fn root_of(text: &str, file: &Path) -> Result<Option<Tree>, ParamFileError> {
+    let name: Arc<str> = Arc::from(file.display().to_string());
     if text.lines().all(|line| line.trim().is_empty() || line.trim_start().starts_with('#')) {
-        return Ok(());
+        return Ok(None);
     }
     let parsed: Parsed = read_yaml(text).map_err(|error| {
         let line = error.location().map_or(1, |location| location.line());
         ParamFileError::Malformed { at: format!("{name}:{line}"), reason: reason(&error) }
     })?;
-    let root = parsed.placed(&name);
-    merge_nodes(merged, &root, "", &Target { file: &name, node })
+    Ok(Some(parsed.placed(&name)))
 }
 
 /// Whom a file is read for.
@@ -185,7 +190,7 @@ fn merge_nodes(
     tree: &Tree,
     path: &str,
     target: &Target<'_>,
-) -> Result<(), ParamFileError> {
+) -> Result<bool, ParamFileError> {
     let malformed = |line: &str, reason: &str| ParamFileError::Malformed {
         at: line.to_owned(),
         reason: format!(
@@ -195,10 +200,12 @@ fn merge_nodes(
     let Tree::Block(entries) = tree else {
         return Err(malformed(target.file, "not a ROS 2 parameter file"));
     };
+    let mut said = false;
     for (key, child, origin) in entries {
         match (key.as_str(), child) {
             ("ros__parameters", Tree::Block(parameters)) if !path.is_empty() => {
                 if is_meant(path, target.node) {
+                    said |= !parameters.is_empty();
                     for (name, value, origin) in parameters {
                         merged.set(name, value.clone(), origin.clone());
                     }
@@ -212,7 +219,7 @@ fn merge_nodes(
                     "" => key.clone(),
                     above => format!("/{}/{}", above.trim_matches('/'), key.trim_start_matches('/')),
                 };
-                merge_nodes(merged, child, &path, target)?;
+                said |= merge_nodes(merged, child, &path, target)?;
             }
             _ => {
                 return Err(malformed(
@@ -222,7 +229,7 @@ fn merge_nodes(
             }
         }
     }
-    Ok(())
+    Ok(said)
 }
 
 /// Whether a block's node name fits: `name`, `/ns/name`, with `*` for one part and `**` for any number of them.
