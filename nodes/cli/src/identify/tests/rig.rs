@@ -105,12 +105,14 @@ pub(super) fn recorded(setup: &Setup, script: &[Stretch], seed: u64) -> Recorded
     let mut recorded = Recorded::default();
     let melt = Melt::new(&setup.material, &setup.printer.extruder);
     let (mut thermal, mut fed_m, mut step) = (Thermal::uniform(ROOM_K), 0.0, 0_u32);
-    let mut pressure = Pressure::RELAXED;
+    // A duty is told as the mean of the time up to its stamp.
+    let (mut pressure, mut told) = (Pressure::RELAXED, 0.0);
     for &(lasts_s, duty, fan, feed_m_s) in script {
         let end_s = f64::from(step) * PERIOD_S + lasts_s;
         while f64::from(step) * PERIOD_S < end_s - 1e-9 {
             let at_s = f64::from(step) * PERIOD_S;
-            recorded.states.push(state(at_s, (duty, fan, fed_m)));
+            recorded.states.push(state(at_s, (told, fan, fed_m)));
+            told = duty;
             recorded.hotend_k.push((at_s, thermal.sensor_k + 0.15 * noise.draw()));
             // What leaves the nozzle takes its heat along, and lags behind what is fed.
             let law = StaticLaw::new(&melt, &setup.printer.extruder, Kelvin(thermal.nozzle_k), 1.0);
