@@ -151,7 +151,6 @@ impl<'a> Flow<'a> {
         Some(Gains {
             places: self.cells.iter().map(place).collect(),
             whitener: covariance.cholesky()?.l().try_inverse()?,
-            lag_sigma_s: None,
         })
     }
 

@@ -15,13 +15,11 @@ pub(super) struct Gains {
     pub(super) places: Vec<At>,
     /// Inverse root of the covariance of the gain at the knots.
     pub(super) whitener: DMatrix<f64>,
-    /// How well the melt's lag is known `[s]`, where no width tells it.
-    pub(super) lag_sigma_s: Option<f64>,
 }
 
 impl Gains {
-    /// Nothing but the belief: a first gain, and its walk from knot to knot; a lag.
-    pub(super) fn believed(fed_m: &[At], params: &IdentifyParams, lag_sigma_s: f64) -> Self {
+    /// Nothing but the belief: a first gain, and its walk from knot to knot.
+    pub(super) fn believed(fed_m: &[At], params: &IdentifyParams) -> Self {
         let origin_m = fed_m.first().map_or(0.0, |first| first.1);
         let length_m = fed_m.iter().map(|fed| fed.1 - origin_m).fold(0.0, f64::max);
         let knot_m = params.fit.gain_knot_m.max(length_m / KNOTS_MOST);
@@ -38,7 +36,7 @@ impl Gains {
             (row, column) if row == column + 1 => -1.0 / walk,
             _ => 0.0,
         });
-        Self { places, whitener, lag_sigma_s: Some(lag_sigma_s) }
+        Self { places, whitener }
     }
 
     /// Knot before a time, and the share of the way to the next one.
@@ -64,7 +62,7 @@ mod tests {
         let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config"));
         let params = IdentifyParams::load(&ConfigDir::find(Some(folder)).unwrap()).unwrap();
         for (length_m, most) in [(0.0, 2), (0.63, 12), (30.0, 42)] {
-            let gains = Gains::believed(&[(0.0, 5.0), (100.0, 5.0 + length_m)], &params, 0.2);
+            let gains = Gains::believed(&[(0.0, 5.0), (100.0, 5.0 + length_m)], &params);
             let root = gains.whitener.clone().try_inverse().unwrap();
             let covariance = &root * root.transpose();
             let last = covariance.nrows() - 1;

@@ -11,11 +11,11 @@ use super::record::{At, Recorded};
 use super::series::{self, Says};
 use models::hotend::{Hotend, Inputs, RawHotend, Thermal};
 use models::material::Material;
+use models::status::HostProfile;
 use nalgebra::DVector;
 
 /// Places in the vector of parameters: logarithms of ratios to the nominal printer, the last one in kelvin. Behind them
-/// stands by how much the filament's section is off from what the widths tell, at each knot; behind that, where no width
-/// tells the lag, by how much the melt comes later `[s]`.
+/// stands by how much the filament's section is off from what the widths tell, at each knot.
 const BLOCK_CAPACITY: usize = 0;
 const NOZZLE_CAPACITY: usize = 1;
 const COUPLING: usize = 2;
@@ -29,9 +29,6 @@ pub(super) const AMBIENT: usize = 9;
 /// Number of them.
 pub(super) const COUNT: usize = 10;
 
-/// Half the span of a difference quotient over the melt's lag `[s]`.
-const LATER_S: f64 = 0.1;
-
 /// A loss of nothing has no logarithm `[W/K]`.
 const LOSS_LEAST_W_K: f64 = 1e-4;
 
@@ -42,8 +39,6 @@ struct Step {
     duty: f64,
     fan: f64,
     flow_m3_s: f64,
-    /// By how much the flow is more where it comes later by a second `[m3/s2]`.
-    later_m3_s2: f64,
     /// Knot of the section before, and the share of the way to the next.
     knot: (usize, f64),
     read_k: f64,
@@ -86,7 +81,14 @@ impl<'a> Heat<'a> {
         };
         let powered =
             |state: &models::status::PrinterStatus| if state.mains_on { state.hotend_duty } else { 0.0 };
-        let (duty, fan) = (of(powered, Says::Mean), of(|state| state.fan, Says::Moment));
+        // A host that is seen a few times a second tells the mean duty since it told the last one, another what it has switched.
+        let is_slow = |state: &models::status::PrinterStatus| {
+            matches!(state.host, HostProfile::Moonraker | HostProfile::Octoprint)
+        };
+        let slow = recorded.states.first().is_some_and(is_slow);
+        let (duty_says, fan_says) =
+            if slow { (Says::Mean, Says::Moment) } else { (Says::Onward, Says::Onward) };
+        let (duty, fan) = (of(powered, duty_says), of(|state| state.fan, fan_says));
         let (from_s, to_s) = (duty.first()?.0, duty.last()?.0);
         let known: Vec<At> =
             recorded.hotend_k.iter().filter(|(at_s, _)| (from_s..=to_s).contains(at_s)).copied().collect();
@@ -97,7 +99,6 @@ impl<'a> Heat<'a> {
                 duty: series::mean(&duty, from_s, to_s),
                 fan: series::mean(&fan, from_s, to_s),
                 flow_m3_s: series::mean(volume_m3, from_s, to_s).max(0.0),
-                later_m3_s2: later(volume_m3, from_s, to_s),
                 knot: gains.map_or((0, 0.0), |gains| gains.at(0.5 * (from_s + to_s))),
                 read_k,
             }
@@ -123,8 +124,7 @@ impl<'a> Heat<'a> {
             steps: fitting.steps,
             tolerance: fitting.tolerance,
         };
-        let lag = usize::from(self.lag_sigma_s().is_some());
-        let mut from = DVector::zeros(COUNT + self.knots() + lag);
+        let mut from = DVector::zeros(COUNT + self.knots());
         if let Some(fit) = start {
             from.rows_mut(0, COUNT).copy_from(&fit.parameters.rows(0, COUNT));
         }
@@ -150,11 +150,6 @@ impl<'a> Heat<'a> {
         self.gains.map_or(0, |gains| gains.whitener.nrows())
     }
 
-    /// By how much the melt may come later than it is said `[s]`, where that is not known.
-    fn lag_sigma_s(&self) -> Option<f64> {
-        self.gains.and_then(|gains| gains.lag_sigma_s)
-    }
-
     fn hotend(&self, parameters: &DVector<f64>) -> RawHotend {
         let nominal = *self.nominal;
         let of = |value: f64, place: usize| value * parameters[place].exp();
@@ -176,15 +171,13 @@ impl<'a> Heat<'a> {
         let ambient_k = self.first.1 + parameters[AMBIENT];
         let melt_j_k_m3 = self.melt_j_k_m3 * parameters[MELT_HEAT].exp();
         let mut thermal = Thermal::uniform(ambient_k);
-        let late_s = parameters.get(COUNT + self.knots()).copied().unwrap_or(0.0);
         let step = |step: &Step| {
-            let flow_m3_s = step.flow_m3_s + late_s * step.later_m3_s2;
             let inputs = Inputs {
                 heater_w: hotend.heater_power_w * step.duty,
                 fan: step.fan,
                 ambient_k,
                 filament_k: ambient_k,
-                melt_w_k: melt_j_k_m3 * flow_m3_s * (1.0 + self.off(step, parameters)),
+                melt_w_k: melt_j_k_m3 * step.flow_m3_s * (1.0 + self.off(step, parameters)),
             };
             thermal = hotend.step(thermal, &inputs, models::units::Seconds(step.dt_s));
             thermal
@@ -209,12 +202,8 @@ impl<'a> Heat<'a> {
             parameters.iter().zip(prior(&self.params.prior)).map(|(value, deviation)| value / deviation);
         let knots = parameters.rows(COUNT, self.knots());
         let sections = self.gains.map(|gains| &gains.whitener * knots);
-        let late = self.lag_sigma_s().map(|sigma_s| parameters[COUNT + self.knots()] / sigma_s);
-        let all: Vec<f64> = data
-            .chain(beliefs)
-            .chain(sections.iter().flat_map(|off| off.iter().copied()))
-            .chain(late)
-            .collect();
+        let all: Vec<f64> =
+            data.chain(beliefs).chain(sections.iter().flat_map(|off| off.iter().copied())).collect();
         Some(DVector::from_vec(all))
     }
 }
@@ -233,12 +222,6 @@ pub(super) fn prior(prior: &Prior) -> [f64; COUNT] {
         prior.melt_heat_rel,
         prior.ambient_k,
     ]
-}
-
-/// By how much a flow, mean over a time, is more where all of it comes later by a second `[m3/s2]`.
-fn later(volume_m3: &[At], from_s: f64, to_s: f64) -> f64 {
-    let moved = |by_s: f64| series::mean(volume_m3, from_s - by_s, to_s - by_s).max(0.0);
-    (moved(LATER_S) - moved(-LATER_S)) / (2.0 * LATER_S)
 }
 
 /// A loss that has a logarithm `[W/K]`.

@@ -72,11 +72,8 @@ pub(super) fn learn(
     let mut volume_m3: Vec<At> =
         recorded.fed_m().into_iter().map(|(at_s, fed_m)| (at_s, fed_m * area_m2)).collect();
     let (mut heat, mut flow): (Option<HeatFit>, Option<FlowFit>) = (None, None);
-    // No width tells section and lag: what is not known of them makes the hot end's intervals wider.
-    let believed = (!with_flow).then(|| {
-        let sigma_s = lag_sigma_s(&printer.extruder, material, params);
-        Gains::believed(&recorded.fed_m(), params, sigma_s)
-    });
+    // No width tells the section: what is not known of it makes the hot end's intervals wider.
+    let believed = (!with_flow).then(|| Gains::believed(&recorded.fed_m(), params));
     for _ in 0..params.fit.rounds {
         let known = flow.as_ref().map(|flow| flow.gains.clone()).or_else(|| believed.clone());
         let problem = Heat::new(recorded, (&volume_m3, known.as_ref()), (printer.hotend, material), params)
@@ -187,14 +184,6 @@ fn of_flow(flow: &FlowFit, params: &IdentifyParams) -> Option<Vec<Quantity>> {
     let found = (index + flow.fit.parameters[place], flow.fit.covariance[(place, place)]);
     quantities.push(straight("material.flow_index", "-", found, index, params.prior.flow_index));
     Some(quantities)
-}
-
-/// How well a lag is known that files alone tell `[s]`: its parts are believed each by itself.
-fn lag_sigma_s(extruder: &Extruder, material: &Material, params: &IdentifyParams) -> f64 {
-    let (speeds_m_s, prior) = (params.fit.lag_speeds_m_s, &params.prior);
-    let nominal = Nominal::new(extruder, material, material.nozzle_temp_k, speeds_m_s[1]);
-    let sheared_s = lags_of_file(extruder, material, &nominal, speeds_m_s)[1] - extruder.linear_lag_s;
-    (prior.compression_rel * sheared_s).hypot(prior.linear_lag_rel * extruder.linear_lag_s)
 }
 
 /// Lag that files say at the speeds `[s]`.

@@ -14,10 +14,12 @@ pub(super) fn at(samples: &[At], time_s: f64) -> f64 {
     }
 }
 
-/// What a sample says of the time between it and the one before.
+/// What a sample says of the time around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Says {
-    /// It is the mean of that time, as a duty is told.
+    /// It holds until the next one, as what a firmware has just switched.
+    Onward,
+    /// It is the mean of the time since the one before.
     Mean,
     /// It is of its own moment: between two the signal is a line.
     Moment,
@@ -29,7 +31,11 @@ pub(super) fn integral(samples: impl Iterator<Item = At>, says: Says) -> Vec<At>
     let (mut total, mut last): (f64, Option<At>) = (0.0, None);
     for (at_s, value) in samples {
         if let Some((before_s, before)) = last {
-            let mean = if says == Says::Mean { value } else { 0.5 * (before + value) };
+            let mean = match says {
+                Says::Onward => before,
+                Says::Mean => value,
+                Says::Moment => 0.5 * (before + value),
+            };
             total += mean * (at_s - before_s);
         }
         sum.push((at_s, total));
@@ -56,8 +62,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sample_is_the_mean_up_to_it_or_its_own_moment() {
+    fn a_sample_holds_onward_or_is_a_mean_or_a_moment() {
         let samples = [(0.0, 1.0), (1.0, 3.0), (3.0, 0.0), (4.0, 0.0)];
+        // 0.5 s of 1 and 1 s of 3 over 1.5 s.
+        let held = integral(samples.into_iter(), Says::Onward);
+        assert!((mean(&held, 0.5, 2.0) - 3.5 / 1.5).abs() < 1e-12);
         // 0.5 s of 3 and 1 s of 0 over 1.5 s.
         let told = integral(samples.into_iter(), Says::Mean);
         assert!((mean(&told, 0.5, 2.0) - 1.0).abs() < 1e-12);

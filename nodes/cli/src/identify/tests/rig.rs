@@ -67,7 +67,7 @@ fn state(at_s: f64, (duty, fan, fed_m): (f64, f64, f64)) -> PrinterStatus {
     PrinterStatus {
         stamp: Seconds(at_s),
         phase: JobPhase::Printing,
-        host: HostProfile::Native,
+        host: HostProfile::Moonraker,
         progress: 0.0,
         layer: None,
         line: 0,
@@ -105,7 +105,7 @@ pub(super) fn recorded(setup: &Setup, script: &[Stretch], seed: u64) -> Recorded
     let mut recorded = Recorded::default();
     let melt = Melt::new(&setup.material, &setup.printer.extruder);
     let (mut thermal, mut fed_m, mut step) = (Thermal::uniform(ROOM_K), 0.0, 0_u32);
-    // A duty is told as the mean of the time up to its stamp.
+    // This host tells a duty as the mean of the time up to its stamp.
     let (mut pressure, mut told) = (Pressure::RELAXED, 0.0);
     for &(lasts_s, duty, fan, feed_m_s) in script {
         let end_s = f64::from(step) * PERIOD_S + lasts_s;
