@@ -86,6 +86,7 @@ mod tests {
         assert_eq!(of("# mpc_controller 0f\nmaterial.name: \"ABS\"\n").as_deref(), Some("ABS"));
         assert_eq!(recorded.material(), None);
     }
+
     /// What is asked for beside it would be left aside without a word; what it lacks is not filled up from another's file.
     #[test]
     fn the_recorded_material_counts() {
