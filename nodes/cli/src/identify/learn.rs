@@ -172,7 +172,7 @@ fn of_flow(flow: &FlowFit, params: &IdentifyParams) -> Option<Vec<Quantity>> {
             straight(LAGS[row], "s", found, before_s[row], params.prior.compression_rel * before_s[row])
         })
         .collect();
-    let (law, covariance) = as_filed(flow, &flow.held_m, speeds)?;
+    let (law, covariance) = as_filed(flow, &flow.held_m)?;
     let compliance = (law[0], covariance[(0, 0)]);
     let (before, prior) = (flow.extruder.compliance_m_n, params.prior.compression_rel);
     quantities.push(straight("extruder.compliance_m_n", "m/N", compliance, before, prior * before));
@@ -216,11 +216,8 @@ fn force_slopes(
 ///
 /// Lags alone do not tell it: the same slopes go with other lengths where the flow index is another, and what starts a road
 /// or ends it is the whole length. `None` for a melt whose force is in proportion to its speed, as the linear lag is.
-pub(super) fn as_filed(
-    flow: &FlowFit,
-    held_m: &[f64; 3],
-    speeds_m_s: [f64; 3],
-) -> Option<(Vector2<f64>, DMatrix<f64>)> {
+pub(super) fn as_filed(flow: &FlowFit, held_m: &[f64; 3]) -> Option<(Vector2<f64>, DMatrix<f64>)> {
+    let speeds_m_s = flow.speeds_m_s;
     let melt = Melt::new(&flow.material, &flow.extruder);
     let forces_n = speeds_m_s.map(|speed_m_s| {
         melt.force_n(flow.extruder.filament_area_m2() * speed_m_s, Kelvin(flow.nominal.at_k))

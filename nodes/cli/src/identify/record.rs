@@ -169,6 +169,17 @@ impl Visitor for Recorded {
 mod tests {
     use super::*;
 
+    /// A retraction of 100 mm/s and a pause are fed; a count of kilometres, of which a fit would make knots, is not.
+    #[test]
+    fn a_count_that_no_drive_can_feed_is_left_out() {
+        let last = (10.0, 1.0);
+        for (reading, can_be) in
+            [((10.02, 0.998), true), ((70.0, 3.0), true), ((10.02, 9e5), false), ((10.02, -1.0), false)]
+        {
+            assert_eq!(is_fed(last, reading), can_be, "{reading:?}");
+        }
+    }
+
     #[test]
     fn the_material_is_the_one_of_the_prints_configuration() {
         let read = |config: &str| {

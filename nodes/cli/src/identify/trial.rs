@@ -176,7 +176,7 @@ impl Drawn {
         let filed = told.and_then(|(law, flow)| {
             let held_m = flow.speeds_m_s.map(|speed_m_s| law.compression_m(speed_m_s));
             let lags_s = flow.speeds_m_s.map(|speed_m_s| law.lag_s(speed_m_s));
-            Some((lags_s, learn::as_filed(flow, &held_m, flow.speeds_m_s)?.0))
+            Some((lags_s, learn::as_filed(flow, &held_m)?.0))
         });
         let (plant, sensors) = (&self.setup.simulated.plant, &self.setup.simulated.simulator.sensors);
         let (hotend, deviation) = (&plant.hotend, &plant.material_deviation);

@@ -124,7 +124,7 @@ fn the_lag_is_learned_from_widths_after_steps() {
         assert!(sigma_s < 0.03 * truth_s, "{lag_s} +- {sigma_s}");
     }
     // What the printer's file says holds the same lengths with the index of the material's file, which is another one.
-    let (filed, _) = crate::identify::learn::as_filed(&found, &found.held_m, speeds).unwrap();
+    let (filed, _) = crate::identify::learn::as_filed(&found, &found.held_m).unwrap();
     let melt = Melt::new(&setup.material, &extruder);
     for (row, speed_m_s) in speeds.into_iter().enumerate() {
         let ratio = speed_m_s / speeds[1];
