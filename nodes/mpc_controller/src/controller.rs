@@ -12,6 +12,7 @@ use crate::params::{Level, Params};
 use crate::qp::{BuildError, Move, Qp, input};
 use crate::roads::Roads;
 use crate::saturation::Saturation;
+use crate::shortfall::Shortfall;
 use crate::slowing::Slowing;
 use models::command::{Command, ControlHealth};
 use models::extruder::Extruder;
@@ -41,7 +42,7 @@ pub struct Controller {
     qp: Qp,
     catch_up: CatchUp,
     /// The slicer's own feed, calibrated, against what passed the encoder.
-    balance: CatchUp,
+    balance: Shortfall,
     advance: Advance,
     nominal: Nominal,
     base: Base,
@@ -92,7 +93,7 @@ impl Controller {
             sequence: 0,
             qp: retune::problem(&params, material)?,
             catch_up: CatchUp::new(params.slip),
-            balance: CatchUp::new(params.slip),
+            balance: Shortfall::new(params.slip),
             advance: Advance::new(params.advance, params.control),
             nominal: Nominal::new(material.lag_s),
             base: Base::new(params.base, params.limits.feed),
@@ -189,7 +190,7 @@ impl Controller {
         self.nominal.on_status(status, (self.base.feed(), self.params.slip.wanted_jump_m), law.as_ref());
         self.balance.on_wanted(status.stamp.0, self.nominal.fed_m());
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
-        status.trims.slip.into_iter().for_each(|slip| self.catch_up.on_in_force(status.stamp.0, slip));
+        self.catch_up.on_in_force(status.stamp.0, status.trims.slip);
         let melt = law.map(|law| self.clog.law(law.advance()));
         let grown_m = self.advance.on_status(status, (melt, self.clog.doubt()));
         self.clog.carry(grown_m);

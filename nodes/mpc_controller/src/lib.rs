@@ -35,6 +35,7 @@ pub mod qp;
 pub mod reference;
 mod roads;
 mod saturation;
+mod shortfall;
 mod slowing;
 pub mod trims;
 pub mod wire;

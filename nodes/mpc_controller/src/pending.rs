@@ -2,7 +2,7 @@
 //! seconds ago.
 //!
 //! The printer's state tells the slip in force, and each slip that was sent is told from the next by its digits: so the delay
-//! is measured. What the corrections under way will still bring is taken off the shortfall before another one is sent
+//! is measured. What the melt lacks is foretold to when a correction acts, with those on their way, before another one is sent
 //! (Smith 1957): without that a gain of 1 1/s and a delay of 1.5 s push to and fro for ever.
 
 use std::collections::VecDeque;
@@ -15,14 +15,13 @@ const SENT: usize = 120;
 struct Sent {
     at_s: f64,
     slip: f64,
-    /// Feed beyond the one that makes up for what slips `[m/s]`.
-    extra_m_s: f64,
 }
 
 /// Slips on their way.
 #[derive(Debug, Clone)]
 pub(crate) struct Pending {
     sent: VecDeque<Sent>,
+    /// Time from sending to effect, as last seen `[s]`; 0 before.
     delay_s: f64,
 }
 
@@ -36,16 +35,11 @@ impl Pending {
         self.sent.clear();
     }
 
-    /// Time from sending to effect, as last seen `[s]`; 0 before.
-    pub(crate) fn delay_s(&self) -> f64 {
-        self.delay_s
-    }
-
-    pub(crate) fn send(&mut self, at_s: f64, slip: f64, extra_m_s: f64) {
+    pub(crate) fn send(&mut self, at_s: f64, slip: f64) {
         if self.sent.len() == SENT {
             self.sent.pop_front();
         }
-        self.sent.push_back(Sent { at_s, slip, extra_m_s });
+        self.sent.push_back(Sent { at_s, slip });
     }
 
     /// The slip in force at `stamp_s`. Of several that are the same it is the one that fits the delay so far; one that was
@@ -57,14 +51,23 @@ impl Pending {
         self.delay_s = fitting.map_or(self.delay_s, |sent| (stamp_s - sent.at_s).max(0.0));
     }
 
-    /// Filament that what is on its way at `now_s` will push beyond what makes up for the slip `[m]`.
-    pub(crate) fn extra_m(&self, now_s: f64) -> f64 {
+    /// What the melt will lack `[m]` once a slip that is sent at `now_s` acts: of `lacks_m` now, and of what those on
+    /// their way leave out of `feed_m_s` while `slip` slips, what is left of either after the lag `lag_s` `[s]`.
+    pub(crate) fn lacking_m(
+        &self,
+        lacks_m: f64,
+        (now_s, slip): (f64, f64),
+        feed_m_s: f64,
+        lag_s: f64,
+    ) -> f64 {
+        let begin_s = now_s - self.delay_s;
+        let left = |at_s: f64| ((at_s - now_s) / lag_s).exp();
         let ends = self.sent.iter().skip(1).map(|sent| sent.at_s).chain([now_s]);
-        let pushed = self.sent.iter().zip(ends).map(|(sent, end_s)| {
-            let begin_s = sent.at_s.max(now_s - self.delay_s);
-            sent.extra_m_s * (end_s - begin_s).max(0.0)
+        let lacking = self.sent.iter().zip(ends).map(|(sent, end_s)| {
+            let (from_s, to_s) = (sent.at_s.max(begin_s), end_s.max(begin_s));
+            (1.0 - (1.0 - slip) / (1.0 - sent.slip)) * (left(to_s) - left(from_s))
         });
-        pushed.sum()
+        lacks_m * left(begin_s) + feed_m_s * lag_s * lacking.sum::<f64>()
     }
 }
 
@@ -72,41 +75,56 @@ impl Pending {
 mod tests {
     use super::*;
 
-    /// 20 Hz for 3 s, each slip its own, and 0.1 mm/s more each.
+    /// 20 Hz for 3 s, each slip its own.
     fn sent() -> Pending {
         let mut pending = Pending::new();
-        (0..60).for_each(|step| pending.send(0.05 * f64::from(step), 0.01 + 1e-5 * f64::from(step), 1e-4));
+        (0..60).for_each(|step| pending.send(0.05 * f64::from(step), 0.01 + 1e-5 * f64::from(step)));
         pending
     }
 
     #[test]
     fn the_delay_is_that_of_the_slip_in_force() {
         let mut pending = sent();
-        assert!(pending.delay_s().abs() < 1e-12 && pending.extra_m(3.0).abs() < 1e-15);
         pending.on_in_force(3.0, 0.01 + 1e-5 * 30.0);
-        assert!((pending.delay_s() - 1.5).abs() < 1e-9);
-        // 1.5 s of 0.1 mm/s
-        assert!((pending.extra_m(3.0) - 1.5e-4).abs() < 1e-12);
+        assert!((pending.delay_s - 1.5).abs() < 1e-9);
         pending.on_in_force(3.1, 0.7);
-        assert!((pending.delay_s() - 1.5).abs() < 1e-9, "a slip that was never sent tells nothing");
+        assert!((pending.delay_s - 1.5).abs() < 1e-9, "a slip that was never sent tells nothing");
         pending.clear();
-        assert!(pending.extra_m(3.2).abs() < 1e-15 && (pending.delay_s() - 1.5).abs() < 1e-9);
+        assert!(pending.sent.is_empty() && (pending.delay_s - 1.5).abs() < 1e-9);
     }
 
     #[test]
     fn of_many_that_are_the_same_the_one_with_the_usual_delay_counts() {
         let mut pending = sent();
         pending.on_in_force(3.0, 0.01 + 1e-5 * 40.0);
-        (60..100).for_each(|step| pending.send(0.05 * f64::from(step), 0.5, 0.0));
+        (60..100).for_each(|step| pending.send(0.05 * f64::from(step), 0.5));
         pending.on_in_force(4.5, 0.5);
-        assert!((pending.delay_s() - 1.0).abs() < 0.026, "{}", pending.delay_s());
+        assert!((pending.delay_s - 1.0).abs() < 0.026, "{}", pending.delay_s);
+    }
+
+    /// 0.1 mm, and for 1.5 s 10 % of 2 mm/s that those on their way leave out: what of either is left after as long, with a
+    /// lag of 0.5 s.
+    #[test]
+    fn what_lacks_once_a_slip_acts_is_what_is_left_by_then() {
+        let mut pending = Pending::new();
+        (0..60).for_each(|step| pending.send(0.05 * f64::from(step), 0.02 + 1e-9 * f64::from(step)));
+        pending.on_in_force(3.0, 0.02 + 1e-9 * 30.0);
+        let left = (-1.5_f64 / 0.5).exp();
+        let lacks_m = |slip: f64, lag_s: f64| pending.lacking_m(1e-4, (3.0, slip), 2e-3, lag_s);
+        assert!((lacks_m(0.02, 0.5) - 1e-4 * left).abs() < 1e-9);
+        assert!((lacks_m(0.118, 0.5) - (1e-4 * left + 2e-4 * 0.5 * (1.0 - left))).abs() < 1e-9);
+        // a melt that loses nothing
+        assert!((lacks_m(0.118, 1e6) - (1e-4 + 2e-4 * 1.5)).abs() < 1e-8);
     }
 
     #[test]
     fn what_is_remembered_has_an_end() {
         let mut pending = Pending::new();
-        (0..100_000).for_each(|step| pending.send(0.05 * f64::from(step), 0.01, 1e-4));
+        (0..100_000).for_each(|step| pending.send(0.05 * f64::from(step), 0.01));
         assert_eq!(pending.sent.len(), SENT);
-        assert!(pending.extra_m(f64::NAN).is_finite());
+        assert!(
+            (pending.lacking_m(1e-4, (5000.0, 0.1), 2e-3, 0.5) - 1e-4).abs() < 1e-12,
+            "no delay was told"
+        );
     }
 }

@@ -6,6 +6,7 @@ use crate::engine::Engine;
 use crate::estimator::Inbox;
 use crate::health::Watch;
 use crate::history::Ring;
+use crate::intervals::Intervals;
 use crate::melt_lag::MeltLag;
 use crate::params::Params;
 use crate::printer_model::{Drive, PrinterModel, State, state};
@@ -65,6 +66,8 @@ struct Running {
     wander: Wander,
     /// A width that was rejected although the encoder vouches for the flow `[m]`.
     transient: Transient,
+    /// What the encoder told lately.
+    intervals: Intervals,
 }
 
 impl Filter {
@@ -203,6 +206,7 @@ impl Filter {
             imbalances,
             wander: Wander::default(),
             transient: Transient::default(),
+            intervals: Intervals::new(),
         }
     }
 

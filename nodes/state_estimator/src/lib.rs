@@ -25,6 +25,7 @@ mod filter;
 mod health;
 mod history;
 mod input;
+mod intervals;
 pub mod live;
 mod measurement;
 mod melt_lag;

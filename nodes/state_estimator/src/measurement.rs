@@ -2,6 +2,7 @@
 
 use crate::estimator::{Frame, Inbox};
 use crate::history::{Ring, Sample};
+use crate::intervals::Interval;
 use crate::melt_lag::STEP;
 use crate::params::{Params, RawEncoder};
 use crate::printer_model::{Drive, PrinterModel, Road, State, state};
@@ -33,6 +34,11 @@ enum Sensor {
 }
 
 impl Observation {
+    /// Mean speeds of the filament and of the motor's strokes forth and back `[m/s]`.
+    pub(crate) fn encoder([value, forth_m_s, back_m_s]: [f64; 3], variance: f64) -> Self {
+        Self { value, variance, passing: 0.0, sensor: Sensor::Encoder { forth_m_s, back_m_s } }
+    }
+
     pub(crate) fn measurement(&self, gate: f64) -> Measurement<1> {
         Measurement { value: Vector1::new(self.value), noise: Matrix1::new(self.variance), gate }
     }
@@ -83,12 +89,12 @@ pub(crate) fn temperature(
     }
 }
 
-/// Mean speed over the interval from the last used position to the newest that a status covers.
+/// The interval from the last used position to the newest that a status covers.
 ///
 /// Motor and encoder are compared over the same interval by their own stamps. The encoder tells the strokes back, which do
 /// not slip and which the reports of a slow host hide: what the motor went forth is the rest. The used position moves on even
 /// where the interval is not looked at, so that no later one reaches back into it.
-pub(crate) fn encoder(params: &Params, reference_feed_m_s: f64, inbox: &mut Inbox) -> Option<Observation> {
+pub(crate) fn encoder(params: &Params, reference_feed_m_s: f64, inbox: &mut Inbox) -> Option<Interval> {
     let encoder = &params.encoder;
     let covered_s = inbox.samples.newest()?.stamp_s;
     let end = inbox.positions.newest_until(covered_s)?;
@@ -100,30 +106,25 @@ pub(crate) fn encoder(params: &Params, reference_feed_m_s: f64, inbox: &mut Inbo
     if span_s < encoder.interval_min_s {
         return None;
     }
+    let interval = interval(inbox, start, end);
     inbox.position_used = Some(end);
-    if span_s > encoder.interval_max_s {
-        return None;
-    }
+    let least_m = encoder.speed_min_rel * reference_feed_m_s * span_s;
+    interval.filter(|interval| span_s <= encoder.interval_max_s && interval.forth_m >= least_m)
+}
+
+/// What happened between two counts; `None` where the motor's way is not known.
+fn interval(inbox: &Inbox, start: (f64, f64), end: (f64, f64)) -> Option<Interval> {
     let (from, to) = (inbox.samples.motor_at(start.0)?, inbox.samples.motor_at(end.0)?);
-    let motor_speed_m_s = (to.motor_m - from.motor_m) / span_s;
-    let back_m_s = inbox.positions.way_back_m(start.0, end.0) / span_s;
-    let forth_m_s = motor_speed_m_s + back_m_s;
-    let (slowest_m_s, fastest_m_s) = inbox.samples.speed_range(start.0, end.0)?;
-    if forth_m_s < encoder.speed_min_rel * reference_feed_m_s {
-        return None;
-    }
-    // two quantisation errors, uniform over one quantum
-    let quantum_m = encoder.quantum_m / 6.0_f64.sqrt();
-    let timing_m = from.error_m + to.error_m + encoder.skew_s * (fastest_m_s - slowest_m_s);
-    let variance = [quantum_m / span_s, timing_m / span_s, encoder.relative * forth_m_s]
-        .into_iter()
-        .map(|deviation| deviation * deviation)
-        .sum();
-    Some(Observation {
-        value: (end.1 - start.1) / span_s,
-        variance,
-        passing: 0.0,
-        sensor: Sensor::Encoder { forth_m_s, back_m_s },
+    let speeds_m_s = inbox.samples.speed_range(start.0, end.0)?;
+    let back_m = inbox.positions.way_back_m(start.0, end.0);
+    Some(Interval {
+        from_s: start.0,
+        to_s: end.0,
+        passed_m: end.1 - start.1,
+        forth_m: to.motor_m - from.motor_m + back_m,
+        back_m,
+        off_m: (from.error_m, to.error_m),
+        speeds_m_s,
     })
 }
 

@@ -1,6 +1,7 @@
 //! What is sent: the plan's moves about the base, as trims of the printer.
 
 use super::Controller;
+use crate::catch_up::Sending;
 use crate::input::Estimate;
 use crate::params::Level;
 use crate::qp::{Move, input};
@@ -54,8 +55,11 @@ impl Controller {
         Some(match status.host {
             HostProfile::Native => within_reach,
             HostProfile::Serial | HostProfile::Moonraker | HostProfile::Octoprint => {
-                let times_s = (estimate.stamp.0, dt_s);
-                self.catch_up.effective_slip(estimate.slip, estimate.reference_feed_m_s, times_s)
+                let feed_m_s = estimate.reference_feed_m_s;
+                let law = self.outlet_law(estimate, feed_m_s);
+                let lag_s = law.map_or(self.printer.material.lag_s, |law| law.lag_s(feed_m_s));
+                let sending = Sending { at_s: estimate.stamp.0, dt_s, feed_m_s, lag_s };
+                self.catch_up.effective_slip(estimate.slip, sending)
             }
         })
     }

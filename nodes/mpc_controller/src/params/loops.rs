@@ -60,10 +60,10 @@ pub struct RawSlip {
     pub serial_gain_1_s: f64,
     /// Largest catch-up relative to the reference feed `[-]`.
     pub serial_limit: f64,
-    /// Shortfall that is caught up whatever its age `[m]`.
-    pub serial_kept_m: f64,
-    /// Time constant with which more fades while filament is fed `[s]`.
-    pub serial_fades_s: f64,
+    /// Time constant with which what the melt lacks is corrected by the count `[s]`.
+    pub serial_smooths_s: f64,
+    /// Time constant with which a slip that is told slightly wrong is learned from the count `[s]`.
+    pub serial_learns_s: f64,
     /// Encoder samples further apart are not interpolated `[s]`.
     pub pairing_s: f64,
     /// A larger jump of the wanted position is a new count `[m]`.

@@ -1,11 +1,12 @@
 //! What was measured, applied to the belief.
 
 use super::{Filter, Running};
-use crate::channel::{CHANNELS, Channel, Record, Verdict};
+use crate::channel::{CHANNELS, Channel, Record, Step, Verdict};
 use crate::estimator::Inbox;
+use crate::intervals::Slip;
 use crate::measurement::{self, Observation};
 use crate::printer_model::state;
-use crate::ukf::Update;
+use crate::ukf::{Gaussian, Update};
 use models::transient::Transient;
 
 impl Filter {
@@ -25,12 +26,20 @@ impl Filter {
             let what = (state::NOZZLE, self.params.nozzle_sensor.sigma_k);
             (Channel::Nozzle, measurement::temperature(what, reading, now))
         });
-        let encoder = measurement::encoder(&self.params, self.reference_feed_m_s, inbox);
-        let encoder = encoder.map(|observation| (Channel::Encoder, observation));
+        let interval = measurement::encoder(&self.params, self.reference_feed_m_s, inbox);
+        let encoder = interval.map(|interval| (Channel::Encoder, interval.observation(&self.params.encoder)));
+        if let Some(interval) = interval {
+            let Gaussian { mean, covariance } = run.ukf.belief();
+            let before = Slip { mean: mean[state::SLIP], variance: covariance[(state::SLIP, state::SLIP)] };
+            run.intervals.push(interval, before);
+        }
         for (channel, observation) in [block, nozzle, encoder].into_iter().flatten() {
             if !self.apply(run, channel, &observation, &mut records[channel as usize]) {
                 return false;
             }
+        }
+        if interval.is_some() && !self.follow_step(run, &mut records[Channel::Encoder as usize]) {
+            return false;
         }
         let (alone, width) = (&self.params.widths_alone, &self.params.width);
         let (imbalance, steady_s) = if run.slip_by_widths() {
@@ -66,6 +75,18 @@ impl Filter {
         true
     }
 
+    /// Looks for a step of the slip in what the encoder's newest intervals tell together, and takes it as given; `false` if the
+    /// filter broke.
+    fn follow_step(&mut self, run: &mut Running, record: &mut Record) -> bool {
+        let model = self.model;
+        let Some(observation) = run.intervals.step(&self.params.encoder) else { return true };
+        self.steps += 1;
+        record.begin();
+        run.ukf.inflate(&self.doubt(run, Channel::Encoder));
+        let update = run.ukf.update(&observation.measurement(f64::MAX), |x| observation.predicted(&model, x));
+        !matches!(update, Update::Diverged)
+    }
+
     fn apply(
         &mut self,
         run: &mut Running,
@@ -77,6 +98,9 @@ impl Filter {
         let alone = &self.params.widths_alone;
         let (gate, step) = if channel == Channel::Width && run.slip_by_widths() {
             (alone.gate, alone.step())
+        } else if channel == Channel::Encoder {
+            // looked for in several intervals as one
+            (record.gate(run.encoder_alive), Step { threshold: f64::INFINITY, ..record.step() })
         } else {
             (record.gate(run.encoder_alive), record.step())
         };

@@ -58,6 +58,8 @@ pub struct RawEncoder {
     pub strokes_s: f64,
     /// Deviation added to the slip on a step `[-]`.
     pub step_std: f64,
+    /// Fewest intervals that tell of a step.
+    pub step_samples_min: u32,
     /// When it is believed.
     pub trust: RawTrust,
 }
@@ -136,6 +138,8 @@ pub(super) fn check_encoder(raw: &RawEncoder) -> Result<(), ParamError> {
     in_range("encoder.speed_min_rel", raw.speed_min_rel, "-", (0.0, 1.0))?;
     in_range("encoder.strokes_s", raw.strokes_s, "s", (0.0, 2.0))?;
     in_range("encoder.step_std", raw.step_std, "-", (0.0, 1.0))?;
+    let (fewest, most) = (f64::from(raw.step_samples_min), f64::from(raw.trust.step_samples));
+    in_range("encoder.step_samples_min", fewest, "intervals", (1.0, most))?;
     check_trust!("encoder", &raw.trust)
 }
 

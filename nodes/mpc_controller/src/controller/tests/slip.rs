@@ -39,23 +39,20 @@ fn what_a_slip_by_widths_takes_is_made_up_for_once() {
     }
 }
 
+/// 1 % that is told, and from 5 s on 2 % more that only the count shows: the melt's lack is fed, and what is learned of it.
 #[test]
-fn a_host_without_a_loop_gets_the_shortfall_as_slip() {
+fn a_host_without_a_loop_gets_what_the_melt_lacks_as_slip() {
     let mut controller = controller(Level::Encoder);
-    let mut last = None;
+    let (mut sent, mut before) = (Trims::NEUTRAL, Vec::new());
     for step in 1..200 {
         let now_s = f64::from(step) * 0.05;
-        let status =
-            PrinterStatus { host: HostProfile::Serial, ..status(now_s, FEED_M_S * now_s, Trims::NEUTRAL) };
+        let status = PrinterStatus { host: HostProfile::Serial, ..status(now_s, FEED_M_S * now_s, sent) };
         controller.on_event(Event::Printer(status));
-        // the filament falls behind by 2 % after 5 s
         let lost_m = 0.02 * FEED_M_S * (now_s - 5.0).max(0.0);
         controller.on_event(Event::Encoder { stamp: Seconds(now_s), position_m: FEED_M_S * now_s - lost_m });
-        last = controller.on_event(Event::Estimate(estimate(now_s))).and_then(|command| command.trims.slip);
+        sent = controller.on_event(Event::Estimate(estimate(now_s))).map_or(sent, |command| command.trims);
+        before.extend(sent.slip.filter(|_| now_s < 5.0));
     }
-    // 1/(1-s) = 1/0.99 + k e/v; at rest as much fades as falls behind: e = kept + 0.02 v tau
-    let slip = controller.params.slip;
-    let owed_s = slip.serial_kept_m / FEED_M_S + 0.02 * slip.serial_fades_s;
-    let expected = 1.0 - 1.0 / (1.0 / 0.99 + slip.serial_gain_1_s * owed_s);
-    assert!((last.unwrap() - expected).abs() < 2e-3, "{last:?} {expected}");
+    assert!(before.len() > 90 && before.iter().all(|slip| (slip - 0.01).abs() < 3e-3), "{before:?}");
+    assert!((0.03..0.08).contains(&sent.slip.unwrap()), "{:?}", sent.slip);
 }

@@ -77,7 +77,7 @@ fn an_encoders_speed_is_known_as_well_as_its_times() {
     let speed_m_s = (1e-3 * 0.1 + 4e-3 * 0.06) / 0.1;
     let parts = [1e-5 / 6.0_f64.sqrt() / 0.1, 0.002 * 4e-3 / 0.1, 0.004 * speed_m_s];
     let variance = parts.iter().map(|part| part * part).sum::<f64>();
-    let told = observed.measurement(1.0);
+    let told = observed.observation(&params.encoder).measurement(1.0);
     assert!((told.value.x / speed_m_s - 1.0).abs() < 1e-9, "{}", told.value.x);
     assert!((told.noise.x / variance - 1.0).abs() < 1e-9, "{} for {variance}", told.noise.x);
 }
