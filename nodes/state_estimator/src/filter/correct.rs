@@ -41,6 +41,17 @@ impl Filter {
         if interval.is_some() && !self.follow_step(run, &mut records[Channel::Encoder as usize]) {
             return false;
         }
+        if !self.correct_by_widths(run, inbox, &mut records[Channel::Width as usize]) {
+            return false;
+        }
+        if run.slip_by_widths() {
+            // a gear passes no more than it pushes: what seems to is the spool's
+            run.ukf.raise(state::SLIP, 0.0);
+        }
+        true
+    }
+
+    fn correct_by_widths(&mut self, run: &mut Running, inbox: &mut Inbox, record: &mut Record) -> bool {
         let (alone, width) = (&self.params.widths_alone, &self.params.width);
         let (imbalance, steady_s) = if run.slip_by_widths() {
             (alone.imbalance, alone.steady_s)
@@ -63,15 +74,11 @@ impl Filter {
             else {
                 continue;
             };
-            if !self.apply(run, Channel::Width, &observation, &mut records[Channel::Width as usize]) {
+            if !self.apply(run, Channel::Width, &observation, record) {
                 return false;
             }
         }
         inbox.frames.clear();
-        if run.slip_by_widths() {
-            // a gear passes no more than it pushes: what seems to is the spool's
-            run.ukf.raise(state::SLIP, 0.0);
-        }
         true
     }
 
