@@ -89,9 +89,11 @@ impl CatchUp {
     }
 
     pub(crate) fn on_wanted(&mut self, stamp_s: f64, wanted_m: f64) {
-        if let Some((moved_m, dt_s)) = self.counted.on_wanted(stamp_s, wanted_m)
-            && dt_s > 0.0
-        {
+        let Some((moved_m, dt_s)) = self.counted.on_wanted(stamp_s, wanted_m) else {
+            self.open();
+            return;
+        };
+        if dt_s > 0.0 {
             let share = 1.0 - (-dt_s / FORTH_S).exp();
             self.forth_m_s += share * (moved_m.max(0.0) / dt_s - self.forth_m_s);
             self.feeds = moved_m > 0.0;
@@ -99,7 +101,9 @@ impl CatchUp {
     }
 
     pub(crate) fn on_encoder(&mut self, stamp_s: f64, position_m: f64) {
-        self.counted.on_encoder(stamp_s, position_m);
+        if self.counted.on_encoder(stamp_s, position_m) {
+            self.open();
+        }
     }
 
     /// Slip to send; what the limit cannot catch up is forgotten, so that nothing winds up.
@@ -124,7 +128,8 @@ impl CatchUp {
     fn follow(&mut self, slip: f64, feed_m_s: f64, most_m: f64, Sending { dt_s, lag_s, .. }: Sending) {
         let left = if self.feeds { (-dt_s / lag_s).exp() } else { 1.0 };
         let owed_m = self.counted.owed_m();
-        self.counted.forget(owed_m - (left * owed_m).clamp(-most_m, most_m));
+        let kept_m = (left * owed_m).clamp(-most_m, most_m);
+        self.counted.forget(owed_m - kept_m);
         if !self.counted.is_closed() {
             (self.lacks_m, self.untold) = (0.0, 0.0);
             return;
@@ -134,9 +139,11 @@ impl CatchUp {
         }
         self.lacks_m *= left;
         let share = 1.0 - (-dt_s / self.settings.serial_smooths_s).exp();
-        let beyond_m = share * (self.counted.owed_m() - self.lacks_m);
-        self.lacks_m += beyond_m;
-        if self.feeds {
+        let beyond_m = share * (kept_m - self.lacks_m);
+        let lacks_m = self.lacks_m + beyond_m;
+        self.lacks_m = lacks_m.clamp(-most_m, most_m);
+        // what a limit cuts off tells of no slip
+        if self.feeds && lacks_m.abs() < most_m && kept_m.abs() < most_m {
             let untold = self.untold + beyond_m / (feed_m_s * self.settings.serial_learns_s);
             self.untold = untold.clamp(-UNTOLD_MAX, UNTOLD_MAX);
         }

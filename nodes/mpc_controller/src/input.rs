@@ -109,5 +109,6 @@ pub(crate) fn is_valid(status: &PrinterStatus) -> bool {
     numbers.iter().all(|number| number.is_finite())
         && trims.flow > 0.0
         && trims.speed > 0.0
+        && trims.slip.is_none_or(|slip| slip < 1.0)
         && sizes.into_iter().flatten().all(|size_m| size_m.is_finite() && size_m > 0.0)
 }

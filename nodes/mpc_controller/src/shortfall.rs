@@ -82,9 +82,11 @@ impl Shortfall {
         moved.filter(|_| !jumped)
     }
 
-    pub(crate) fn on_encoder(&mut self, stamp_s: f64, position_m: f64) {
+    /// Takes a measured position; whether its count is a new one, which opens the loop.
+    pub(crate) fn on_encoder(&mut self, stamp_s: f64, position_m: f64) -> bool {
         let jump = |before: &(f64, f64)| (position_m - before.1).abs() > self.settings.wanted_jump_m;
-        if self.samples.back().is_some_and(jump) {
+        let jumped = self.samples.back().is_some_and(jump);
+        if jumped {
             self.open();
             self.samples.clear();
         }
@@ -93,6 +95,7 @@ impl Shortfall {
         }
         self.samples.push_back((stamp_s, position_m));
         self.pair();
+        jumped
     }
 
     /// Compares both positions at the status' own time.

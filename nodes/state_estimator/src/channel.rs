@@ -158,6 +158,11 @@ impl Record {
         }
     }
 
+    /// Whether the newest innovation was beyond the gate.
+    pub(crate) fn rejected(&self) -> bool {
+        self.rejected
+    }
+
     /// Innovations before now say nothing of what begins.
     pub(crate) fn begin(&mut self) {
         self.recent.clear();

@@ -8,8 +8,11 @@ use crate::history::Ring;
 use crate::measurement::Observation;
 use crate::params::RawEncoder;
 
-/// Intervals that are remembered, `trust.step_samples` at most.
+/// Intervals that are remembered, `stretch_most` at most.
 const REMEMBERED: usize = 20;
+
+/// Those before a longer time without one are judged by a belief of long ago, and forgotten `[s]`.
+const GAP_S: f64 = 2.0;
 
 /// What motor and encoder did between two counts of the encoder.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,7 +75,7 @@ impl Stretch {
     fn deviation_m(&self, encoder: &RawEncoder) -> f64 {
         let Interval { forth_m, off_m, speeds_m_s, .. } = self.whole;
         let quanta_m = encoder.quantum_m * (self.pieces / 6.0).sqrt();
-        let timing_m = off_m.0 + off_m.1 + encoder.skew_s * (speeds_m_s.1 - speeds_m_s.0);
+        let timing_m = off_m.0 + off_m.1 + self.pieces * encoder.skew_s * (speeds_m_s.1 - speeds_m_s.0);
         quanta_m.hypot(timing_m).hypot(encoder.relative * forth_m)
     }
 
@@ -106,7 +109,14 @@ impl Intervals {
         Self(Ring::new(REMEMBERED))
     }
 
+    pub(crate) fn clear(&mut self) {
+        self.0.clear();
+    }
+
     pub(crate) fn push(&mut self, interval: Interval, before: Slip) {
+        if self.0.newest().is_some_and(|(newest, _)| interval.from_s - newest.to_s > GAP_S) {
+            self.0.clear();
+        }
         self.0.push((interval, before));
     }
 
@@ -115,15 +125,15 @@ impl Intervals {
     pub(crate) fn step(&mut self, encoder: &RawEncoder) -> Option<Observation> {
         let mut stretch: Option<Stretch> = None;
         let mut likeliest: Option<(f64, Stretch)> = None;
-        for (count, (interval, before)) in (1..=encoder.trust.step_samples).zip(self.0.iter().rev()) {
+        for (count, (interval, before)) in (1..=encoder.stretch_most).zip(self.0.iter().rev()) {
             let longer = stretch.map_or(Stretch::of(*interval), |stretch| stretch.behind(interval));
             stretch = Some(longer);
             let misfit = longer.misfit(encoder, *before);
-            if count >= encoder.step_samples_min && likeliest.is_none_or(|(most, _)| misfit > most) {
+            if count >= encoder.stretch_least && likeliest.is_none_or(|(most, _)| misfit > most) {
                 likeliest = Some((misfit, longer));
             }
         }
-        let (_, stretch) = likeliest.filter(|(misfit, _)| *misfit > encoder.trust.step_threshold)?;
+        let (_, stretch) = likeliest.filter(|(misfit, _)| *misfit > encoder.stretch_threshold)?;
         self.0.clear();
         Some(stretch.observation(encoder))
     }

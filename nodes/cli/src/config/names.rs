@@ -10,13 +10,23 @@ use std::path::PathBuf;
 /// The node that takes the simulated printer's place beside a real one.
 const BRIDGE: &str = "printer_bridge";
 
+/// Hosts whose state comes so late that they need limits of their own.
+const LATE: [&str; 2] = ["moonraker", "octoprint"];
+
 impl ConfigDir {
     /// Refuses files with values for a node that there is not, and a host's file with values for none.
     ///
     /// # Errors
     /// File, line and name, and the names that there are; a file that cannot be read.
     pub fn check_names(&self, material: &str, host: &str) -> anyhow::Result<()> {
-        let host = Some(self.file(&format!("hosts/{host}.param.yaml"))).filter(|host| host.is_file());
+        let file = self.file(&format!("hosts/{host}.param.yaml"));
+        if LATE.contains(&host) && !file.is_file() {
+            bail!(
+                "{}: is missing: with another host's limits this one's late word counts for nothing",
+                file.display()
+            );
+        }
+        let host = Some(file).filter(|file| file.is_file());
         let of_nodes = NODES.into_iter().flat_map(|node| self.files_of(node, material));
         // One that is not there is told by the node that wants it.
         let files: BTreeSet<PathBuf> = of_nodes.chain(host.clone()).filter(|file| file.is_file()).collect();
@@ -59,6 +69,10 @@ mod tests {
         assert!(misspelt.starts_with(&wanted) && misspelt.contains("state_estimator"), "{misspelt}");
         assert!(told("# nothing\n").unwrap_err().contains("holds nothing for any node"));
         assert!(config.check_names("PLA", "native").is_ok(), "it is not asked for");
+        std::fs::remove_file(&file).unwrap();
+        let missing = config.check_names("PLA", "moonraker").unwrap_err().to_string();
+        assert!(missing.starts_with(&format!("{}: is missing", file.display())), "{missing}");
+        assert!(config.check_names("PLA", "serial").is_ok(), "it has none");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -65,7 +65,7 @@ pub(super) fn slip(raw: &RawSlip) -> Result<(), ParamError> {
     in_range("slip.serial_gain_1_s", raw.serial_gain_1_s, "1/s", (0.0, 5.0))?;
     in_range("slip.serial_limit", raw.serial_limit, "-", (0.0, 0.5))?;
     in_range("slip.serial_smooths_s", raw.serial_smooths_s, "s", (1e-3, 1e3))?;
-    in_range("slip.serial_learns_s", raw.serial_learns_s, "s", (0.1, 1e6))?;
+    in_range("slip.serial_learns_s", raw.serial_learns_s, "s", (1.0, 1e6))?;
     in_range("slip.pairing_s", raw.pairing_s, "s", (0.001, 10.0))?;
     in_range("slip.wanted_jump_m", raw.wanted_jump_m, "m", (1e-4, 10.0))?;
     Ok(())

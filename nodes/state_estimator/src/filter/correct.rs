@@ -1,7 +1,7 @@
 //! What was measured, applied to the belief.
 
 use super::{Filter, Running};
-use crate::channel::{CHANNELS, Channel, Record, Step, Verdict};
+use crate::channel::{CHANNELS, Channel, Record, Verdict};
 use crate::estimator::Inbox;
 use crate::intervals::Slip;
 use crate::measurement::{self, Observation};
@@ -86,11 +86,16 @@ impl Filter {
     /// filter broke.
     fn follow_step(&mut self, run: &mut Running, record: &mut Record) -> bool {
         let model = self.model;
+        if record.rejected() {
+            // an encoder that stands still for a moment is no slip of all there is
+            run.intervals.clear();
+        }
         let Some(observation) = run.intervals.step(&self.params.encoder) else { return true };
         self.steps += 1;
         record.begin();
         run.ukf.inflate(&self.doubt(run, Channel::Encoder));
-        let update = run.ukf.update(&observation.measurement(f64::MAX), |x| observation.predicted(&model, x));
+        let gate = record.gate(run.encoder_alive);
+        let update = run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x));
         !matches!(update, Update::Diverged)
     }
 
@@ -105,9 +110,6 @@ impl Filter {
         let alone = &self.params.widths_alone;
         let (gate, step) = if channel == Channel::Width && run.slip_by_widths() {
             (alone.gate, alone.step())
-        } else if channel == Channel::Encoder {
-            // looked for in several intervals as one
-            (record.gate(run.encoder_alive), Step { threshold: f64::INFINITY, ..record.step() })
         } else {
             (record.gate(run.encoder_alive), record.step())
         };

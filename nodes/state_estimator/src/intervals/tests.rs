@@ -10,14 +10,16 @@ const ENCODER: RawEncoder = RawEncoder {
     speed_min_rel: 0.3,
     strokes_s: 0.15,
     step_std: 0.06,
-    step_samples_min: 4,
+    stretch_least: 4,
+    stretch_most: 20,
+    stretch_threshold: 3.5,
     trust: RawTrust {
         age_limit_s: 0.3,
         gate: 25.0,
         gate_again: 25.0,
         step_fade: 0.0,
-        step_samples: 20,
-        step_threshold: 3.5,
+        step_samples: 4,
+        step_threshold: 3.9,
     },
 };
 /// A slow road's feed: 3.4 counts in 50 ms.

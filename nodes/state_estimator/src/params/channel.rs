@@ -58,8 +58,12 @@ pub struct RawEncoder {
     pub strokes_s: f64,
     /// Deviation added to the slip on a step `[-]`.
     pub step_std: f64,
-    /// Fewest intervals that tell of a step.
-    pub step_samples_min: u32,
+    /// Fewest intervals whose way together tells of a step.
+    pub stretch_least: u32,
+    /// Most of them, at most 20.
+    pub stretch_most: u32,
+    /// By how much their way has to be off for it, over its deviation `[-]`.
+    pub stretch_threshold: f64,
     /// When it is believed.
     pub trust: RawTrust,
 }
@@ -138,8 +142,11 @@ pub(super) fn check_encoder(raw: &RawEncoder) -> Result<(), ParamError> {
     in_range("encoder.speed_min_rel", raw.speed_min_rel, "-", (0.0, 1.0))?;
     in_range("encoder.strokes_s", raw.strokes_s, "s", (0.0, 2.0))?;
     in_range("encoder.step_std", raw.step_std, "-", (0.0, 1.0))?;
-    let (fewest, most) = (f64::from(raw.step_samples_min), f64::from(raw.trust.step_samples));
-    in_range("encoder.step_samples_min", fewest, "intervals", (1.0, most))?;
+    let (least, most) = (f64::from(raw.stretch_least), f64::from(raw.stretch_most));
+    in_range("encoder.stretch_least", least, "intervals", (1.0, 20.0))?;
+    in_range("encoder.stretch_most", most, "intervals", (1.0, 20.0))?;
+    ordered(("encoder.stretch_least", least), ("encoder.stretch_most + 1", most + 1.0))?;
+    in_range("encoder.stretch_threshold", raw.stretch_threshold, "-", (1.0, 100.0))?;
     check_trust!("encoder", &raw.trust)
 }
 

@@ -63,12 +63,12 @@ pub(super) fn blind(text: &mut String, group: &Group) {
     let list = run.states_not_observed.join(", ");
     _ = writeln!(text, "{:<9} no sensor tells of: {list}{held}", group.control);
     if run.states_not_observed.contains(&"slip") && group.control != "off" {
-        let advice = "`--advance material` or `--control off` does less harm, see nodes/README.md";
-        _ = writeln!(
-            text,
-            "{:<9} WARNING: what slips stays so, and a planned advance makes it worse: {advice}",
-            group.control
-        );
+        let worse = if matches!(run.advance_in_force, "planned" | "predicted") {
+            ", and a planned advance makes it worse: `--advance material` or `--control off` does less harm"
+        } else {
+            ""
+        };
+        _ = writeln!(text, "{:<9} WARNING: what slips stays so{worse}, see nodes/README.md", group.control);
     }
 }
 

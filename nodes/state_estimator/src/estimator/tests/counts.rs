@@ -65,3 +65,30 @@ fn without_a_status_there_is_no_estimate_and_a_silent_channel_is_out() {
     assert!(rig.estimator.on_event(Event::Tick { now: Seconds(3.2) }).is_some());
     assert!(rig.estimator.on_event(Event::Tick { now: Seconds(3.3) }).is_none());
 }
+
+/// A wheel that sticks for 0.3 s: no count comes, and none of it is a slip.
+#[test]
+fn an_encoder_that_stands_for_a_moment_tells_no_slip() {
+    let mut rig = Rig::new();
+    rig.run(1000);
+    rig.slip = 1.0;
+    for _ in 0..6 {
+        let slip = rig.run(5).x[state::SLIP];
+        assert!(slip < 0.05, "{slip}");
+    }
+    rig.slip = 0.01;
+    let after = rig.run(300);
+    assert!((after.x[state::SLIP] - 0.01).abs() < 0.02 && after.resets == 0, "{}", after.x[state::SLIP]);
+}
+
+/// 3.4 counts in 50 ms: each speed is known to 12 %, the way of half a second to 1.2 %.
+#[test]
+fn a_slip_of_a_slow_road_is_told_within_half_a_second() {
+    let mut rig = Rig::new();
+    rig.feed_m_s = 0.68e-3;
+    let before = rig.run(3000);
+    assert_eq!(before.steps, 0);
+    rig.slip = 0.1;
+    let after = rig.run(60);
+    assert!((after.x[state::SLIP] - 0.1).abs() < 0.03 && after.steps > 0, "{}", after.x[state::SLIP]);
+}
