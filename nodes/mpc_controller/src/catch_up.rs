@@ -85,7 +85,9 @@ impl CatchUp {
     /// The slip that is in force, where the printer tells it.
     pub(crate) fn on_in_force(&mut self, stamp_s: f64, slip: Option<f64>) {
         self.in_force = slip;
-        slip.into_iter().for_each(|slip| self.pending.on_in_force(stamp_s, slip));
+        if let Some(slip) = slip {
+            self.pending.on_in_force(stamp_s, slip);
+        }
     }
 
     pub(crate) fn on_wanted(&mut self, stamp_s: f64, wanted_m: f64) {

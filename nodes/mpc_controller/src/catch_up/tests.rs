@@ -39,6 +39,13 @@ impl Printer {
         Self { loop_, slips: 0.0, sent, wanted_m: 0.0, passed_m: 0.0, flow: 1.0, step: 0 }
     }
 
+    /// The same after 10 s of a sound print.
+    fn settled(settings: RawSlip, late: usize) -> Self {
+        let mut printer = Self::new(settings, late);
+        (0..200).for_each(|_| printer.print(0.0));
+        printer
+    }
+
     /// Prints for 50 ms at what is told of the slip.
     fn print(&mut self, told: f64) {
         let at_s = 0.05 * f64::from(self.step);
@@ -86,24 +93,20 @@ fn without_a_lack_the_slip_itself_is_sent_and_clipped() {
 /// takes until 0.8 s + 0.5 s ln(7.2/2). What was laid thin is not laid on what follows.
 #[test]
 fn what_the_melt_lacks_is_made_up_for_and_no_more() {
-    let mut printer = Printer::new(SETTINGS, 8);
-    (0..200).for_each(|_| printer.print(0.0));
+    let mut printer = Printer::settled(SETTINGS, 8);
     let (least, most) = printer.range(0.09, 0.09, (0.4, 1.2, 30.0));
     assert!(least > 0.98 && most < 1.015, "{least} {most}");
-    let mut alone = Printer::new(RawSlip { serial_gain_1_s: 0.0, ..SETTINGS }, 8);
-    (0..200).for_each(|_| alone.print(0.0));
+    let mut alone = Printer::settled(RawSlip { serial_gain_1_s: 0.0, ..SETTINGS }, 8);
     assert!(alone.range(0.09, 0.09, (0.4, 1.2, 30.0)).0 < 0.975);
 }
 
 /// 1.2 % of slip that nobody tells: learned from the count in some time constants of 3 s.
 #[test]
 fn a_slip_that_is_told_slightly_wrong_is_learned() {
-    let mut printer = Printer::new(SETTINGS, 8);
-    (0..200).for_each(|_| printer.print(0.0));
+    let mut printer = Printer::settled(SETTINGS, 8);
     let (least, most) = printer.range(0.09, 0.078, (0.4, 15.0, 30.0));
     assert!(least > 0.997 && most < 1.003, "{least} {most}");
-    let mut forgetful = Printer::new(RawSlip { serial_learns_s: 1e6, ..SETTINGS }, 8);
-    (0..200).for_each(|_| forgetful.print(0.0));
+    let mut forgetful = Printer::settled(RawSlip { serial_learns_s: 1e6, ..SETTINGS }, 8);
     assert!(forgetful.range(0.09, 0.078, (0.4, 25.0, 30.0)).1 < 0.996);
 }
 
@@ -116,8 +119,7 @@ fn what_is_on_its_way_is_not_sent_once_more() {
 }
 
 fn late(settings: RawSlip) {
-    let mut printer = Printer::new(settings, 30);
-    (0..200).for_each(|_| printer.print(0.0));
+    let mut printer = Printer::settled(settings, 30);
     let (least, most) = printer.range(0.09, 0.09, (0.4, 10.0, 30.0));
     assert!(least > 0.99 && most < 1.01, "{least} {most}");
 }
@@ -145,8 +147,7 @@ fn in_strokes_the_lack_is_spread_over_what_goes_forth() {
 /// While nothing is fed the melt loses nothing, and nothing is learned.
 #[test]
 fn what_is_lacking_stays_while_nothing_is_fed() {
-    let mut printer = Printer::new(SETTINGS, 0);
-    (0..200).for_each(|_| printer.print(0.0));
+    let mut printer = Printer::settled(SETTINGS, 0);
     printer.slips = 0.09;
     (0..10).for_each(|_| printer.print(0.0));
     let lacks_m = printer.loop_.lacks_m;
@@ -178,8 +179,7 @@ fn what_the_limit_cannot_catch_up_is_forgotten() {
 /// 30 % at once is more than may be made up for: nothing of what the limit cuts off is learned as a slip below the told one.
 #[test]
 fn what_the_limit_cuts_off_tells_of_no_slip() {
-    let mut printer = Printer::new(RawSlip { serial_limit: 0.02, ..SETTINGS }, 8);
-    (0..200).for_each(|_| printer.print(0.0));
+    let mut printer = Printer::settled(RawSlip { serial_limit: 0.02, ..SETTINGS }, 8);
     let before = printer.loop_.untold;
     printer.slips = 0.3;
     for step in 0..30 {
@@ -191,8 +191,7 @@ fn what_the_limit_cuts_off_tells_of_no_slip() {
 /// The job's count starts anew while much is lacking: nothing of it is made up for.
 #[test]
 fn a_new_count_opens_the_loop() {
-    let mut printer = Printer::new(SETTINGS, 0);
-    (0..200).for_each(|_| printer.print(0.0));
+    let mut printer = Printer::settled(SETTINGS, 0);
     printer.slips = 0.2;
     (0..10).for_each(|_| printer.print(0.0));
     assert!(printer.loop_.lacks_m > 1e-5 && printer.loop_.untold > 1e-3);
