@@ -199,3 +199,19 @@ fn a_new_count_opens_the_loop() {
     printer.loop_.on_wanted(0.05 * f64::from(printer.step), printer.wanted_m);
     assert_eq!((printer.loop_.lacks_m, printer.loop_.untold, printer.loop_.shortfall_m()), (0.0, 0.0, 0.0));
 }
+
+/// 9 % that is told and not in force yet: what the next 50 ms leave out is known before any count shows it.
+#[test]
+fn what_a_slip_in_force_leaves_out_is_known_before_it_is_counted() {
+    let mut loop_ = CatchUp::new(SETTINGS);
+    for step in 0..20 {
+        let (at_s, wanted_m) = (0.05 * f64::from(step), 0.05 * FEED_M_S * f64::from(step));
+        loop_.on_encoder(at_s - 0.005, wanted_m);
+        loop_.on_wanted(at_s, wanted_m);
+        loop_.on_encoder(at_s + 0.005, wanted_m);
+    }
+    loop_.on_in_force(0.95, Some(0.0));
+    loop_.effective_slip(0.09, sending(1.0));
+    let expected_m = 0.09 * 0.05 * FEED_M_S * (-0.05 / LAG_S - 0.05 / SETTINGS.serial_smooths_s).exp();
+    assert!((loop_.lacks_m / expected_m - 1.0).abs() < 1e-6, "{} {expected_m}", loop_.lacks_m);
+}

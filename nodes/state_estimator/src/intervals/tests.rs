@@ -117,3 +117,19 @@ fn strokes_back_do_not_slip() {
     assert!(Stretch::of(stroke).misfit(&ENCODER, slip(0.1)) < 1e-9);
     assert!(Stretch::of(stroke).misfit(&ENCODER, slip(0.3)) > 4.0);
 }
+
+/// 9 % that was learned while nothing of the encoder was used steps nowhere: what was believed before is of long ago.
+#[test]
+fn a_belief_of_long_ago_judges_nothing() {
+    for (gap_s, steps) in [(0.0, true), (100.0, false)] {
+        let mut seen = Intervals::new();
+        let mut stepped = false;
+        for (index, interval) in intervals(|at_s| if at_s < 0.5 { 0.0 } else { 0.09 }).take(30).enumerate() {
+            let (later_s, mean) = if index < 10 { (0.0, 0.0) } else { (gap_s, 0.09) };
+            let (from_s, to_s) = (interval.from_s + later_s, interval.to_s + later_s);
+            seen.push(Interval { from_s, to_s, ..interval }, Slip { mean, variance: 1e-6 });
+            stepped |= seen.step(&ENCODER).is_some();
+        }
+        assert_eq!(stepped, steps, "{gap_s} s");
+    }
+}
