@@ -19,6 +19,7 @@ pub mod options;
 pub mod output;
 mod participant;
 pub mod process;
+mod programs;
 pub mod replay;
 pub mod report;
 pub mod sim;

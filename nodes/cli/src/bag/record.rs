@@ -4,6 +4,7 @@ use super::shown::Shown;
 use crate::config::ConfigDir;
 use crate::output;
 use crate::participant;
+use crate::programs;
 use crate::up::recipes::{DEFAULT_NAMESPACE, clock_of};
 use anyhow::bail;
 use clap::Args;
@@ -69,11 +70,8 @@ pub struct RecordArgs {
 /// One line that says what is wrong and where.
 pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
-    let folder = std::env::current_exe()?.parent().map(PathBuf::from).unwrap_or_default();
-    let program = folder.join("bag_recorder");
-    if !program.is_file() {
-        bail!("{} is missing: build all nodes with `cargo build --release`", program.display());
-    }
+    let program = programs::beside("bag_recorder")?;
+    programs::built(&program)?;
     check(args)?;
     let simulated = match args.use_sim_time {
         None => match hear_clock(&args.namespace)? {

@@ -24,6 +24,10 @@ const ROUNDS: u32 = 101;
 const SAME: f64 = 1e-6;
 const N: usize = 10;
 const M: usize = 6;
+const OF_TEN: &str = "10 states, 6 measurements";
+/// The two forms that are compared first, then the extended one, which has no peer.
+const FORMS: [(&str, Form); 3] =
+    [("root form", Form::SquareRoot), ("plain", Form::Unscented), ("extended", Form::Extended)];
 const ROAD: Road = Road { path_speed_m_s: 0.05, height_m: 2e-4 };
 
 pub(super) fn run(args: &PeerArgs) -> anyhow::Result<Vec<Benchmark>> {
@@ -31,40 +35,11 @@ pub(super) fn run(args: &PeerArgs) -> anyhow::Result<Vec<Benchmark>> {
     let setup = config.load(&Choice::of("PLA".into(), Level::Mpc))?;
     let (printer, ring) = (Printer::new(&setup), Ring::new(&setup));
     let peer = ask(&args.python, PEER, &json!({ "printer": printer.json(&setup), "ring": ring.json() }))?;
-    let mut all = Vec::new();
-    let time_us =
-        |work: &dyn Fn(Form), form| 1e6 * peers::median_s(ROUNDS, || work(form)).0 / f64::from(STEPS);
-    let forms = [("root form", Form::SquareRoot), ("plain", Form::Unscented), ("extended", Form::Extended)];
-    for (case, work) in [
-        ("printer", &(|form| _ = black_box(printer.run(form))) as &dyn Fn(Form)),
-        ("ring", &|form| _ = black_box(ring.run(form))),
-    ] {
-        let told = peer.as_ref().map(|peer| &peer[case]);
-        let what = if case == "printer" { "6 states, 3 channels" } else { "10 states, 6 measurements" };
-        let mut plain_us = f64::NAN;
-        for (name, form) in forms.into_iter().filter(|(_, form)| case == "printer" || *form != Form::Extended)
-        {
-            let ours_us = time_us(work, form);
-            let benchmark = Benchmark::new(format!("step of {what}: {name}"), "us", ours_us);
-            let benchmark =
-                if case == "ring" && form == Form::Unscented { benchmark.target(2.0) } else { benchmark };
-            // FilterPy's is the plain form; an extended filter is another one.
-            let peer_us = told.and_then(|told| told["step_s"].as_f64()).map(|step_s| 1e6 * step_s);
-            all.push(match peer_us.filter(|_| form != Form::Extended) {
-                Some(peer_us) => benchmark.beside(PEER_NAME, peer_us),
-                None => benchmark,
-            });
-            if form == Form::Unscented {
-                plain_us = ours_us;
-                let faster = peer_us.map(|peer_us| peer_us / ours_us);
-                let name = format!("step of {what}: plain, times as fast as the peer");
-                all.extend(faster.map(|faster| Benchmark::new(name, "x", faster).at_least(150.0)));
-            }
-        }
-        let root_us = time_us(work, Form::SquareRoot);
-        let name = format!("step of {what}: root form over plain");
-        all.push(Benchmark::new(name, "x", root_us / plain_us).target(1.6));
-    }
+    let step_us = |case: &str| Some(1e6 * peer.as_ref()?[case]["step_s"].as_f64()?);
+    let mut all =
+        timed("6 states, 3 channels", &FORMS, step_us("printer"), |form| _ = black_box(printer.run(form)));
+    let of_ten = timed(OF_TEN, &FORMS[..2], step_us("ring"), |form| _ = black_box(ring.run(form)));
+    all.extend(of_ten);
     if let Some(peer) = &peer {
         for form in [Form::Unscented, Form::SquareRoot] {
             all.push(same("6 states", &printer.run(form), &peer["printer"])?);
@@ -72,6 +47,29 @@ pub(super) fn run(args: &PeerArgs) -> anyhow::Result<Vec<Benchmark>> {
         }
     }
     Ok(all)
+}
+
+/// Steps of one problem in all its forms, beside the peer's time for one `[us]`.
+fn timed(what: &str, forms: &[(&str, Form)], peer_us: Option<f64>, work: impl Fn(Form)) -> Vec<Benchmark> {
+    let mut all = Vec::new();
+    let spent_s = peers::in_turn_s(ROUNDS, forms.len(), |index| work(forms[index].1));
+    let step_us: Vec<f64> = spent_s.iter().map(|spent_s| 1e6 * spent_s / f64::from(STEPS)).collect();
+    for ((name, form), ours_us) in forms.iter().zip(&step_us) {
+        let benchmark = Benchmark::new(format!("step of {what}: {name}"), "us", *ours_us);
+        let bound = what == OF_TEN && *form == Form::Unscented;
+        let benchmark = if bound { benchmark.target(2.0) } else { benchmark };
+        // FilterPy's is the plain form; an extended filter is another one.
+        all.push(match peer_us.filter(|_| *form != Form::Extended) {
+            Some(peer_us) => benchmark.beside(PEER_NAME, peer_us),
+            None => benchmark,
+        });
+    }
+    let [root_us, plain_us] = [step_us[0], step_us[1]];
+    let name = format!("step of {what}: plain, times as fast as the peer");
+    all.extend(peer_us.map(|peer_us| Benchmark::new(name, "x", peer_us / plain_us).at_least(150.0)));
+    let name = format!("step of {what}: root form over plain");
+    all.push(Benchmark::new(name, "x", root_us / plain_us).target(1.6));
+    all
 }
 
 /// How far mean and covariance after all steps are from the peer's, in standard deviations: else it is another problem.

@@ -57,3 +57,18 @@ pub(super) fn median_s<T>(rounds: u32, mut work: impl FnMut() -> T) -> (f64, T) 
     }
     (quantile(&spent, 0.5), last)
 }
+
+/// Median time of each of `count` works over `rounds` `[s]`, done in turn: a machine that slows down slows all of them.
+pub(super) fn in_turn_s(rounds: u32, count: usize, mut work: impl FnMut(usize)) -> Vec<f64> {
+    let mut spent = vec![Vec::new(); count];
+    for round in 0..=rounds {
+        for (index, spent) in spent.iter_mut().enumerate() {
+            let begin = Instant::now();
+            work(index);
+            if round > 0 {
+                spent.push(begin.elapsed().as_secs_f64());
+            }
+        }
+    }
+    spent.iter().map(|spent| quantile(spent, 0.5)).collect()
+}

@@ -1,7 +1,7 @@
 //! Processor and memory of a process, as the kernel counts them.
 
+use crate::programs;
 use anyhow::Context;
-use std::path::Path;
 
 /// Ticks of the kernel's clock in a second, as Linux gives them to programs.
 const TICKS_1_S: f64 = 100.0;
@@ -43,7 +43,7 @@ pub(super) fn scratch(name: &str) -> anyhow::Result<std::path::PathBuf> {
 
 /// A program beside this one.
 pub(super) fn program(name: &str) -> anyhow::Result<std::path::PathBuf> {
-    let path = std::env::current_exe()?.parent().map(|folder| folder.join(name)).unwrap_or_default();
-    anyhow::ensure!(Path::new(&path).is_file(), "{} is missing: build all nodes", path.display());
+    let path = programs::beside(name)?;
+    programs::built(&path)?;
     Ok(path)
 }

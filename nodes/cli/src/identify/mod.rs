@@ -44,7 +44,7 @@ pub struct IdentifyArgs {
     /// Replace the printer file if it is there.
     #[arg(long, requires = "out")]
     overwrite: bool,
-    /// Learn only this; the rest stays as the printer's file says.
+    /// Learn only this, with the noise of its thermistor and the step of an encoder; the rest stays as the printer's file says.
     #[arg(long, value_enum)]
     only: Option<Part>,
     /// Material that was printed: as the bag says; PLA where it says nothing.

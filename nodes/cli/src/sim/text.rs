@@ -4,9 +4,9 @@ mod corrected;
 mod stated;
 
 use super::group::Group;
-use super::report::{AdvanceFigures, Run};
+use super::report::AdvanceFigures;
 use corrected::corrected;
-use stated::{blind, covered};
+use stated::{blind, covered, nis};
 use std::fmt::Write;
 
 const COLUMNS: usize = 9;
@@ -51,7 +51,7 @@ pub fn table(groups: &[Group]) -> String {
         unfinished(&mut text, group);
     }
     for group in groups {
-        _ = writeln!(text, "{:<9} NIS {}", group.control, nis(&group.runs));
+        _ = writeln!(text, "{:<9} NIS {}", group.control, nis(group));
         covered(&mut text, group);
         blind(&mut text, group);
         advance(&mut text, group);
@@ -141,19 +141,6 @@ fn advance(text: &mut String, group: &Group) {
 }
 
 /// Mean NIS over the runs, of each channel that measured something.
-fn nis(runs: &[Run]) -> String {
-    let Some(first) = runs.first() else { return String::new() };
-    let channel = |name: &str| {
-        let values: Vec<f64> =
-            runs.iter().filter_map(|run| run.nis_mean.get(name).copied().flatten()).collect();
-        #[allow(clippy::cast_precision_loss, reason = "seeds are few")]
-        let count = values.len() as f64;
-        (!values.is_empty()).then(|| format!("{name} {:.2}", values.iter().sum::<f64>() / count))
-    };
-    let parts: Vec<String> = first.nis_mean.keys().filter_map(|name| channel(name)).collect();
-    parts.join(", ")
-}
-
 /// What the camera saw, one line a seed.
 fn seen(text: &mut String, group: &Group) {
     for (run, seen) in group.runs.iter().filter_map(|run| Some((run, run.camera?))) {
@@ -210,6 +197,7 @@ fn noticed(text: &mut String, group: &Group) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sim::report::Run;
 
     fn told(run: Run) -> String {
         table(&[Group::of("off".to_owned(), vec![run])])

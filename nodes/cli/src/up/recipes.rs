@@ -2,7 +2,8 @@
 
 use super::{UpArgs, check_new_bag, fleet::Recipe, records};
 use crate::config::{ConfigDir, sensor_overrides};
-use anyhow::{Context, bail};
+use crate::programs;
+use anyhow::Context;
 use runtime::params::{NodePath, Parameters};
 use std::path::PathBuf;
 
@@ -152,7 +153,7 @@ impl Plan {
     /// Parses the parameters of every node, so that a mistake is told before anything runs.
     ///
     /// # Errors
-    /// File, line, field, value and range of what is refused; executables that are missing.
+    /// File, line, field, value and range of what is refused.
     pub fn check(&self) -> anyhow::Result<()> {
         const NOMINAL: [&str; 2] = ["printer", "material"];
         self.config.check_names(&self.material, &self.host)?;
@@ -209,6 +210,7 @@ impl Plan {
         let mut recipes = Vec::new();
         let mut text = String::new();
         for (name, program, parameters, (files, overrides)) in self.nodes()? {
+            programs::built(&program)?;
             text.push_str(&format!("# {name} {}\n{}\n", parameters.sha256(), parameters.text()));
             let mut arguments: Vec<String> =
                 ["--ros-args", "--log-level", "info", "-r", &format!("__ns:={}", self.namespace)]
@@ -235,13 +237,9 @@ impl Plan {
     fn nodes(
         &self,
     ) -> anyhow::Result<Vec<(&'static str, PathBuf, Parameters, (Vec<PathBuf>, Vec<(String, String)>))>> {
-        let folder = std::env::current_exe()?.parent().map(PathBuf::from).unwrap_or_default();
         let mut nodes = Vec::new();
         for name in NODES.into_iter().filter(|name| *name != FORESIGHT || self.advance == "predicted") {
-            let program = folder.join(name);
-            if !program.is_file() {
-                bail!("{} is missing: build all nodes with `cargo build --release`", program.display());
-            }
+            let program = programs::beside(name)?;
             let files = self.config.files_of(name, &self.material);
             let overrides: Vec<(String, String)> = self
                 .overrides

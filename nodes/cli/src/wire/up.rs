@@ -4,9 +4,10 @@ use super::follow::{Built, Follow};
 use crate::config::ConfigDir;
 use crate::options::in_range;
 use crate::output::{self, Failed, Json};
+use crate::programs;
 use crate::up::fleet::{Fleet, Recipe};
 use crate::up::{check_new_bag, close};
-use anyhow::{Context, bail};
+use anyhow::Context;
 use clap::Args;
 use runtime::params::{NodePath, Parameters};
 use std::path::{Path, PathBuf};
@@ -73,6 +74,7 @@ pub fn run(args: &UpArgs) -> anyhow::Result<()> {
     let members = members(args, bag.as_deref());
     let recipes: Vec<Recipe> =
         members.iter().map(|member| recipe(args, &config, member)).collect::<anyhow::Result<_>>()?;
+    recipes.iter().try_for_each(|recipe| programs::built(&recipe.program))?;
     if args.dry_run {
         let process = |recipe: &Recipe| serde_json::json!({"node": recipe.name, "program": recipe.program, "arguments": recipe.arguments});
         let processes: Vec<_> = recipes.iter().map(process).collect();
@@ -133,11 +135,7 @@ fn members(args: &UpArgs, bag: Option<&Path>) -> Vec<Member> {
 
 /// How a node is started; its parameters are parsed, so that a mistake is told before anything runs.
 fn recipe(args: &UpArgs, config: &ConfigDir, member: &Member) -> anyhow::Result<Recipe> {
-    let folder = std::env::current_exe()?.parent().map(PathBuf::from).unwrap_or_default();
-    let program = folder.join(member.name);
-    if !program.is_file() {
-        bail!("{} is missing: build all nodes with `cargo build --release`", program.display());
-    }
+    let program = programs::beside(member.name)?;
     let files: Vec<PathBuf> = member.files.iter().map(|file| config.file(file)).collect();
     let overrides: Vec<(String, String)> =
         member.overrides.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
@@ -182,7 +180,7 @@ fn logs(bag: Option<&Path>) -> PathBuf {
 /// Parses the parameters of all nodes of a wall, for `fdm doctor`.
 ///
 /// # Errors
-/// File, line, field, value and range of what is refused; executables that are missing.
+/// File, line, field, value and range of what is refused.
 pub(crate) fn check_config(config: &ConfigDir) -> anyhow::Result<()> {
     let args = UpArgs {
         layers: 1,

@@ -11,6 +11,8 @@ use maud::{Markup, html};
 
 /// Worst events that are named at the top.
 const WORST: usize = 5;
+/// Width error from which on a print is no good one, root mean square `[-]`.
+const MISSED_REL: f64 = 0.05;
 
 /// Name of the print.
 pub(crate) fn title(view: &View) -> String {
@@ -115,8 +117,17 @@ fn printed(view: &View, done_s: f64) -> (&'static str, &'static str, String) {
         (_, 1..) => ("error", PRINTED, seen(counted(errors, "error"))),
         _ if !wished => ("error", PRINTED, format!("without an error.{behind}")),
         (1.., _) => ("warn", PRINTED, seen(counted(warnings, "warning"))),
-        _ => ("ok", PRINTED, format!("without a warning.{behind}")),
+        _ => match missed(view.record.truth.width_rms_rel()) {
+            Some(missed) => ("warn", PRINTED, format!("without a warning, {missed}.{behind}")),
+            None => ("ok", PRINTED, format!("without a warning.{behind}")),
+        },
     }
+}
+
+/// By how much the roads of a simulated print miss their width, where it is much: nobody in the loop knew that.
+fn missed(width_rms_rel: Option<f64>) -> Option<String> {
+    let rms = width_rms_rel.filter(|rms| *rms > MISSED_REL)?;
+    Some(format!("but its roads miss their width by {} (RMS, by what the simulator knows)", percent(rms, 1)))
 }
 
 /// Why the print does not go on: what held it up, what ended it, and what came behind that.
@@ -262,5 +273,18 @@ pub(crate) fn foot(view: &View) -> Markup {
         @if !view.record.print.config.is_empty() {
             details { summary { "Configuration" } pre { (view.record.print.config) } }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_simulated_print_that_nobody_complained_of_is_not_called_good_by_that() {
+        assert_eq!(missed(None), None, "beside a real printer nobody knows");
+        assert_eq!(missed(Some(0.03)), None);
+        let told = missed(Some(0.1052)).unwrap();
+        assert!(told.starts_with("but its roads miss their width by 10.5 %"), "{told}");
     }
 }

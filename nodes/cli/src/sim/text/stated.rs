@@ -3,10 +3,29 @@
 use crate::sim::consistency::{STATE_NAMES, TRUE_MEDIAN};
 use crate::sim::group::Group;
 use std::fmt::Write;
+use std::ops::RangeInclusive;
 
 /// Least share of the time that a stated 95 % interval has to hold for `[-]`: below it is marked, as the NEES of six states
 /// hides a single one's.
 const HOLDS: f64 = 0.9;
+
+/// Mean NIS that a consistent filter has: with less it is too cautious, with more too sure `[-]`.
+const CONSISTENT: RangeInclusive<f64> = 0.3..=1.5;
+
+/// Mean NIS of each channel over the runs that have one.
+pub(super) fn nis(group: &Group) -> String {
+    let Some(first) = group.runs.first() else { return String::new() };
+    let channel = |name: &str| {
+        let values: Vec<f64> =
+            group.runs.iter().filter_map(|run| run.nis_mean.get(name).copied().flatten()).collect();
+        #[allow(clippy::cast_precision_loss, reason = "seeds are few")]
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let mark = if CONSISTENT.contains(&mean) { "" } else { " OUTSIDE" };
+        (!values.is_empty()).then(|| format!("{name} {mean:.2}{mark}"))
+    };
+    let parts: Vec<String> = first.nis_mean.keys().filter_map(|name| channel(name)).collect();
+    parts.join(", ")
+}
 
 /// How often the stated 95 % intervals held, over the runs in which a road was laid.
 pub(super) fn covered(text: &mut String, group: &Group) {
@@ -81,6 +100,18 @@ mod tests {
 
     fn one(run: Run) -> String {
         table(&[Group::of("off".to_owned(), vec![Run { filter: "square_root", ..run }])])
+    }
+
+    /// The mean is marked, not a single run's.
+    #[test]
+    fn a_channel_that_is_not_consistent_is_marked() {
+        let run = |encoder: f64, width: f64| Run {
+            nis_mean: [("encoder", Some(encoder)), ("thermistor", None), ("width", Some(width))].into(),
+            ..Run::default()
+        };
+        let of = |runs| nis(&Group::of("mpc".to_owned(), runs));
+        assert_eq!(of(vec![run(1.6, 0.3), run(1.2, 0.3)]), "encoder 1.40, width 0.30");
+        assert_eq!(of(vec![run(1.6, 0.1), run(1.8, 0.3)]), "encoder 1.70 OUTSIDE, width 0.20 OUTSIDE");
     }
 
     /// Over the two runs that laid something.
