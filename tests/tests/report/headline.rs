@@ -3,7 +3,7 @@
 use super::section;
 use super::writer::{BagFile, folder};
 use cli::report::page;
-use fdm_loop_msgs::{Header, PrintEvent, PrinterState, SafetyState};
+use fdm_loop_msgs::{Header, PrintEvent, PrinterState, SafetyState, SimTruth};
 use runtime::topics;
 
 const PRINTING: u8 = PrinterState::PHASE_PRINTING;
@@ -24,8 +24,10 @@ enum Told {
     Past(&'static str),
     /// A mode that the supervisor has taken, at this severity.
     Changed(u8),
+    /// Width error of a simulated print, root mean square.
+    Width(f64),
 }
-use Told::{Changed, Past, Phase, Safety};
+use Told::{Changed, Past, Phase, Safety, Width};
 
 /// The page of a bag that is told so, and the verdict at its top.
 fn verdict(name: &str, story: &[(f64, Told)]) -> (String, String) {
@@ -54,6 +56,11 @@ fn verdict(name: &str, story: &[(f64, Told)]) -> (String, String) {
                     ..Default::default()
                 };
                 file.put(&topics::EVENTS, at, &event);
+            }
+            Width(rms) => {
+                let width_error_sq_s = rms * rms * 40.0;
+                let truth = SimTruth { header, deposit_s: 40.0, width_error_sq_s, ..Default::default() };
+                file.put(&topics::SIM_TRUTH, at, &truth);
             }
             Changed(severity) => {
                 let what = "mode_changed".to_owned();
@@ -118,6 +125,28 @@ fn a_stop_past_the_supervisor_heads_the_page() {
             assert_eq!(todo.contains("make the printer safe"), mode == "estop", "{todo}");
         }
     }
+}
+
+/// Nobody warned, and the simulator knows better.
+#[test]
+fn a_simulated_print_that_misses_its_width_is_not_called_good() {
+    let verdict_of = |name, rms, severity| {
+        let story = [
+            (0.0, Phase(PRINTING, 0.5)),
+            (5.0, Changed(severity)),
+            (9.0, Width(rms)),
+            (9.1, Phase(DONE, 1.0)),
+        ];
+        verdict(name, &story).0
+    };
+    let (note, warning) = (PrintEvent::SEVERITY_INFO, PrintEvent::SEVERITY_WARN);
+    let good = verdict_of("width_good", 0.03, note);
+    assert!(good.starts_with("ok") && good.contains("without a warning."), "{good}");
+    let missed = verdict_of("width_missed", 0.2, note);
+    let told = "without a warning, but simulated: its roads miss their width by 20.0 % (RMS)";
+    assert!(missed.starts_with("warn") && missed.contains(told), "{missed}");
+    let warned = verdict_of("width_warned", 0.2, warning);
+    assert!(warned.contains("with 1 warning: see the events. It is simulated: its roads miss"), "{warned}");
 }
 
 /// One that is not heeded has stopped nothing.

@@ -71,3 +71,18 @@ fn print(material: &str) -> UpArgs {
         json: None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doctor::finding::Level;
+
+    /// Beside this test lie no nodes; whether they were built is another check's.
+    #[test]
+    fn the_configuration_is_checked_where_programs_are_missing() {
+        assert!(!crate::programs::beside("mpc_controller").unwrap().is_file());
+        let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config");
+        let found = config(Some(Path::new(shipped)));
+        assert_eq!(found.level, Level::Ok, "{}", found.found);
+    }
+}

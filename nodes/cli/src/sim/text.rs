@@ -140,7 +140,6 @@ fn advance(text: &mut String, group: &Group) {
     }
 }
 
-/// Mean NIS over the runs, of each channel that measured something.
 /// What the camera saw, one line a seed.
 fn seen(text: &mut String, group: &Group) {
     for (run, seen) in group.runs.iter().filter_map(|run| Some((run, run.camera?))) {

@@ -11,7 +11,7 @@ use maud::{Markup, html};
 
 /// Worst events that are named at the top.
 const WORST: usize = 5;
-/// Width error from which on a print is no good one, root mean square `[-]`.
+/// Width error from which on a print is no good one, root mean square: twice what the loop leaves where nothing is wrong `[-]`.
 const MISSED_REL: f64 = 0.05;
 
 /// Name of the print.
@@ -113,21 +113,33 @@ fn printed(view: &View, done_s: f64) -> (&'static str, &'static str, String) {
     };
     let [_, warnings, errors] = counts;
     let seen = |count| format!("with {count}: see the events.{behind}");
+    let missed = missed(view.record.truth.width_rms_rel());
+    let missed = missed.map(|missed| format!("{missed}{}", loop_of(view)));
     match (warnings, errors) {
         (_, 1..) => ("error", PRINTED, seen(counted(errors, "error"))),
         _ if !wished => ("error", PRINTED, format!("without an error.{behind}")),
-        (1.., _) => ("warn", PRINTED, seen(counted(warnings, "warning"))),
-        _ => match missed(view.record.truth.width_rms_rel()) {
-            Some(missed) => ("warn", PRINTED, format!("without a warning, {missed}.{behind}")),
+        (1.., _) => {
+            let missed = missed.map_or(String::new(), |missed| format!(" It is simulated: {missed}."));
+            ("warn", PRINTED, seen(counted(warnings, "warning")) + &missed)
+        }
+        _ => match missed {
+            Some(missed) => ("warn", PRINTED, format!("without a warning, but simulated: {missed}.{behind}")),
             None => ("ok", PRINTED, format!("without a warning.{behind}")),
         },
     }
 }
 
-/// By how much the roads of a simulated print miss their width, where it is much: nobody in the loop knew that.
+/// By how much the roads of a simulated print miss their width, where it is much: nobody warned of that.
 fn missed(width_rms_rel: Option<f64>) -> Option<String> {
     let rms = width_rms_rel.filter(|rms| *rms > MISSED_REL)?;
-    Some(format!("but its roads miss their width by {} (RMS, by what the simulator knows)", percent(rms, 1)))
+    Some(format!("its roads miss their width by {} (RMS)", percent(rms, 1)))
+}
+
+/// What corrected, and behind which host.
+fn loop_of(view: &View) -> String {
+    let control = view.record.print.configured.get("control").map(|control| format!("control {control}"));
+    let parts = control.into_iter().chain([host(view)]).filter(|part| !part.is_empty());
+    parts.map(|part| format!(", {part}")).collect()
 }
 
 /// Why the print does not go on: what held it up, what ended it, and what came behind that.
@@ -283,8 +295,9 @@ mod tests {
     #[test]
     fn a_simulated_print_that_nobody_complained_of_is_not_called_good_by_that() {
         assert_eq!(missed(None), None, "beside a real printer nobody knows");
-        assert_eq!(missed(Some(0.03)), None);
+        assert_eq!(missed(Some(MISSED_REL)), None);
+        assert!(missed(Some(MISSED_REL + 1e-6)).is_some());
         let told = missed(Some(0.1052)).unwrap();
-        assert!(told.starts_with("but its roads miss their width by 10.5 %"), "{told}");
+        assert!(told.starts_with("its roads miss their width by 10.5 %"), "{told}");
     }
 }

@@ -9,10 +9,10 @@ use std::ops::RangeInclusive;
 /// hides a single one's.
 const HOLDS: f64 = 0.9;
 
-/// Mean NIS that a consistent filter has: with less it is too cautious, with more too sure `[-]`.
+/// Mean NIS that is asked for where no sensor lies (model book 1.5): with less the filter is too cautious, with more too sure `[-]`.
 const CONSISTENT: RangeInclusive<f64> = 0.3..=1.5;
 
-/// Mean NIS of each channel over the runs that have one.
+/// Mean NIS over the runs, of each channel that measured something.
 pub(super) fn nis(group: &Group) -> String {
     let Some(first) = group.runs.first() else { return String::new() };
     let channel = |name: &str| {

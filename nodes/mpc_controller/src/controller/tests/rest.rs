@@ -3,12 +3,12 @@
 use super::*;
 use models::status::JobPhase;
 
-/// A road 15 % thin moves the plan, by what no spool explains; a job that ends or fails leaves nothing of it for the next.
+/// A road 10 % thin moves the plan; a job that ends or fails leaves nothing of it for the next.
 #[test]
 fn what_was_corrected_ends_with_the_job() {
     for phase in [JobPhase::Idle, JobPhase::Done, JobPhase::Failed] {
         let mut rig = Rig::new(Level::Mpc);
-        rig.run(200, |estimate| Estimate { gain: 0.85, ..estimate });
+        rig.run(200, |estimate| Estimate { gain: 0.9, ..estimate });
         assert!(rig.controller.held[FEED].abs() > 0.01 && rig.controller.report().base.abs() > 0.01);
         let now_s = rig.now_s() + 0.05;
         let ended = PrinterStatus { phase, ..status(now_s, rig.wanted_m, rig.in_force) };
