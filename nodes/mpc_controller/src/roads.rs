@@ -23,6 +23,8 @@ pub(crate) struct Road {
     pub(crate) steady_s: f64,
     /// Mean of the slicer's feed over the time until it that was asked for `[m/s]`.
     pub(crate) mean_feed_m_s: f64,
+    /// The next status is of the same: else the ramp to a corner or to the road's end has begun, as far as anybody knows.
+    pub(crate) goes_on: bool,
 }
 
 impl Road {
@@ -33,10 +35,11 @@ impl Road {
         if flat > 0.0 { flat.recip() } else { 0.0 }
     }
 
-    /// Whether it is fed, and as it has been on the mean: a short corner leaves nothing in a melt that is slower.
+    /// Whether it is fed, as it has been on the mean, and goes on: a short corner leaves nothing in a melt that is slower.
     pub(crate) fn is_settled(&self, settings: &RawClog) -> bool {
         let off_m_s = (self.mean_feed_m_s - self.feed_m_s).abs();
         self.feed_m_s > 0.0
+            && self.goes_on
             && self.steady_s >= settings.steady_s
             && off_m_s <= settings.settled * self.feed_m_s
     }
@@ -96,6 +99,7 @@ impl Roads {
             excess_m: laid.excess_m,
             steady_s: exposed_s - laid.since_s,
             mean_feed_m_s: self.mean_feed_m_s((exposed_s - mean_s, later)),
+            goes_on: self.0.get(later).is_none_or(|next| next.since_s <= laid.since_s),
         })
     }
 
@@ -201,6 +205,7 @@ pub(crate) mod tests {
         let settled = |at_s: f64| roads.at(at_s, settings.settles_s).unwrap().is_settled(&settings);
         assert!(!settled(0.3), "0.1 s after the slow start");
         assert!(settled(0.55));
+        assert!(!settled(0.59), "the ramp to the corner has begun, or may have");
         assert!(!settled(0.61), "in the corner");
         assert!(!settled(0.63), "the road has not begun anew for long enough");
         assert!(settled(0.68));
@@ -220,6 +225,7 @@ pub(crate) mod tests {
         travel.depositing = false;
         roads.on_status(&travel, 3.02, 0.1);
         assert_eq!(roads.at(3.03, 0.3), None);
-        assert!(roads.at(3.01, 0.3).is_some());
+        let last = roads.at(3.01, 0.3).unwrap();
+        assert!(!last.goes_on && roads.at(2.99, 0.3).unwrap().goes_on, "{last:?}");
     }
 }
