@@ -70,8 +70,7 @@ pub struct RecordArgs {
 /// One line that says what is wrong and where.
 pub fn run(args: &RecordArgs) -> anyhow::Result<()> {
     let config = ConfigDir::find(args.config.as_deref())?;
-    let program = programs::beside("bag_recorder")?;
-    programs::built(&program)?;
+    let program = programs::there("bag_recorder")?;
     check(args)?;
     let simulated = match args.use_sim_time {
         None => match hear_clock(&args.namespace)? {

@@ -1,6 +1,5 @@
 //! Processor and memory of a process, as the kernel counts them.
 
-use crate::programs;
 use anyhow::Context;
 
 /// Ticks of the kernel's clock in a second, as Linux gives them to programs.
@@ -39,11 +38,4 @@ pub(super) fn scratch(name: &str) -> anyhow::Result<std::path::PathBuf> {
     _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     Ok(folder)
-}
-
-/// A program beside this one.
-pub(super) fn program(name: &str) -> anyhow::Result<std::path::PathBuf> {
-    let path = programs::beside(name)?;
-    programs::built(&path)?;
-    Ok(path)
 }

@@ -4,6 +4,7 @@ use super::load::{self, Took};
 use super::proc;
 use super::{Benchmark, RecorderArgs};
 use crate::config::ConfigDir;
+use crate::programs;
 use anyhow::{Context, bail};
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -111,7 +112,7 @@ fn python(python: &Path, folder: &Path, (pace, seconds): (&str, f64)) -> anyhow:
 fn over_dds(folder: &Path, seconds: f64) -> anyhow::Result<Vec<Benchmark>> {
     let bag = folder.join("dds");
     let config = ConfigDir::find(None)?;
-    let mut node = Command::new(proc::program("bag_recorder")?)
+    let mut node = Command::new(programs::there("bag_recorder")?)
         .args(["--ros-args", "-r", "__ns:=/printer", "--log-level", "warn", "--params-file"])
         .arg(config.file("bag_recorder.param.yaml"))
         .args(["-p", &format!("bag_dir:={}", bag.display())])

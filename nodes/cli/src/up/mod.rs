@@ -163,6 +163,7 @@ fn plans(args: &UpArgs, config: &ConfigDir, material: &str) -> anyhow::Result<Ve
         }
         let plan = Plan::new(args, config, material, control)?;
         plan.check()?;
+        // A program that is missing is told before the graph is joined.
         plan.processes()?;
         plans.push(plan);
     }

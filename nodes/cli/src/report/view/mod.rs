@@ -10,6 +10,7 @@ pub(crate) mod plots;
 pub(crate) mod summary;
 pub(crate) mod tables;
 pub(crate) mod trace;
+mod verdict;
 pub(crate) mod wall;
 pub(crate) mod words;
 
