@@ -68,11 +68,34 @@ def outlet(held, scale, warm):
     return shape, speed
 
 
+def melting(held, speed, nozzle, gain):
+    """Force per u^n at the temperature of the melt that leaves where so much is held: T_m(u) and u follow from each other."""
+    if held <= 0.0:
+        return force_scale(nozzle)
+    warmer = nozzle - ambient
+    if speed <= 0.0:
+        speed = outlet(held, e["compliance_m_n"] * force_scale(nozzle), (0.0, 0.0))[1]
+    low, high = 0.0, math.inf
+    for _ in range(60):
+        turns = e["melting_flow_m3_s"] / (speed * area * gain)
+        cold = math.exp(-turns)
+        temp = ambient + warmer * (1.0 - cold)
+        sheared = e["compliance_m_n"] * force_scale(temp) * speed**index
+        cooled = m["activation_energy_j_mol"] / R_GAS / temp**2 * warmer * turns * cold
+        missing = held - sheared - e["linear_lag_s"] * speed
+        low, high = (low, speed) if missing < 0.0 else (speed, high)
+        step = missing / ((index + cooled) * sheared / speed + e["linear_lag_s"])
+        done = abs(step) <= 1e-5 * speed
+        speed = speed + step if low <= speed + step < high else 0.5 * (low + high)
+        if done:
+            break
+    return force_scale(ambient + warmer * -math.expm1(-e["melting_flow_m3_s"] / (speed * area * gain)))
+
+
 def run():
     block = nozzle = sensor = task["start_k"]
-    held, out, fed, left, mean_flow = 0.0, (0.0, 0.0), 0.0, 0.0, 0.0
+    held, out, fed, left, melted = 0.0, (0.0, 0.0), 0.0, 0.0, 0.0
     force = force_scale(nozzle)
-    scale = e["compliance_m_n"] * force
     dt, spread, section = 1e-3, 2 * e["nozzle_radius_m"], None
     for k in range(task["steps"]):
         motor = task["motor_m_s"] * (1.0 + 0.5 * math.sin(1e-3 * k))
@@ -80,6 +103,8 @@ def run():
         slip = min(max(s["base"] + s["creep"] * (load / s["creep_force_n"]) ** 2 + s["overload"] * max(load - e["force_max_n"], 0.0) / s["overload_force_n"], 0.0), s["cap"])
         feed = (1.0 - slip) * motor
         fed += feed * dt
+        force = melting(held, out[1], nozzle, task["gain"])
+        scale = e["compliance_m_n"] * force
         start = outlet(held, scale, out)
         mean = 0.0
         if start[1] > 0.0:
@@ -88,18 +113,17 @@ def run():
         held += (feed - mean) * dt
         left += mean * dt
         out = outlet(held, scale, start)
-        mean_flow = mean * area * task["gain"]
+        flow = mean * area * task["gain"]
+        melted += flow * dt
         path = task["path_m_s"] * dt
         if section is None:
             section = task["section_m2"]
         kept = math.exp(-path / spread)
-        section = section * kept + mean_flow * dt * (1 - kept) / path
+        section = section * kept + flow * dt * (1 - kept) / path
         if k % 10 == 9:
-            melt = m["density_kg_m3"] * mean_flow * m["heat_capacity_j_kg_k"]
+            melt = m["density_kg_m3"] * melted / 0.01 * m["heat_capacity_j_kg_k"]
+            melted = 0.0
             block, nozzle, sensor = heat(block, nozzle, sensor, h["heater_power_w"] * task["duty"], task["fan"], melt, 0.01)
-            melt_k = ambient + (nozzle - ambient) * -math.expm1(-e["melting_flow_m3_s"] / mean_flow) if mean_flow > 0.0 else nozzle
-            force = force_scale(melt_k)
-            scale = e["compliance_m_n"] * force
     return {"block_k": block, "nozzle_k": nozzle, "sensor_k": sensor, "fed_m": fed, "left_m": left, "section_m2": section}
 
 

@@ -11,11 +11,13 @@ use crate::params::{ParamError, in_range};
 
 mod lag;
 mod law;
+mod melting;
 mod outflow;
 mod slip;
 
 pub use lag::LinearLag;
 pub use law::{Outlet, Pressure, StaticLaw};
+pub use melting::Melting;
 pub use slip::{RawSlip, SlipParams};
 
 /// Constants of one extruder. Built only from a valid [`RawExtruder`], whose fields it shows.

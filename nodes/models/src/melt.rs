@@ -22,6 +22,8 @@ pub struct Melt {
     radius_m: f64,
     length_m: f64,
     filament_area_m2: f64,
+    /// `gamma^n` of a filament that leaves at 1 m/s.
+    unit_shear: f64,
     shear_factor: f64,
     melting_flow_m3_s: f64,
     force_max_n: f64,
@@ -38,14 +40,17 @@ impl Melt {
         } else {
             1.0
         };
+        let filament_area_m2 = extruder.filament_area_m2();
+        let radius_m = extruder.nozzle_radius_m;
         Self {
             flow_index,
             consistency_pa_sn: material.consistency_pa_sn,
             reference_temp_k: material.reference_temp_k,
             activation_temp_k: material.activation_energy_j_mol / GAS_CONSTANT_J_MOL_K,
-            radius_m: extruder.nozzle_radius_m,
+            radius_m,
             length_m: extruder.nozzle_length_m,
-            filament_area_m2: extruder.filament_area_m2(),
+            filament_area_m2,
+            unit_shear: shear_rate_1_s(filament_area_m2, radius_m).powf(flow_index),
             shear_factor,
             melting_flow_m3_s: extruder.melting_flow_m3_s,
             force_max_n: extruder.force_max_n,
@@ -73,7 +78,7 @@ impl Melt {
     /// Newtonian apparent shear rate at the wall `[1/s]` of a flow `[m3/s]`, 0 or more.
     #[must_use]
     pub fn shear_rate_1_s(&self, flow_m3_s: f64) -> f64 {
-        4.0 * flow_m3_s / (PI * self.radius_m.powi(3))
+        shear_rate_1_s(flow_m3_s, self.radius_m)
     }
 
     /// Apparent viscosity `[Pa s]` of a flow `[m3/s]` above 0.
@@ -99,6 +104,12 @@ impl Melt {
         0.25 * PI * self.radius_m.powi(3) * shear_rate_1_s
     }
 
+    /// Force on the filament `[N]` per power n of its speed through the outlet `[N (s/m)^n]`.
+    #[must_use]
+    pub fn force_scale(&self, temp: Kelvin) -> f64 {
+        self.pressure_scale_pa(temp) * self.unit_shear * self.filament_area_m2
+    }
+
     /// Force on the filament `[N]`: `F = dp A_f`.
     #[must_use]
     pub fn force_n(&self, flow_m3_s: f64, temp: Kelvin) -> f64 {
@@ -111,6 +122,14 @@ impl Melt {
     #[must_use]
     pub fn melt_temperature(&self, nozzle: Kelvin, filament: Kelvin, flow_m3_s: f64) -> Kelvin {
         melt_temperature(nozzle, filament, flow_m3_s, self.melting_flow_m3_s)
+    }
+
+    /// By how much more than the flow index the force of a melt grows that a flow `[m3/s]` above 0 lets leave at `melt` from a
+    /// nozzle at `nozzle`, `d ln K(T_m(q)) / d ln q` `[-]`, 0 or more.
+    #[must_use]
+    pub fn cooling_index(&self, nozzle: Kelvin, melt: Kelvin, flow_m3_s: f64) -> f64 {
+        let turns = self.melting_flow_m3_s / flow_m3_s;
+        self.activation_temp_k / melt.0.powi(2) * (nozzle.0 - melt.0) * turns
     }
 
     /// Largest flow `[m3/s]` whose force, at its own melt temperature, stays within `margin` times the drive's limit.
@@ -138,6 +157,10 @@ impl Melt {
 
 /// Halvings that bring any bracket below f64 resolution.
 const BISECTIONS: usize = 60;
+
+fn shear_rate_1_s(flow_m3_s: f64, radius_m: f64) -> f64 {
+    4.0 * flow_m3_s / (PI * radius_m.powi(3))
+}
 
 /// [`Melt::melt_temperature`] for a melting flow q_c `[m3/s]` given apart.
 #[must_use]

@@ -5,7 +5,7 @@ use crate::output::Truth;
 use crate::params::PlantParams;
 use crate::sensors::Noise;
 use models::bead::stadium;
-use models::extruder::{Pressure, StaticLaw};
+use models::extruder::{Melting, Pressure, StaticLaw};
 use models::hotend::Thermal;
 use models::latent::{LaidBead, adhesion, fill};
 use models::material::Material;
@@ -56,7 +56,6 @@ pub struct Plant {
     params: PlantParams,
     material: Material,
     melt: Melt,
-    law: StaticLaw,
     thermal: Thermal,
     bed: Kelvin,
     bed_sensor: Kelvin,
@@ -75,7 +74,8 @@ pub struct Plant {
     /// Share of the melt that leaves through the nozzle `[-]`; the rest leaks.
     kept: f64,
     noise: Noise,
-    mean_flow_m3_s: f64,
+    /// What left since the last step of the heat `[m3]`.
+    melted_m3: f64,
 }
 
 impl Plant {
@@ -87,7 +87,6 @@ impl Plant {
         let diameter_offset_m = params.filament.diameter_sigma_m * noise.draw();
         let mut plant = Self {
             params: *params,
-            law: StaticLaw::new(&melt, &params.extruder, ambient, 1.0),
             melt,
             material,
             thermal: Thermal::uniform(ambient.0),
@@ -105,7 +104,7 @@ impl Plant {
             gain: 1.0,
             kept: 1.0,
             noise,
-            mean_flow_m3_s: 0.0,
+            melted_m3: 0.0,
         };
         plant.gain = plant.gain_now(&InForce::NONE);
         plant
@@ -115,7 +114,6 @@ impl Plant {
     pub fn warm_up(&mut self, hotend: Option<Kelvin>, bed: Option<Kelvin>) {
         if let Some(hotend) = hotend {
             self.thermal = Thermal::uniform(hotend.0);
-            self.law = StaticLaw::new(&self.melt, &self.params.extruder, hotend, 1.0);
         }
         self.bed = bed.unwrap_or(self.bed);
         self.bed_sensor = self.bed;
@@ -139,13 +137,27 @@ impl Plant {
         // A leak of share L: dx/dt = v - u/(1-L) with the nozzle's u = law(x). In time t/(1-L) and feed (1-L) v that is
         // the sound nozzle's equation, and the length returned is the whole that left, the leak's share included.
         let kept = 1.0 - faults.leak;
-        let out_m = self.pressure.step(&self.law, kept * feed_m_s, Seconds(dt.0 / kept));
+        let law = self.law(faults);
+        let out_m = self.pressure.step(&law, kept * feed_m_s, Seconds(dt.0 / kept));
         self.kept = kept;
         self.outlet_m += out_m;
         self.vary_diameter(feed_m_s * dt.0, faults);
         let out_m3 = out_m * self.melt.filament_area_m2() * self.gain;
-        self.mean_flow_m3_s = out_m3 / dt.0;
+        self.melted_m3 += out_m3;
         self.lay(kept * out_m3, path_speed_m_s * dt.0, road);
+    }
+
+    /// Law of the melt that leaves now: by what is held, at the temperature that goes with so much flow.
+    fn law(&self, faults: &InForce) -> StaticLaw {
+        let melting = Melting {
+            melt: &self.melt,
+            extruder: &self.params.extruder,
+            nozzle: self.nozzle(),
+            filament: self.air(faults),
+            clog: faults.clog,
+            area_m2: self.melt.filament_area_m2() * self.gain / (1.0 - faults.leak),
+        };
+        melting.law_holding(self.pressure.compression_m(), self.pressure.outlet().speed_m_s)
     }
 
     /// The nozzle's flat spreads the melt over about its own diameter: `dA/ds = (q/v - A)/D`.

@@ -30,7 +30,7 @@ impl StaticLaw {
     #[must_use]
     pub fn new(melt: &Melt, extruder: &Extruder, temp: Kelvin, clog: f64) -> Self {
         let flow_index = melt.flow_index();
-        let force_scale = melt.force_n(melt.filament_area_m2(), temp) / clog;
+        let force_scale = melt.force_scale(temp) / clog;
         Self {
             flow_index,
             inverse_index: 1.0 / flow_index,

@@ -3,7 +3,6 @@
 use super::{Inputs, Plant};
 use crate::faults::InForce;
 use crate::sensors::bead_surroundings;
-use models::extruder::StaticLaw;
 use models::hotend::Inputs as HeatInputs;
 use models::units::{Kelvin, Seconds};
 
@@ -11,7 +10,7 @@ use models::units::{Kelvin, Seconds};
 const DRAUGHT_LOSS_1_K: f64 = 0.03;
 
 impl Plant {
-    /// Heat over one step of `dt`; the melt's law follows the new nozzle temperature.
+    /// Heat over one step of `dt`.
     pub fn heat(&mut self, inputs: &Inputs, faults: &InForce, dt: Seconds) {
         let power_w = self.params.hotend.heater_power_w;
         self.heater_w = power_w * faults.hotend_heater.power_share(inputs.hotend_duty, inputs.mains_on);
@@ -22,8 +21,9 @@ impl Plant {
             fan: self.fan,
             ambient_k: air.0,
             filament_k: air.0,
-            melt_w_k: self.material.heat_flow_w_k(self.mean_flow_m3_s),
+            melt_w_k: self.material.heat_flow_w_k(self.melted_m3 / dt.0),
         };
+        self.melted_m3 = 0.0;
         let before = self.thermal;
         self.thermal = self.params.hotend.step(before, &heat, dt);
         // A bead that fell out of the block follows what is around it with the same lag.
@@ -38,9 +38,6 @@ impl Plant {
         let beside = bead_surroundings(self.bed, air, faults.bed_sensor.circuit);
         let apart_k = if beside == self.bed { 0.0 } else { self.bed_sensor.0 - beside.0 };
         self.bed_sensor = Kelvin(beside.0 + apart_k * kept);
-        let nozzle = Kelvin(self.thermal.nozzle_k);
-        let melt_temp = self.melt.melt_temperature(nozzle, air, self.mean_flow_m3_s);
-        self.law = StaticLaw::new(&self.melt, &self.params.extruder, melt_temp, faults.clog);
     }
 
     /// Loss that a draught adds to the block `[W]`.

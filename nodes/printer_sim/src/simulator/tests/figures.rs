@@ -1,6 +1,11 @@
 //! The plant against the figures of model book 1.3 and 1.9, and a real file.
 
 use super::*;
+use crate::faults::InForce;
+use crate::plant::{Inputs, Plant, Push};
+use crate::sensors::Noise;
+use models::extruder::RawFilament;
+use models::units::Kelvin;
 
 #[test]
 fn open_loop_without_fault_shows_the_figures_of_the_model_book() {
@@ -34,6 +39,27 @@ fn filament_is_conserved_between_gear_and_outlet() {
     // What passed the gear and did not leave is the compressed length: 1.65 mm at 1.8 mm/s (c F + K_lin u).
     let stored_m = truth.delivered_m - truth.outlet_m;
     assert!((1.2e-3..2.2e-3).contains(&stored_m), "{stored_m}");
+}
+
+/// 11 mm3/s of a melt that so much flow cools by 20 K: neither colder nor hotter melt runs away from step to step.
+#[test]
+fn a_flow_that_cools_its_melt_is_steady() {
+    let Params { mut plant, material, .. } = params();
+    plant.filament = RawFilament { diameter_sigma_m: 0.0, ..*plant.filament }.try_into().unwrap();
+    let mut plant = Plant::new(&plant, material, Noise::new(1, 1));
+    plant.warm_up(Some(Kelvin(490.0)), None);
+    let inputs = Inputs { hotend_duty: 0.9, bed_duty: 0.0, mains_on: true, fan: 0.0 };
+    let push = Push { motor_m_s: 4.6e-3, path_speed_m_s: 0.1, road: None };
+    let mut before_m_s = f64::NAN;
+    for step in 0..20_000 {
+        plant.push(push, &InForce::NONE, Seconds(1e-3));
+        if step % 10 == 9 {
+            plant.heat(&inputs, &InForce::NONE, Seconds(0.01));
+        }
+        let outlet_m_s = plant.truth(None, 0.0).outlet_m_s;
+        assert!(step < 5000 || (outlet_m_s / before_m_s - 1.0).abs() < 1e-3, "{step}: {outlet_m_s}");
+        before_m_s = outlet_m_s;
+    }
 }
 
 #[test]
