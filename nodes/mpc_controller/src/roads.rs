@@ -7,6 +7,8 @@ use std::collections::VecDeque;
 
 /// Statuses kept to meet a frame: 2 s at 50 Hz.
 const KEPT: usize = 100;
+/// Share by which the path is slower or faster at the next status where a ramp has begun until then `[-]`.
+const RAMP: f64 = 0.02;
 
 /// The road at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +25,7 @@ pub(crate) struct Road {
     pub(crate) steady_s: f64,
     /// Mean of the slicer's feed over the time until it that was asked for `[m/s]`.
     pub(crate) mean_feed_m_s: f64,
-    /// The next status is of the same: else the ramp to a corner or to the road's end has begun, as far as anybody knows.
+    /// The next status is of the same, at the same speed: else the ramp to a corner or to the road's end has begun, as far as anybody knows.
     pub(crate) goes_on: bool,
 }
 
@@ -99,7 +101,7 @@ impl Roads {
             excess_m: laid.excess_m,
             steady_s: exposed_s - laid.since_s,
             mean_feed_m_s: self.mean_feed_m_s((exposed_s - mean_s, later)),
-            goes_on: self.0.get(later).is_none_or(|next| next.since_s <= laid.since_s),
+            goes_on: self.0.get(later).is_none_or(|next| next.continues(&laid)),
         })
     }
 
@@ -112,6 +114,12 @@ impl Roads {
 }
 
 impl Laid {
+    /// Whether nothing began between the one before and this.
+    fn continues(&self, before: &Self) -> bool {
+        let ramp_m_s = (self.planned_speed_m_s - before.planned_speed_m_s).abs();
+        self.since_s <= before.since_s && ramp_m_s <= RAMP * before.planned_speed_m_s
+    }
+
     fn differs_from(&self, before: &Self, spread: f64) -> bool {
         let changed = |old: f64, new: f64| (new - old).abs() > spread * old.abs().max(new.abs());
         let width = match (before.target_m, self.target_m) {
@@ -194,7 +202,11 @@ pub(crate) mod tests {
         let mut roads = Roads::new();
         for step in 0..=60 {
             let mut now = status(f64::from(step) * 0.02, FEED_M_S);
-            now.planned_speed_m_s = if step == 30 { 0.02 } else { 0.06 };
+            now.planned_speed_m_s = match step {
+                30 => 0.02,
+                50 => 0.055,
+                _ => 0.06,
+            };
             now.planned_feed_m_s = FEED_M_S * now.planned_speed_m_s / 0.06;
             now.depositing = step != 0;
             if step < 10 {
@@ -209,6 +221,8 @@ pub(crate) mod tests {
         assert!(!settled(0.61), "in the corner");
         assert!(!settled(0.63), "the road has not begun anew for long enough");
         assert!(settled(0.68));
+        assert!(!settled(0.99), "the first of a ramp that is no change yet");
+        assert!(settled(1.1));
     }
 
     #[test]
