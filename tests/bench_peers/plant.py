@@ -83,12 +83,12 @@ def melting(held, speed, nozzle, gain):
         sheared = e["compliance_m_n"] * force_scale(temp) * speed**index
         cooled = m["activation_energy_j_mol"] / R_GAS / temp**2 * warmer * turns * cold
         missing = held - sheared - e["linear_lag_s"] * speed
-        low, high = (low, speed) if missing < 0.0 else (speed, high)
         step = missing / ((index + cooled) * sheared / speed + e["linear_lag_s"])
-        done = abs(step) <= 1e-5 * speed
-        speed = speed + step if low <= speed + step < high else 0.5 * (low + high)
-        if done:
+        if abs(step) <= 1e-5 * speed:
+            speed += step
             break
+        low, high = (low, speed) if step < 0.0 else (speed, high)
+        speed = speed + step if low < speed + step < high else 0.5 * (low + high)
     return force_scale(ambient + warmer * -math.expm1(-e["melting_flow_m3_s"] / (speed * area * gain)))
 
 

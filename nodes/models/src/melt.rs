@@ -125,7 +125,7 @@ impl Melt {
     }
 
     /// By how much more than the flow index the force of a melt grows that a flow `[m3/s]` above 0 lets leave at `melt` from a
-    /// nozzle at `nozzle`, `d ln K(T_m(q)) / d ln q` `[-]`, 0 or more.
+    /// nozzle at `nozzle`, `d ln K(T_m(q)) / d ln q` `[-]`; below 0 where the filament is the warmer of the two.
     #[must_use]
     pub fn cooling_index(&self, nozzle: Kelvin, melt: Kelvin, flow_m3_s: f64) -> f64 {
         let turns = self.melting_flow_m3_s / flow_m3_s;

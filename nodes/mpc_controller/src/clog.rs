@@ -65,8 +65,8 @@ impl Clog {
         self.dips.rest(now_s)
     }
 
-    /// How much is open of a nozzle's force since a dip has begun: all where it was cut off before it told any or the nozzle
-    /// has come free, none without a dip or behind one that is followed in part `[-]`.
+    /// How much is open of a nozzle's force since a dip has begun: all where it was cut off before it told any, told too little
+    /// or the nozzle has come free, none without a dip or behind one that is followed in part `[-]`.
     pub(crate) fn doubt(&self) -> f64 {
         match (self.dips.has_begun() && !self.is_beyond(), self.factor() > 1.0) {
             (false, _) => 0.0,

@@ -25,7 +25,8 @@ pub(crate) struct Road {
     pub(crate) steady_s: f64,
     /// Mean of the slicer's feed over the time until it that was asked for `[m/s]`.
     pub(crate) mean_feed_m_s: f64,
-    /// The next status is of the same, at the same speed: else the ramp to a corner or to the road's end has begun, as far as anybody knows.
+    /// The next status is of the same at the same speed: else the ramp to a corner or to the road's end has begun, as far as
+    /// anybody knows.
     pub(crate) goes_on: bool,
 }
 

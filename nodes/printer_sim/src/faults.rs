@@ -8,6 +8,10 @@ mod sensor;
 pub use feed::{Feed, Line};
 pub use sensor::{SensorFaults, Thermistor};
 
+/// Least share of a nozzle that faults together leave free, and least share of the melt that they leave it `[-]`: of none
+/// there is no law.
+const LEFT_MIN: f64 = 0.01;
+
 /// Part of the printer that fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -251,10 +255,11 @@ impl InForce {
         let towards = |size: f64| 1.0 + share * (size - 1.0);
         match (fault.component, fault.kind) {
             (Component::Extruder, Kind::Slip) => self.slip += share * fault.size,
-            (Component::Extruder, Kind::Clog) => self.clog *= towards(fault.size),
+            (Component::Extruder, Kind::Clog) => self.clog = (self.clog * towards(fault.size)).max(LEFT_MIN),
             // Each takes its share of what the others leave.
             (Component::Extruder, Kind::Leak) => {
-                self.leak = 1.0 - (1.0 - self.leak) * (1.0 - share * fault.size);
+                let kept = (1.0 - self.leak) * (1.0 - share * fault.size);
+                self.leak = 1.0 - kept.max(LEFT_MIN);
             }
             (Component::Filament, Kind::Diameter) => self.diameter *= 1.0 + share * fault.size,
             (Component::Filament, Kind::RunOut) => self.run_out = true,

@@ -41,28 +41,24 @@ impl Melting<'_> {
     /// faster than `u^(2n)`, thick and thin would take turns from step to step for ever.
     #[must_use]
     pub fn law_holding(&self, compression_m: f64, warm_m_s: f64) -> StaticLaw {
-        if compression_m <= 0.0 {
-            return self.law_at(0.0);
-        }
         // A melt as hot as the nozzle lets the most through.
         let most_m_s = || self.law_at(0.0).outlet(compression_m, Outlet::STILL).speed_m_s;
         let mut outlet_m_s = if warm_m_s > 0.0 { warm_m_s } else { most_m_s() };
+        if compression_m <= 0.0 || outlet_m_s <= 0.0 {
+            return self.law_at(0.0);
+        }
         let (mut low_m_s, mut high_m_s) = (0.0, f64::INFINITY);
         for _ in 0..STEPS {
             let (held_m, lag_s) = self.held_at(outlet_m_s);
-            let missing_m = compression_m - held_m;
-            if missing_m < 0.0 {
-                high_m_s = outlet_m_s
-            } else {
-                low_m_s = outlet_m_s
+            let change_m_s = (compression_m - held_m) / lag_s;
+            let next_m_s = outlet_m_s + change_m_s;
+            if change_m_s.abs() <= TOLERANCE * outlet_m_s {
+                return self.law_at(next_m_s);
             }
-            let next_m_s = outlet_m_s + missing_m / lag_s;
-            let is_last = (next_m_s - outlet_m_s).abs() <= TOLERANCE * outlet_m_s;
-            let is_between = low_m_s <= next_m_s && next_m_s < high_m_s;
+            (low_m_s, high_m_s) =
+                if change_m_s < 0.0 { (low_m_s, outlet_m_s) } else { (outlet_m_s, high_m_s) };
+            let is_between = low_m_s < next_m_s && next_m_s < high_m_s;
             outlet_m_s = if is_between { next_m_s } else { 0.5 * (low_m_s + high_m_s) };
-            if is_last {
-                break;
-            }
         }
         self.law_at(outlet_m_s)
     }
@@ -110,6 +106,19 @@ mod tests {
                 }
             }
             assert_eq!(melting.law_holding(-1e-3, 1e-3), melting.law_at(0.0), "dry");
+        }
+    }
+
+    /// A change below the last place is one that is found.
+    #[test]
+    fn what_is_short_by_rounding_alone_is_the_same() {
+        let (extruder, melt) = (bowden(), Melt::new(&pla(), &bowden()));
+        let melting = melting((&melt, &extruder), 1.0);
+        for step in 0..1000 {
+            let outlet_m_s = 1e-3 + 4e-6 * f64::from(step);
+            let held_m = melting.held_at(outlet_m_s).0.next_down();
+            let found = melting.law_holding(held_m, outlet_m_s);
+            assert!((found.compression_m(outlet_m_s) / held_m - 1.0).abs() < 1e-9, "{outlet_m_s}");
         }
     }
 

@@ -33,6 +33,19 @@ fn the_rabinowitsch_flag_raises_the_pressure_and_the_inverse_follows() {
 }
 
 #[test]
+fn the_cooling_index_is_the_slope_of_the_consistency() {
+    let (melt, nozzle, filament) = (melt(), Kelvin(483.15), Kelvin(298.15));
+    for flow_m3_s in [4e-9, 8e-9, 1.2e-8, 4e-8] {
+        let temp = |flow_m3_s| melt.melt_temperature(nozzle, filament, flow_m3_s);
+        let consistency = |flow_m3_s| melt.consistency_pa_sn(temp(flow_m3_s)).ln();
+        let slope =
+            (consistency(1.001 * flow_m3_s) - consistency(flow_m3_s / 1.001)) / (2.0 * 1.001_f64.ln());
+        let told = melt.cooling_index(nozzle, temp(flow_m3_s), flow_m3_s);
+        assert!((told - slope).abs() < 1e-4 * slope.max(1e-2), "{told} for {slope} at {flow_m3_s} m3/s");
+    }
+}
+
+#[test]
 fn no_pressure_drives_no_flow() {
     for pressure_pa in [0.0, -1e6] {
         assert!(melt().flow_m3_s(pressure_pa, Kelvin(483.15)).abs() < f64::EPSILON);

@@ -15,8 +15,8 @@ const MOMENTS: u32 = 6;
 const SCATTER: f64 = 0.04;
 /// Largest mean square of what no force explains, in the scatter, at which frames tell of one.
 const MISFIT_MAX: f64 = 4.0;
-/// A sum of squares by which a narrowing has to fit better than none: a sound nozzle is a million times as likely before any
-/// frame, `2 ln 1e6` `[-]`.
+/// A sum of squares by which the force that fits best has to fit better than a sound nozzle: that is a million times as likely
+/// before any frame, `2 ln 1e6` `[-]`.
 const EVIDENCE: f64 = 27.6;
 /// A sum of squares so far beyond that weighs nothing beside one that fits.
 const HOPELESS: f64 = 60.0;
@@ -37,8 +37,8 @@ pub(super) struct Likely {
 }
 
 impl Likely {
-    /// The mean over what is open, of forces by their logarithm, each as likely beforehand as the others; `None` where none fits, or
-    /// the noise of widths may have been it.
+    /// The mean over what is open, of forces by their logarithm, each as likely beforehand as the others; `None` where none fits,
+    /// or a sound nozzle and the noise of widths may have been it.
     pub(super) fn of(sound: Look, dip: &[Look]) -> Option<Self> {
         let gap_s = dip.first()?.exposed_s - sound.exposed_s;
         let runs: Vec<Run> = (0..FORCES * MOMENTS)
@@ -49,8 +49,8 @@ impl Likely {
             })
             .collect();
         let least = runs.iter().map(|run| run.misfit).fold(f64::INFINITY, f64::min);
-        let none: f64 = dip.iter().map(|look| (look.lacking / SCATTER).powi(2)).sum();
-        if least > MISFIT_MAX * frames(dip) || none < least + EVIDENCE {
+        let unchanged = Run::of(sound, dip, (1.0, sound.exposed_s)).misfit;
+        if least > MISFIT_MAX * frames(dip) || unchanged < least + EVIDENCE {
             return None;
         }
         let (mut weight, mut logarithm, mut share) = (0.0, 0.0, 0.0);

@@ -37,6 +37,14 @@ fn two_slips_add_up() {
 }
 
 #[test]
+fn leaks_and_clogs_together_leave_a_nozzle() {
+    let fault = |kind, size| Fault { kind, size, ..slip(0.0, None) };
+    let many = |kind, size| InForce::at(Seconds(20.0), &[fault(kind, size); 300]);
+    assert!((many(Kind::Leak, 0.9).leak - 0.99).abs() < 1e-12);
+    assert!((many(Kind::Clog, 0.05).clog - 0.01).abs() < 1e-12);
+}
+
+#[test]
 fn a_shorted_switch_heats_until_the_mains_relay_opens() {
     let shorted = HeaterFaults { gain: 1.0, stuck_on: true };
     assert!(shorted.power_share(0.0, true) > 0.999 && shorted.power_share(0.0, false).abs() < 1e-12);

@@ -35,9 +35,8 @@ fn shown(lacking: impl IntoIterator<Item = f64>) -> Clog {
     clog
 }
 
-/// A leak lacks as much all the time, a road that is not seen all of it; a bubble is a single frame, and so is the noise of widths that
-/// comes together with a thin end of a road; and one that is thin already
-/// when it is first seen began nobody knows when.
+/// A leak lacks as much all the time, a road that is not seen all of it; a bubble is a single frame, and so is the noise of a
+/// width at the thin end of a road; and one that is thin already when it is first seen began nobody knows when.
 #[test]
 fn what_tells_of_no_force_changes_nothing() {
     let after_sound = |lacking: f64, frames: usize| {

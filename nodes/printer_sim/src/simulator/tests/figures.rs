@@ -5,6 +5,7 @@ use crate::faults::InForce;
 use crate::plant::{Inputs, Plant, Push};
 use crate::sensors::Noise;
 use models::extruder::RawFilament;
+use models::melt::Melt;
 use models::units::Kelvin;
 
 #[test]
@@ -41,12 +42,12 @@ fn filament_is_conserved_between_gear_and_outlet() {
     assert!((1.2e-3..2.2e-3).contains(&stored_m), "{stored_m}");
 }
 
-/// 11 mm3/s of a melt that so much flow cools by 20 K: neither colder nor hotter melt runs away from step to step.
+/// 11 mm3/s of a melt that so much flow cools by 14 K and more: neither colder nor hotter melt runs away from step to step.
 #[test]
 fn a_flow_that_cools_its_melt_is_steady() {
-    let Params { mut plant, material, .. } = params();
-    plant.filament = RawFilament { diameter_sigma_m: 0.0, ..*plant.filament }.try_into().unwrap();
-    let mut plant = Plant::new(&plant, material, Noise::new(1, 1));
+    let Params { plant: mut params, material, .. } = params();
+    params.filament = RawFilament { diameter_sigma_m: 0.0, ..*params.filament }.try_into().unwrap();
+    let mut plant = Plant::new(&params, material.clone(), Noise::new(1, 1));
     plant.warm_up(Some(Kelvin(490.0)), None);
     let inputs = Inputs { hotend_duty: 0.9, bed_duty: 0.0, mains_on: true, fan: 0.0 };
     let push = Push { motor_m_s: 4.6e-3, path_speed_m_s: 0.1, road: None };
@@ -60,6 +61,10 @@ fn a_flow_that_cools_its_melt_is_steady() {
         assert!(step < 5000 || (outlet_m_s / before_m_s - 1.0).abs() < 1e-3, "{step}: {outlet_m_s}");
         before_m_s = outlet_m_s;
     }
+    let melt = Melt::new(&material, &params.extruder);
+    let flow_m3_s = before_m_s * melt.filament_area_m2();
+    let melted = melt.melt_temperature(plant.nozzle(), Kelvin(298.15), flow_m3_s);
+    assert!(flow_m3_s > 1e-8 && melted.0 < plant.nozzle().0 - 14.0, "{flow_m3_s} m3/s at {melted:?}");
 }
 
 #[test]
