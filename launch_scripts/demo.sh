@@ -3,7 +3,7 @@
 # the loop open and closed. From the middle on the drive gear loses 9 % of the filament.
 . "$(dirname "$0")/setup.sh"
 
-echo "Building (release; a first build takes some minutes)"
+echo "Building (release; a first build takes a quarter of an hour on two cores)"
 cargo build --release --locked --workspace --bins
 
 # The printer heats up for two minutes of its own time; four times as fast fits into the patience of a demo.

@@ -41,9 +41,9 @@ pub(super) fn run(args: &PeerArgs) -> anyhow::Result<Vec<Benchmark>> {
     let of_ten = timed(OF_TEN, &FORMS[..2], step_us("ring"), |form| _ = black_box(ring.run(form)));
     all.extend(of_ten);
     if let Some(peer) = &peer {
-        for form in [Form::Unscented, Form::SquareRoot] {
-            all.push(same("6 states", &printer.run(form), &peer["printer"])?);
-            all.push(same("10 states", &ring.run(form), &peer["ring"])?);
+        for (name, form) in &FORMS[..2] {
+            all.push(same(&format!("6 states, {name}"), &printer.run(*form), &peer["printer"])?);
+            all.push(same(&format!("10 states, {name}"), &ring.run(*form), &peer["ring"])?);
         }
     }
     Ok(all)
