@@ -82,12 +82,13 @@ impl<const N: usize> Engine<N> {
         self.set_covariance(covariance);
     }
 
-    /// Raises a state that cannot be below `least`, and with it what is known together with it; the covariance stays.
-    pub fn raise(&mut self, index: usize, least: f64) {
+    /// Brings a state that cannot be outside of these bounds back to them, and with it what is known together with it; the
+    /// covariance stays.
+    pub fn confine(&mut self, index: usize, (least, most): (f64, f64)) {
         let Gaussian { mean, covariance } = self.belief();
-        let (lacking, own) = (least - mean[index], covariance[(index, index)]);
-        if lacking > 0.0 && own > 0.0 {
-            let moved = mean + covariance.column(index) * (lacking / own);
+        let (off, own) = (mean[index].clamp(least, most) - mean[index], covariance[(index, index)]);
+        if off != 0.0 && own > 0.0 {
+            let moved = mean + covariance.column(index) * (off / own);
             self.set_mean(moved);
         }
     }
@@ -245,18 +246,20 @@ mod tests {
         }
     }
 
-    /// Half a unit up, 0.4 of the other: what its correlation says. Nothing moves a state that is above.
+    /// Half a unit up or down, 0.4 of the other: what its correlation says. Nothing moves a state that is within.
     #[test]
-    fn a_state_is_raised_with_what_is_known_together_with_it() {
+    fn a_state_is_brought_back_with_what_is_known_together_with_it() {
         for form in [Form::SquareRoot, Form::Unscented, Form::Extended] {
             let prior = Gaussian { mean: vector![-0.5, 1.0], covariance: matrix![1.0, 0.8; 0.8, 1.0] };
             let mut filter = Engine::new(form, prior, SPREAD);
-            filter.raise(1, 0.0);
+            filter.confine(1, (0.0, 1.0));
             assert_eq!(*filter.belief(), prior);
-            filter.raise(0, 0.0);
-            let belief = filter.belief();
-            assert!(belief.mean[0].abs() < 1e-12 && (belief.mean[1] - 1.4).abs() < 1e-12);
-            assert_eq!(belief.covariance, prior.covariance);
+            for (bounds, [own, other]) in [((0.0, 1.0), [0.0, 1.4]), ((-2.0, -0.5), [-0.5, 1.0])] {
+                filter.confine(0, bounds);
+                let belief = filter.belief();
+                assert!((belief.mean[0] - own).abs() < 1e-12 && (belief.mean[1] - other).abs() < 1e-12);
+                assert_eq!(belief.covariance, prior.covariance);
+            }
         }
     }
 

@@ -46,7 +46,7 @@ impl Filter {
         }
         if run.slip_by_widths() {
             // a gear passes no more than it pushes: what seems to is the spool's
-            run.ukf.raise(state::SLIP, 0.0);
+            run.ukf.confine(state::SLIP, (0.0, self.params.widths_alone.slip_most));
         }
         true
     }
@@ -148,10 +148,10 @@ impl Filter {
                 // what was taken for the spool's beside the old slip is none of the new one's
                 run.ukf.freeze(state::SLIP);
                 run.ukf.inflate(&doubt);
-                // the frame that tells of the step tells its size, too
+                // The frame that tells of the step tells its size, too. What no step explains is no step: the filter is lost.
                 let again =
                     run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x));
-                !matches!(again, Update::Diverged)
+                matches!(again, Update::Applied(_))
             }
         }
     }

@@ -13,6 +13,8 @@ use serde::Deserialize;
 pub struct RawWidthsAlone {
     /// Slip gained per `process.reference_period_s` `[-]`.
     pub slip: f64,
+    /// Largest slip that is believed `[-]`.
+    pub slip_most: f64,
     /// Gain gained per `process.reference_period_s` `[-]`: a spool's, which wanders less.
     pub gain: f64,
     /// Uncertainty of the lag, relative `[-]`.
@@ -43,6 +45,7 @@ impl RawWidthsAlone {
 
     pub(super) fn check(&self) -> Result<(), ParamError> {
         in_range("widths_alone.slip", self.slip, "-", (1e-6, 1.0))?;
+        in_range("widths_alone.slip_most", self.slip_most, "-", (0.05, 1.0))?;
         in_range("widths_alone.gain", self.gain, "-", (1e-6, 1.0))?;
         in_range("widths_alone.lag_rel", self.lag_rel, "-", (0.0, 2.0))?;
         in_range("widths_alone.imbalance", self.imbalance, "-", (0.0, 5.0))?;

@@ -67,3 +67,33 @@ fn slip_and_gain_are_stated_to_be_parted_as_far_as_they_say() {
         assert!(added[(state::SLIP, state::GAIN)] > 0.0 && added[(state::SLIP, state::FLOW)] < 0.0);
     }
 }
+
+/// No larger slip is believed than they say, whatever roads look like.
+#[test]
+fn no_larger_slip_is_believed_than_they_say() {
+    let told = |most: &str| {
+        let mut rig = Rig::with(&[("slip_most: 0.35 ", &format!("slip_most: {most} "))]);
+        rig.encoder = false;
+        rig.run(3000);
+        rig.slip = 0.45;
+        (0..200).map(|_| rig.run(10).x[state::SLIP]).fold(0.0, f64::max)
+    };
+    assert!((told("0.35") - 0.35).abs() < 1e-6 && (told("0.1") - 0.1).abs() < 1e-6);
+    assert!(told("1.0") > 0.4, "{}", told("1.0"));
+}
+
+/// Half as much again: more than a step explains. A filter that would reject that for good is lost, and starts anew.
+#[test]
+fn what_no_step_explains_starts_the_filter_anew() {
+    let after = |gain: f64| {
+        let mut rig = Rig::new();
+        rig.encoder = false;
+        let before = rig.run(3000);
+        rig.gain = gain;
+        let estimate = rig.run(1000);
+        (estimate.resets - before.resets, estimate.x[state::GAIN] * (1.0 - estimate.x[state::SLIP]))
+    };
+    let (resets, told) = after(1.5);
+    assert!(resets > 0 && told > 1.4, "{resets} {told}");
+    assert_eq!(after(1.3).0, 0, "a step explains it");
+}
