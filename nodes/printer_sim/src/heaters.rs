@@ -45,3 +45,26 @@ impl Heaters {
         self.bed_duty = duty(&mut self.bed, self.bed_target, bed, plant.bed.heater_power_w);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulator::tests::load;
+
+    #[derive(serde::Deserialize)]
+    struct PlantFile {
+        plant: PlantParams,
+    }
+
+    /// A heater whose thermistor tells nothing is off; one that reads too cold is not.
+    #[test]
+    fn a_reading_that_is_none_switches_off() {
+        let PlantFile { plant } = load("plants/ender3.yaml");
+        let mut heaters = Heaters::new(&plant);
+        (heaters.hotend_target, heaters.bed_target) = (Celsius(210.0), Celsius(60.0));
+        for (reading, on) in [(20.0, true), (f64::NAN, false)] {
+            heaters.update(&plant, Celsius(reading), Celsius(reading));
+            assert_eq!((heaters.hotend_duty > 0.0, heaters.bed_duty > 0.0), (on, on), "{reading}");
+        }
+    }
+}

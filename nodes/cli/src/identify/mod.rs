@@ -83,6 +83,8 @@ struct Figures {
     widths: usize,
     /// Messages that could not be.
     refused: u64,
+    /// What somebody in the graph warned of meanwhile: what was learned may be a fault's.
+    warned: Vec<String>,
     /// Nozzle's temperature for which the lags are told `[K]`.
     lags_at_k: Option<f64>,
     quantities: Vec<Quantity>,
@@ -128,6 +130,7 @@ pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
         readings: learned.heat.readings,
         widths: learned.flow.as_ref().map_or(0, |flow| flow.widths),
         refused: recorded.refused,
+        warned: recorded.warned,
         lags_at_k: learned.flow.as_ref().map(|flow| flow.nominal.at_k),
         quantities: learned.quantities,
     };

@@ -1,10 +1,10 @@
 //! What of a bag a printer is learned from: what a real one records. What a simulation knows beyond is not read.
 
 use crate::report::bag::{Bag, there_are};
-use crate::report::decode::decode;
+use crate::report::decode::{decode, short};
 use crate::report::scan::{Raw, Visitor, scan_what_is_there};
 use anyhow::bail;
-use fdm_loop_msgs::PrintInfo;
+use fdm_loop_msgs::{PrintEvent, PrintInfo};
 use models::status::PrinterStatus;
 use models::units::Kelvin;
 use runtime::topics;
@@ -18,6 +18,11 @@ const BACK_S: f64 = 1.0;
 /// No drive feeds or retracts faster `[m/s]`, and no count steps by more at once `[m]`.
 const FEED_MOST_M_S: f64 = 0.3;
 const FEED_AT_ONCE_M: f64 = 0.01;
+
+/// Most warnings that are told.
+const WARNED: usize = 8;
+/// Longest reason that is told `[characters]`.
+const WHY: usize = 160;
 
 /// A reading at a time `[s]`.
 pub(super) type At = (f64, f64);
@@ -44,6 +49,8 @@ pub(super) struct Recorded {
     pub(super) widths: Vec<Width>,
     /// Messages that say what cannot be.
     pub(super) refused: u64,
+    /// What somebody in the graph warned of, the first time each.
+    pub(super) warned: Vec<String>,
     namespace: Option<String>,
     /// Namespaces other than the chosen one.
     others: BTreeSet<String>,
@@ -118,6 +125,14 @@ impl Recorded {
                 let name = info.config.lines().find_map(|line| line.strip_prefix(MATERIAL));
                 self.material = name.map(|name| name.trim().trim_matches('"').to_owned());
             }
+            topic if topic == topics::EVENTS.name() => {
+                let event: PrintEvent = decode(payload)?;
+                let why = short(&event.why, WHY);
+                let news = self.warned.len() < WARNED && !self.warned.contains(&why);
+                if news && event.severity >= PrintEvent::SEVERITY_WARN {
+                    self.warned.push(why);
+                }
+            }
             _ => {}
         }
         Some(())
@@ -139,7 +154,8 @@ fn push(readings: &mut Vec<At>, reading: At, jumped: &mut bool) {
 }
 
 /// Topics that are read.
-const READ: [&str; 5] = [
+const READ: [&str; 6] = [
+    topics::EVENTS.name(),
     topics::PRINT_INFO.name(),
     topics::HOTEND_TEMPERATURE.name(),
     topics::PRINTER_STATE.name(),
@@ -178,6 +194,16 @@ mod tests {
         {
             assert_eq!(is_fed(last, reading), can_be, "{reading:?}");
         }
+    }
+
+    #[test]
+    fn what_was_warned_of_is_told_once_and_what_was_none_is_not() {
+        let mut recorded = Recorded::default();
+        for (severity, why) in [(0, "the start is over"), (1, "P4: fan"), (1, "P4: fan"), (2, "P2: heater")] {
+            let event = PrintEvent { severity, why: why.to_owned(), ..PrintEvent::default() };
+            recorded.take(topics::EVENTS.name(), &crate::replay::encode(&event).unwrap()).unwrap();
+        }
+        assert_eq!(recorded.warned, ["P4: fan", "P2: heater"]);
     }
 
     #[test]

@@ -55,6 +55,12 @@ pub(super) fn page(figures: &Figures) -> String {
         ));
     }
     page.push_str("\nHeat capacities, losses and coupling scale with the heater's power, which is taken as the file says.");
+    if !figures.warned.is_empty() {
+        let warned = figures.warned.join("\n  ");
+        page.push_str(&format!(
+            "\nWARNING: the print was not sound, and what was learned may be its fault's: mend it and print anew.\n  {warned}"
+        ));
+    }
     page
 }
 
