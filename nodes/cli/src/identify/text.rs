@@ -58,7 +58,7 @@ pub(super) fn page(figures: &Figures) -> String {
     if !figures.warned.is_empty() {
         let warned = figures.warned.join("\n  ");
         page.push_str(&format!(
-            "\nWARNING: the print was not sound, and what was learned may be its fault's: mend it and print anew.\n  {warned}"
+            "\nWARNING: what was learned may be a fault's, of which this was said meanwhile: mend it and print anew.\n  {warned}"
         ));
     }
     page
@@ -132,6 +132,24 @@ mod tests {
         for column in ["inside: ", "within 5%: ", "either: ", "about 95 of 100"] {
             assert!(page.contains(column), "{column} in {page}");
         }
+    }
+
+    #[test]
+    fn what_was_warned_of_is_told_and_nothing_where_nobody_warned() {
+        let told = |warned: &[&str]| {
+            page(&Figures {
+                bag: "cold".to_owned(),
+                readings: 1,
+                widths: 0,
+                refused: 0,
+                warned: warned.iter().map(|&why| why.to_owned()).collect(),
+                lags_at_k: None,
+                quantities: Vec::new(),
+            })
+        };
+        assert!(!told(&[]).contains("WARNING"));
+        let told = told(&["P4: fan", "P2: heater"]);
+        assert!(told.contains("WARNING") && told.ends_with("\n  P4: fan\n  P2: heater"), "{told}");
     }
 
     #[test]
