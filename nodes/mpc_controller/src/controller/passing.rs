@@ -19,11 +19,17 @@ impl Controller {
         if !(told && vouched && self.is_transient(exposed.0, error - self.spool_error(), bound)) {
             return false;
         }
-        if self.status.is_some_and(|status| status.host.executes_schedules()) {
+        if self.plans_corners() {
             let (least, band) = (self.params.trims.transient_slowed, &self.params.deadband);
             self.slowing.on_section(exposed.0, road.section() * error, least, band);
         }
         true
+    }
+
+    /// Whether roads at corners keep their section, so that a thin one tells of a dip.
+    fn plans_corners(&self) -> bool {
+        let executes = self.status.is_some_and(|status| status.host.executes_schedules());
+        executes && self.params.advance.source.plans_corners()
     }
 
     /// What the roads are off by since the spool is not known yet: no dip `[-]`.

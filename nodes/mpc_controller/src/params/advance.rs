@@ -20,6 +20,13 @@ pub enum AdvanceSource {
     Predicted,
 }
 
+impl AdvanceSource {
+    /// Whether it gives coming moves a law each, where a host executes those.
+    pub(crate) const fn plans_corners(self) -> bool {
+        matches!(self, Self::Planned | Self::Predicted)
+    }
+}
+
 /// Pressure advance.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

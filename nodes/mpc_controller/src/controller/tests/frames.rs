@@ -136,19 +136,24 @@ fn a_slowed_path_without_an_encoder_goes_back_by_its_rate() {
 
 /// Where corners are not planned, their roads are as thin as those of a dip.
 #[test]
-fn only_a_host_that_executes_schedules_is_slowed() {
-    for (host, is_slowed) in [
-        (HostProfile::Native, true),
-        (HostProfile::Serial, true),
-        (HostProfile::Moonraker, false),
-        (HostProfile::Octoprint, false),
-    ] {
-        let mut rig = Rig::new(Level::Mpc);
+fn a_path_is_slowed_only_where_corners_are_planned() {
+    use HostProfile::{Moonraker, Native, Octoprint, Serial};
+    let planned = [(Native, "planned"), (Native, "predicted"), (Serial, "planned")];
+    let chased = [
+        (Moonraker, "planned"),
+        (Octoprint, "planned"),
+        (Native, "file"),
+        (Native, "none"),
+        (Serial, "material"),
+    ];
+    for (index, (host, source)) in planned.into_iter().chain(chased).enumerate() {
+        let text = SHIPPED.replace("source: planned ", &format!("source: {source} "));
+        let mut rig = Rig::of(made_of(&text, Level::Mpc));
         rig.run(59, |estimate| estimate);
         let reported = PrinterStatus { host, ..status(2.96, rig.wanted_m, rig.in_force) };
         rig.controller.on_event(Event::Printer(reported));
         rig.controller.on_event(Event::Width { exposed: Seconds(2.9), width_m: 0.75 * 4.8e-4 });
         let sent = rig.run(1, |estimate| estimate);
-        assert_eq!(sent[0].speed < 0.995, is_slowed, "{host:?}: {sent:?}");
+        assert_eq!(sent[0].speed < 0.995, index < planned.len(), "{host:?}, {source:?}: {sent:?}");
     }
 }
