@@ -11,6 +11,7 @@ use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
+mod cold;
 mod slow;
 
 /// Bytes at the end of a file in which slicers state the material.
@@ -93,8 +94,11 @@ impl GcodeFile {
     /// The same, with what the file holds, and its longest wait.
     fn look_through(&mut self, path: &Path, motion: &MotionParams) -> (Totals, Option<slow::Wait>) {
         let mut job = Job::new(Cursor::new(Arc::clone(&self.bytes)), &self.header, motion);
-        let mut wait = None;
-        let slowest = slow::slowest(job.by_ref().inspect(|step| slow::Wait::note(&mut wait, step)));
+        let (mut wait, mut cold) = (None, cold::Cold::default());
+        let slowest = slow::slowest(job.by_ref().inspect(|step| {
+            slow::Wait::note(&mut wait, step);
+            cold.note(step);
+        }));
         self.oddities = job.oddities().total();
         if let Some(first) = first_of_each(job.oddities().kept()) {
             let (name, count) = (path.display(), self.oddities);
@@ -102,6 +106,9 @@ impl GcodeFile {
         }
         if let Some(slow) = slowest.filter(slow::Line::is_long) {
             output::note(&format!("{}: {slow}", path.display()));
+        }
+        if cold.lays() {
+            output::note(&format!("{}: {cold}", path.display()));
         }
         (*job.totals(), wait)
     }

@@ -28,7 +28,9 @@ pub fn seeds(option: &str, range: &str) -> anyhow::Result<Vec<u64>> {
     let bounds = range.split_once("..").and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
     match bounds {
         Some((first, last)) if first <= last && last - first < 10_000 => Ok((first..=last).collect()),
-        _ => bail!("{option} {range}: must be A..B with A <= B, both included, at most 10000 of them"),
+        _ => bail!(
+            "{option} {range}: must be A..B with A <= B, both included, at most 10000 of them: 1..5 are five seeds"
+        ),
     }
 }
 

@@ -131,6 +131,19 @@ mod tests {
         assert!((temps.sensor_k - 483.15).abs() < 0.1, "settled at {} K", temps.sensor_k);
     }
 
+    /// A block that was too hot for a minute needs what it needed before: an integral that winds down would begin with nothing.
+    #[test]
+    fn at_the_lower_stop_the_integral_does_not_wind_down() {
+        let set = Kelvin(483.15);
+        let mut heater = Pid::settled(gains(), 40.0, 20.0, set);
+        for _ in 0..600 {
+            assert_eq!(heater.update(set, Kelvin(503.15)), Some(0.0));
+        }
+        heater.update(set, set).unwrap();
+        let power_w = heater.update(set, set).unwrap();
+        assert!((power_w - 20.0).abs() < 1e-9, "{power_w} W");
+    }
+
     #[test]
     fn a_reading_that_is_not_a_number_yields_no_power() {
         let mut heater = Pid::new(gains(), 40.0);

@@ -141,23 +141,46 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Model book 1.6: Q of a perfect bead with alpha = 0.9 is 0.125.
-    #[test]
-    fn a_perfect_bead_with_adhesion_09_has_q_0125() {
-        let quality = Quality::try_from(RawQuality {
+    fn quality() -> Quality {
+        Quality::try_from(RawQuality {
             weights: Terms { features: 0.5, width: 1.0, temperature: 0.3, adhesion: 0.5, porosity: 1.0 },
             tolerances: Terms { features: 1.0, width: 0.05, temperature: 5.0, adhesion: 0.2, porosity: 0.05 },
         })
-        .unwrap();
-        let seen = Observed {
-            feature_errors: &[],
-            width_m: 4.8e-4,
-            width_wanted_m: 4.8e-4,
-            temperature_error_k: 0.0,
-            adhesion: 0.9,
-            porosity: 0.0,
-        };
-        assert!((quality.terms(&seen).total() - 0.125).abs() < 1e-12);
+        .unwrap()
+    }
+
+    const PERFECT: Observed<'static> = Observed {
+        feature_errors: &[],
+        width_m: 4.8e-4,
+        width_wanted_m: 4.8e-4,
+        temperature_error_k: 0.0,
+        adhesion: 1.0,
+        porosity: 0.0,
+    };
+
+    /// Model book 1.6: Q of a perfect bead with alpha = 0.9 is 0.125.
+    #[test]
+    fn a_perfect_bead_with_adhesion_09_has_q_0125() {
+        let seen = Observed { adhesion: 0.9, ..PERFECT };
+        assert!((quality().terms(&seen).total() - 0.125).abs() < 1e-12);
+    }
+
+    /// By hand, of (15): twice its tolerance off, each term is four times its weight, to either side.
+    #[test]
+    fn each_term_is_the_square_of_its_error_in_tolerances() {
+        for (seen, q) in [
+            (Observed { feature_errors: &[2.0, -2.0], ..PERFECT }, 0.5 * 8.0),
+            (Observed { width_m: 1.1 * 4.8e-4, ..PERFECT }, 4.0),
+            (Observed { width_m: 0.9 * 4.8e-4, ..PERFECT }, 4.0),
+            (Observed { temperature_error_k: 10.0, ..PERFECT }, 0.3 * 4.0),
+            (Observed { temperature_error_k: -10.0, ..PERFECT }, 0.3 * 4.0),
+            (Observed { adhesion: 0.6, ..PERFECT }, 0.5 * 4.0),
+            (Observed { porosity: 0.1, ..PERFECT }, 4.0),
+            (PERFECT, 0.0),
+        ] {
+            let total = quality().terms(&seen).total();
+            assert!((total - q).abs() < 1e-9, "{total} for {q}: {seen:?}");
+        }
     }
 
     #[test]

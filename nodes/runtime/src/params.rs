@@ -238,7 +238,9 @@ pub fn from_yaml<T: DeserializeOwned>(file: &Path) -> Result<T, ParamFileError> 
         let twice = yaml::read_yaml(&text).err().as_ref().map(yaml::reason);
         let reason = twice.unwrap_or_else(|| {
             let reason = error.without_snippet().to_string();
-            reason.lines().next().unwrap_or_default().to_owned()
+            let reason = reason.lines().next().unwrap_or_default();
+            // The place stands in front already.
+            reason.rsplit_once(" at line ").map_or(reason, |(reason, _)| reason).to_owned()
         });
         ParamFileError::Malformed { at, reason }
     })

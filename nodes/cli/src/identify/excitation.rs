@@ -69,7 +69,11 @@ pub(super) fn streams(recorded: &Recorded, wanted: &Excitation, with_flow: bool)
     let hotend_hz = times(&recorded.hotend_k);
     demand(topics::HOTEND_TEMPERATURE.name(), hotend_hz, wanted.temperature_hz, "the thermistor's readings");
     let states_hz = series::rate_hz(recorded.states.iter().map(|state| state.stamp.0));
-    let what = if with_flow { "duty, fan, speed of the tool" } else { "duty and fan" };
+    let what = if with_flow {
+        "duty, fan, speed of the tool; --only hotend does with fewer"
+    } else {
+        "duty and fan"
+    };
     demand(topics::PRINTER_STATE.name(), states_hz, state_hz, what);
     if with_flow && !recorded.encoder_m.is_empty() {
         let encoder_hz = times(&recorded.encoder_m);
@@ -169,9 +173,10 @@ fn steps(
     let (low, high) = (share(2), share(18));
     if !(high >= wanted.flow_ratio * low && low > 0.0) {
         lacking.push(format!(
-            "flow: {:.1} to {:.1} mm3/s, a ratio of {} is needed: slow and fast roads",
+            "flow: from {:.1} to {:.1} mm3/s, the fast {:.1} times the slow; {} times are needed: slow and fast roads",
             1e9 * low,
             1e9 * high,
+            if low > 0.0 { high / low } else { 0.0 },
             wanted.flow_ratio
         ));
     }

@@ -2,8 +2,11 @@
 
 use super::learn::{Learned, Quantity};
 use crate::options::significant;
+use crate::report::decode::short;
 use anyhow::bail;
 
+/// Longest warning that is told `[char]`.
+const WARNING_MAX: usize = 160;
 /// Digits of a number in the file; intervals are rarely narrower than 0.1 %.
 const DIGITS: usize = 5;
 /// Digits of the ends of an interval.
@@ -14,8 +17,14 @@ const BLOCKS: [&str; 2] = ["hotend", "extruder"];
 const ESTIMATOR: [&str; 3] = ["thermistor.sigma_k", "encoder.quantum_m", "width.sigma_min_m"];
 
 /// The text of the file; `nominal` is the text of the one that it replaces, `bag` the name of the bag.
-pub(super) fn text(nominal: &str, learned: &Learned, bag: &str) -> anyhow::Result<String> {
+pub(super) fn text(nominal: &str, learned: &Learned, bag: &str, warned: &[String]) -> anyhow::Result<String> {
     let mut text = head(learned, bag);
+    for warning in warned {
+        let line = short(warning, WARNING_MAX);
+        text.push_str(&format!(
+            "# WARNED while the bag was recorded, so that a fault may be learned: {line}\n"
+        ));
+    }
     let mut block = "";
     let mut left: Vec<&Quantity> = learned.quantities.iter().filter(|it| in_block(it).is_some()).collect();
     for line in nominal.lines().skip_while(|line| line.starts_with('#')) {

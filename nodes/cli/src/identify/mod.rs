@@ -122,7 +122,8 @@ pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
         let nominal = config.file("printers/ender3.yaml");
         let nominal = runtime::input::text(&nominal).with_context(|| nominal.display().to_string())?;
         let name = bag.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let text = file::text(&nominal, &learned, &crate::report::decode::short(&name, 80))?;
+        let text =
+            file::text(&nominal, &learned, &crate::report::decode::short(&name, 80), &recorded.warned)?;
         std::fs::write(out, text).with_context(|| out.display().to_string())?;
     }
     let figures = Figures {

@@ -125,8 +125,6 @@ impl IdentifyParams {
             ("prior.activation_rel", prior.activation_rel),
             ("prior.gain", prior.gain),
             ("prior.gain_walk_rel", prior.gain_walk_rel),
-            ("fit.gain_knot_m", fit.gain_knot_m),
-            ("fit.cell_s", fit.cell_s),
             ("fit.tolerance", fit.tolerance),
         ] {
             positive(name, value, "-")?;
@@ -143,6 +141,8 @@ impl IdentifyParams {
             ("excitation.fan_high", excitation.fan_high, (0.0, 1.0)),
             ("excitation.step_rel", excitation.step_rel, (0.0, 10.0)),
             ("excitation.flow_ratio", excitation.flow_ratio, (1.0, 100.0)),
+            ("fit.gain_knot_m", fit.gain_knot_m, (0.01, 10.0)),
+            ("fit.cell_s", fit.cell_s, (0.001, 1.0)),
             ("fit.calm_s", fit.calm_s, (0.0, 10.0)),
             ("fit.calm_rel", fit.calm_rel, (0.0, 1.0)),
             ("fit.road_s", fit.road_s, (0.0, 10.0)),

@@ -72,7 +72,9 @@ fn the_file_is_the_nominal_one_with_the_learned_numbers() {
     let (config, setup, params) = setup();
     let learned = hotend_of(&setup, &params, &recorded(&setup, &SCRIPT, 2));
     let nominal = std::fs::read_to_string(config.file("printers/ender3.yaml")).unwrap();
-    let text = super::file::text(&nominal, &learned, "a_bag").unwrap();
+    let text =
+        super::file::text(&nominal, &learned, "a_bag", &["P2: clog".to_owned(), "x\nhotend: y".to_owned()])
+            .unwrap();
     let path = std::env::temp_dir().join(format!("fdm_identified_{}.yaml", std::process::id()));
     std::fs::write(&path, &text).unwrap();
     let node = runtime::params::NodePath { qualified: "/printer/fdm".into(), base: "fdm".into() };
@@ -97,6 +99,9 @@ fn the_file_is_the_nominal_one_with_the_learned_numbers() {
     assert_eq!(printer.extruder, setup.printer.extruder, "what was not learned stays");
     assert!((printer.hotend.heater_power_w - setup.printer.hotend.heater_power_w).abs() < 1e-12);
     std::fs::remove_file(&path).unwrap();
+    for told in ["learned: P2: clog\n", "learned: x hotend: y\n"] {
+        assert!(text.contains(told), "{told} stands in a comment: {text}");
+    }
     assert!(text.contains("[J/K] [0.1, 1e4] C_e; bag a_bag, 95 % ["), "{text}");
     assert!(
         text.contains("state_estimator:\n  ros__parameters:\n    thermistor:\n      sigma_k: 0.1"),

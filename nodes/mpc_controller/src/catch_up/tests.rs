@@ -20,6 +20,24 @@ fn sending(at_s: f64) -> Sending {
     Sending { at_s, dt_s: 0.05, feed_m_s: FEED_M_S, lag_s: LAG_S }
 }
 
+/// Of samples further apart than `pairing_s` nobody knows what passed at the status' time between them.
+#[test]
+fn a_gap_of_the_encoder_is_not_interpolated() {
+    for (gap_s, owed_m) in [(0.04, 1e-4), (0.06, 0.0)] {
+        let mut compared = Shortfall::new(SETTINGS);
+        compared.on_encoder(0.0, 0.0);
+        compared.on_wanted(0.01, 0.0);
+        compared.on_encoder(0.02, 0.0);
+        compared.on_wanted(0.03, 1e-4);
+        compared.on_encoder(0.02 + gap_s, 0.0);
+        assert!(
+            compared.is_closed() && (compared.owed_m() - owed_m).abs() < 1e-12,
+            "{gap_s} s: {}",
+            compared.owed_m()
+        );
+    }
+}
+
 /// A host that executes what it was sent `late` periods of 50 ms ago, and a melt of one lag behind a drive that slips.
 struct Printer {
     loop_: CatchUp,

@@ -263,5 +263,8 @@ fn gains_beyond_the_limit_of_the_delay_are_refused_with_the_numbers() {
     let text = SHIPPED.replace("feed_gain: 0.12 ", "feed_gain: 0.65 ");
     let error = serde_saphyr::from_str::<File>(&text).map(|_| ()).unwrap_err().to_string();
     // 0.65 + 0.05 against 2 sin(pi / 10)
-    assert!(error.contains("0.7") && error.contains("0.618"), "{error}");
+    assert!(
+        error.contains("trims.feed_gain = 0.65 (no unit): must be below 0.618 with trims.speed_gain = 0.05"),
+        "{error}"
+    );
 }

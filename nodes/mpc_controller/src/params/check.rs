@@ -2,7 +2,7 @@
 
 use super::{RawBase, RawCost, RawHealth, RawLimits, RawSlip, RawTrims};
 use crate::trims::loop_gain_limit;
-use models::params::{ParamError, in_range, ordered};
+use models::params::{ParamError, in_range};
 
 pub(super) fn cost(raw: &RawCost) -> Result<(), ParamError> {
     in_range("cost.width_scale", raw.width_scale, "-", (1e-300, 10.0))?;
@@ -52,11 +52,19 @@ pub(super) fn trims(raw: &RawTrims) -> Result<(), ParamError> {
     in_range("trims.steady_s", raw.steady_s, "s", (0.0, 10.0))?;
     in_range("trims.steady_clogged_s", raw.steady_clogged_s, "s", (0.0, 10.0))?;
     in_range("trims.speed_spread", raw.speed_spread, "-", (0.0, 1.0))?;
-    let samples = (raw.delay_s / raw.frame_period_s).ceil();
-    ordered(
-        ("trims.feed_gain + trims.speed_gain", raw.feed_gain + raw.speed_gain),
-        ("2 sin(pi / (2 (2 d + 1))) at d = delay_s / frame_period_s frames", loop_gain_limit(samples)),
-    )
+    let limit = loop_gain_limit((raw.delay_s / raw.frame_period_s).ceil());
+    if raw.feed_gain + raw.speed_gain < limit {
+        return Ok(());
+    }
+    Err(ParamError::OutOfRange {
+        name: "trims.feed_gain",
+        value: raw.feed_gain,
+        unit: "-",
+        rule: format!(
+            "below {limit:.3} with trims.speed_gain = {}: 2 sin(pi / (2 (2 d + 1))), d = delay_s / frame_period_s frames",
+            raw.speed_gain
+        ),
+    })
 }
 
 pub(super) fn slip(raw: &RawSlip) -> Result<(), ParamError> {

@@ -107,6 +107,26 @@ fn a_cycle_of_the_filter_agrees_with_the_reference() {
     }
 }
 
+/// What flows is heated from the room's temperature on: 2.4 mm3/s of PLA take `rho A c_p u (T - T_a)` from the nozzle.
+#[test]
+fn the_filament_enters_at_the_temperature_of_the_room() {
+    let model = pla_on_a_nominal_printer();
+    let drive = Drive {
+        heater_power_w: 0.0,
+        motor_speed_m_s: 0.0,
+        back_m_s: 0.0,
+        filament_speed_m_s: None,
+        fan: 0.0,
+    };
+    let nozzle_k = |flow_m_s: f64| {
+        let x = State::from([490.0, 480.0, 490.0, flow_m_s, 0.0, 1.0]);
+        model.step(&x, &drive, 1e-3)[state::NOZZLE]
+    };
+    let taken_k = nozzle_k(0.0) - nozzle_k(1e-3);
+    let by_hand_k = 1240.0 * 2.405_281_875e-6 * 1800.0 * 1e-3 * (480.0 - 298.15) / 2.2 * 1e-3;
+    assert!((taken_k / by_hand_k - 1.0).abs() < 1e-6, "{taken_k} {by_hand_k}");
+}
+
 #[test]
 fn the_lag_does_not_depend_on_the_step() {
     // through a retraction and back

@@ -25,6 +25,24 @@ fn a_sensor_in_the_nozzle_tells_what_the_model_cannot_know() {
     assert_eq!(seen.resets, 0);
 }
 
+/// Its own walk counts while it is fitted, but where widths tell of the slip.
+#[test]
+fn a_sensor_in_the_nozzle_is_followed_by_its_own_walk() {
+    let std_k = |walk: &str, encoder: bool, fitted: bool| {
+        let mut rig = Rig::with(&[("nozzle_seen_k: 0.06 ", walk)]);
+        rig.encoder = encoder;
+        let before_c = nozzle_c(&rig.run(100));
+        rig.nozzle = fitted.then_some(Celsius(before_c));
+        nozzle_std_k(&rig.run(1000))
+    };
+    let ratio = |encoder, fitted| {
+        std_k("nozzle_seen_k: 0.2 ", encoder, fitted) / std_k("nozzle_seen_k: 0.02 ", encoder, fitted)
+    };
+    assert!(ratio(true, true) > 1.5, "{}", ratio(true, true));
+    assert!((ratio(true, false) - 1.0).abs() < 1e-9, "none is fitted");
+    assert!((ratio(false, true) - 1.0).abs() < 1e-9, "widths tell of the slip");
+}
+
 /// It fails: what the model says counts again, and that it is not known well.
 #[test]
 fn a_sensor_that_falls_silent_is_out() {
