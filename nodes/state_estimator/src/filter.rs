@@ -58,6 +58,8 @@ struct Running {
     nozzle_alive: bool,
     at_s: f64,
     drive: Drive,
+    /// What one of slip takes of the flow once it has followed `[m/s]`: with strokes back and forth several times the flow.
+    slipped_m_s: f64,
     flows: Ring<(f64, f64)>,
     /// How the flow depends on the factor of its law `[m/s]`, with stamps.
     slopes: Ring<(f64, f64)>,
@@ -201,6 +203,7 @@ impl Filter {
             nozzle_alive: false,
             at_s: status.stamp.0,
             drive: self.drive(status, (0.0, 0.0), None),
+            slipped_m_s: flow_m_s,
             flows: Ring::new(FLOWS),
             slopes: Ring::new(FLOWS),
             imbalances,

@@ -43,6 +43,11 @@ impl Observation {
         Measurement { value: Vector1::new(self.value), noise: Matrix1::new(self.variance), gate }
     }
 
+    /// Whether less was measured than predicted.
+    pub(crate) fn lacks(&self, predicted: f64) -> bool {
+        self.value < predicted
+    }
+
     /// Variance that a passing transient adds; 0 without one.
     pub(crate) fn passing(&self) -> f64 {
         self.passing

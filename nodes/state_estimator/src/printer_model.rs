@@ -97,6 +97,12 @@ impl Course {
     fn at(&self, flow_m_s: f64, filament_m_s: f64) -> f64 {
         self.to_m_s + self.kept * (flow_m_s - self.from_m_s) + self.taken * (filament_m_s - self.filament_m_s)
     }
+
+    /// What one of slip has taken of the flow at the end `[m/s]`, of `before_m_s` at the start: all that went forth at
+    /// `forth_m_s` meanwhile, behind the same lag.
+    pub(crate) fn slipped(&self, before_m_s: f64, forth_m_s: f64) -> f64 {
+        self.kept * before_m_s + self.taken * forth_m_s
+    }
 }
 
 impl PrinterModel {

@@ -1,11 +1,12 @@
 //! What was measured, applied to the belief.
 
+use super::noise::ANY_SLIP;
 use super::{Filter, Running};
 use crate::channel::{CHANNELS, Channel, Record, Verdict};
 use crate::estimator::Inbox;
 use crate::intervals::Slip;
 use crate::measurement::{self, Observation};
-use crate::printer_model::state;
+use crate::printer_model::{State, state};
 use crate::ukf::{Gaussian, Update};
 use models::transient::Transient;
 
@@ -93,7 +94,7 @@ impl Filter {
         let Some(observation) = run.intervals.step(&self.params.encoder) else { return true };
         self.steps += 1;
         record.begin();
-        run.ukf.inflate(&self.doubt(run, Channel::Encoder));
+        run.ukf.inflate(&self.doubt(Channel::Encoder));
         let gate = record.gate(run.encoder_alive);
         let update = run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x));
         !matches!(update, Update::Diverged)
@@ -140,20 +141,34 @@ impl Filter {
             Verdict::Diverged => false,
             Verdict::Stepped => {
                 self.steps += 1;
-                let doubt = self.doubt(run, channel);
-                if channel != Channel::Width || !run.slip_by_widths() {
-                    run.ukf.inflate(&doubt);
-                    return true;
+                // a spool does not step: where nobody watches the gear, that does
+                if channel == Channel::Width && run.slip_by_widths() {
+                    return self.take_slip(run, observation, gate);
                 }
-                // what was taken for the spool's beside the old slip is none of the new one's
-                run.ukf.freeze(state::SLIP);
-                run.ukf.inflate(&doubt);
-                // The frame that tells of the step tells its size, too. What no step explains is no step: the filter is lost.
-                let again =
-                    run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x));
-                matches!(again, Update::Applied(_))
+                run.ukf.inflate(&self.doubt(channel));
+                true
             }
         }
+    }
+
+    /// Takes a step of the slip from the width that tells of it, and its size, too: a usual one, or, where the road thins, any.
+    /// A road that widens is of a slip that was told too large: the flow has followed that for long. `false` where no step
+    /// explains it: the filter is lost.
+    fn take_slip(&self, run: &mut Running, observation: &Observation, gate: f64) -> bool {
+        let alone = &self.params.widths_alone;
+        let predicted = |x: &State| observation.predicted(&self.model, x);
+        let thins = observation.lacks(predicted(&run.ukf.belief().mean).x);
+        let (followed, deviations) = if thins {
+            (alone.followed, &[alone.step_std, ANY_SLIP][..])
+        } else {
+            (1.0, &[alone.step_std][..])
+        };
+        deviations.iter().any(|std| {
+            // what was taken for the spool's beside the old slip is none of the new one's
+            run.ukf.freeze(state::SLIP);
+            run.ukf.inflate(&Self::slip_doubt(run, *std, followed));
+            matches!(run.ukf.update(&observation.measurement(gate), predicted), Update::Applied(_))
+        })
     }
 
     /// Noise is learnt from what passed the gate; a step is none.

@@ -9,7 +9,7 @@ use models::status::PrinterStatus;
 /// Smallest deviation of a process noise `[-]`: a root has to exist.
 const FLOOR: f64 = 1e-9;
 /// Deviation of a slip of which nothing is known but that it is between none and all, `1/sqrt(12)` `[-]`.
-const ANY_SLIP: f64 = 0.289;
+pub(super) const ANY_SLIP: f64 = 0.289;
 /// Least share of the feed that is taken to get through where nothing tells how much does `[-]`.
 const LEAST_KEPT: f64 = 0.1;
 
@@ -94,7 +94,7 @@ impl Filter {
     }
 
     /// Doubt added to the states behind a channel whose innovations stand on one side.
-    pub(super) fn doubt(&self, run: &Running, channel: Channel) -> Covariance {
+    pub(super) fn doubt(&self, channel: Channel) -> Covariance {
         let mut deviations = [0.0; state::COUNT];
         match channel {
             Channel::Thermistor => {
@@ -104,16 +104,17 @@ impl Filter {
             }
             Channel::Nozzle => deviations[state::NOZZLE] = self.params.nozzle_sensor.step_std_k,
             Channel::Encoder => deviations[state::SLIP] = self.params.encoder.step_std,
-            // a spool does not step: where nobody watches the gear, that does, and the flow has followed it meanwhile
-            Channel::Width if run.slip_by_widths() => {
-                let alone = &self.params.widths_alone;
-                let mut along = slipping(&run.ukf.belief().mean) * alone.step_std;
-                along[state::FLOW] *= alone.followed;
-                return along * along.transpose();
-            }
             Channel::Width => deviations[state::GAIN] = self.params.width.step_std,
         }
         variances(deviations)
+    }
+
+    /// Doubt added by a step of the slip of such a deviation that widths alone tell, of which the flow has followed a share.
+    pub(super) fn slip_doubt(run: &Running, std: f64, followed: f64) -> Covariance {
+        let mut along = State::zeros();
+        along[state::SLIP] = 1.0;
+        along[state::FLOW] = -followed * run.slipped_m_s;
+        along * along.transpose() * std.powi(2)
     }
 }
 

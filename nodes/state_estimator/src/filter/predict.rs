@@ -67,6 +67,8 @@ impl Filter {
         run.slopes.push((to_s, self.slope_m_s(run, law.as_ref(), (&course, dt_s))));
         let health = run.ukf.predict(&noise, |x| model.step_along(x, &drive, &course, dt_s));
         run.at_s = to_s;
+        let forth_m_s = (drive.motor_speed_m_s + drive.back_m_s).max(0.0);
+        run.slipped_m_s = course.slipped(run.slipped_m_s, forth_m_s);
         let x = &run.ukf.belief().mean;
         run.flows.push((run.at_s, x[state::FLOW]));
         let off_m_s = (model.pushed(x, &drive) - x[state::FLOW]).abs();
