@@ -240,7 +240,8 @@ pub fn from_yaml<T: DeserializeOwned>(file: &Path) -> Result<T, ParamFileError> 
             let reason = error.without_snippet().to_string();
             let reason = reason.lines().next().unwrap_or_default();
             // The place stands in front already.
-            reason.rsplit_once(" at line ").map_or(reason, |(reason, _)| reason).to_owned()
+            let place = error.location().map(|at| format!(" at line {}, column {}", at.line(), at.column()));
+            place.and_then(|place| reason.strip_suffix(&place)).unwrap_or(reason).to_owned()
         });
         ParamFileError::Malformed { at, reason }
     })

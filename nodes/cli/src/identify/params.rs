@@ -142,7 +142,7 @@ impl IdentifyParams {
             ("excitation.step_rel", excitation.step_rel, (0.0, 10.0)),
             ("excitation.flow_ratio", excitation.flow_ratio, (1.0, 100.0)),
             ("fit.gain_knot_m", fit.gain_knot_m, (0.01, 10.0)),
-            ("fit.cell_s", fit.cell_s, (0.001, 1.0)),
+            ("fit.cell_s", fit.cell_s, (0.001, 0.1)),
             ("fit.calm_s", fit.calm_s, (0.0, 10.0)),
             ("fit.calm_rel", fit.calm_rel, (0.0, 1.0)),
             ("fit.road_s", fit.road_s, (0.0, 10.0)),

@@ -1,9 +1,12 @@
-//! The first road of a file that is laid while the hot end is off: a file that was cut, or a start macro that nobody knows here.
+//! The first road of a file that is laid below any set-point at which plastic is laid: a file that was cut, or a start macro that nobody knows here.
 
 use models::motion::{Action, MoveKind, Step};
 use std::fmt;
 
-/// Whether the hot end is off, and the first road that is laid meanwhile.
+/// No plastic is laid at a lower set-point; firmware refuses to push filament below 170 degC `[degC]`.
+const LEAST_C: f64 = 150.0;
+
+/// Whether the hot end is set to heat, and the first road that is laid while it is not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Cold {
     heated: bool,
@@ -13,7 +16,7 @@ pub(super) struct Cold {
 impl Cold {
     pub(super) fn note(&mut self, step: &Step) {
         match step {
-            Step::Action(Action::HotendTarget { target, .. }, _) => self.heated = target.0 > 0.0,
+            Step::Action(Action::HotendTarget { target, .. }, _) => self.heated = target.0 >= LEAST_C,
             Step::Move(segment) if segment.kind == MoveKind::Deposit && !self.heated => {
                 self.line.get_or_insert(segment.line);
             }
@@ -31,7 +34,7 @@ impl fmt::Display for Cold {
         let line = self.line.unwrap_or(0);
         write!(
             f,
-            "line {line} lays a road while the hot end is off: give M104 or M109 before it; printed as written"
+            "line {line} lays a road while the hot end is off or below {LEAST_C} degC: give M104 or M109 before it; printed as written"
         )
     }
 }
@@ -58,6 +61,7 @@ mod tests {
         let cold = cold_of(road);
         assert!(cold.to_string().starts_with("line 2 lays a road while the hot end is off"), "{cold}");
         assert!(cold_of(&format!("M104 S210\nM104 S0\n{road}")).lays());
+        assert!(cold_of(&format!("M104 S30\n{road}")).lays());
         assert!(cold_of(&format!("{road}M104 S210\n")).lays(), "too late");
         assert!(!cold_of(&format!("M104 S210\n{road}M104 S0\n")).lays());
         assert!(!cold_of(&format!("START_PRINT BED_TEMP=60 EXTRUDER_TEMP=210\n{road}")).lays());

@@ -264,7 +264,9 @@ fn gains_beyond_the_limit_of_the_delay_are_refused_with_the_numbers() {
     let error = serde_saphyr::from_str::<File>(&text).map(|_| ()).unwrap_err().to_string();
     // 0.65 + 0.05 against 2 sin(pi / 10)
     assert!(
-        error.contains("trims.feed_gain = 0.65 (no unit): must be below 0.618 with trims.speed_gain = 0.05"),
+        error.contains(
+            "trims.feed_gain = 0.65 (no unit): must be below 0.618 together with trims.speed_gain = 0.05"
+        ),
         "{error}"
     );
 }

@@ -56,15 +56,15 @@ pub(super) fn trims(raw: &RawTrims) -> Result<(), ParamError> {
     if raw.feed_gain + raw.speed_gain < limit {
         return Ok(());
     }
-    Err(ParamError::OutOfRange {
-        name: "trims.feed_gain",
-        value: raw.feed_gain,
-        unit: "-",
-        rule: format!(
-            "below {limit:.3} with trims.speed_gain = {}: 2 sin(pi / (2 (2 d + 1))), d = delay_s / frame_period_s frames",
-            raw.speed_gain
-        ),
-    })
+    let (name, value, other, other_value) = if raw.speed_gain < limit {
+        ("trims.feed_gain", raw.feed_gain, "trims.speed_gain", raw.speed_gain)
+    } else {
+        ("trims.speed_gain", raw.speed_gain, "trims.feed_gain", raw.feed_gain)
+    };
+    let rule = format!(
+        "below {limit:.3} together with {other} = {other_value}: 2 sin(pi / (2 (2 d + 1))), d = delay_s / frame_period_s frames"
+    );
+    Err(ParamError::OutOfRange { name, value, unit: "-", rule })
 }
 
 pub(super) fn slip(raw: &RawSlip) -> Result<(), ParamError> {

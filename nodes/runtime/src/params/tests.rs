@@ -3,6 +3,8 @@ use models::params::{ParamError, in_range, ordered};
 use serde::Deserialize;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+mod other;
+
 #[derive(Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Params {
@@ -146,16 +148,6 @@ fn text_that_is_no_parameter_file_is_refused_with_its_line() {
     assert!(text.starts_with(':'), "{text}");
     let gone = Parameters::read(&["/no/such.yaml".into()], &[], &node()).unwrap_err().to_string();
     assert!(gone.starts_with("/no/such.yaml: "), "{gone}");
-}
-
-/// A file of another kind, as scenarios are, says it in the same words.
-#[test]
-fn a_name_that_stands_twice_is_told_with_both_lines() {
-    let file = std::env::temp_dir().join(format!("fdm_twice_{}.yaml", std::process::id()));
-    std::fs::write(&file, "faults:\n  kind: slip\n  kind: clog\n").unwrap();
-    let error = from_yaml::<serde_json::Value>(&file).unwrap_err().to_string();
-    std::fs::remove_file(&file).unwrap();
-    assert!(error.ends_with(": 'kind' stands twice in the same block: lines 2 and 3"), "{error}");
 }
 
 #[test]
