@@ -3,7 +3,7 @@
 use models::motion::{Action, MoveKind, Step};
 use std::fmt;
 
-/// No plastic is laid at a lower set-point; firmware refuses to push filament below 170 degC `[degC]`.
+/// Below this no material of `config/materials` is laid, nor does firmware push filament: 170 degC is its usual limit `[degC]`.
 const LEAST_C: f64 = 150.0;
 
 /// Whether the hot end is set to heat, and the first road that is laid while it is not.

@@ -260,13 +260,23 @@ fn nothing_is_planned_while_no_road_is_laid() {
 
 #[test]
 fn gains_beyond_the_limit_of_the_delay_are_refused_with_the_numbers() {
-    let text = SHIPPED.replace("feed_gain: 0.12 ", "feed_gain: 0.65 ");
-    let error = serde_saphyr::from_str::<File>(&text).map(|_| ()).unwrap_err().to_string();
-    // 0.65 + 0.05 against 2 sin(pi / 10)
-    assert!(
-        error.contains(
-            "trims.feed_gain = 0.65 (no unit): must be below 0.618 together with trims.speed_gain = 0.05"
+    let refused = |from: &str, to: &str| {
+        serde_saphyr::from_str::<File>(&SHIPPED.replace(from, to)).map(|_| ()).unwrap_err().to_string()
+    };
+    // 0.65 + 0.05 against 2 sin(pi / 10), and what no feed_gain mends
+    for (from, to, told) in [
+        (
+            "feed_gain: 0.12 ",
+            "feed_gain: 0.65 ",
+            "trims.feed_gain = 0.65 (no unit): must be below 0.618 together with trims.speed_gain = 0.05",
         ),
-        "{error}"
-    );
+        (
+            "speed_gain: 0.05 ",
+            "speed_gain: 0.9 ",
+            "trims.speed_gain = 0.9 (no unit): must be below 0.618 together with trims.feed_gain = 0.12",
+        ),
+    ] {
+        let error = refused(from, to);
+        assert!(error.contains(told), "{error}");
+    }
 }

@@ -164,7 +164,7 @@ impl Filter {
             (1.0, &[alone.step_std][..])
         };
         deviations.iter().any(|std| {
-            // a second doubt comes on top of the first; what was taken for the spool's beside the old slip is none of the new one's
+            // what was taken for the spool's beside the old slip is none of the new one's; a second doubt comes on top of the first
             run.ukf.freeze(state::SLIP);
             run.ukf.inflate(&Self::slip_doubt(run, *std, followed));
             matches!(run.ukf.update(&observation.measurement(gate), predicted), Update::Applied(_))

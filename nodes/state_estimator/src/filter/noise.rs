@@ -118,7 +118,7 @@ impl Filter {
     }
 }
 
-/// What one of slip makes of slip and flow, once the flow has followed it.
+/// What one of slip makes of slip and flow on a road without strokes, once the flow has followed it.
 fn slipping(x: &State) -> State {
     let mut along = State::zeros();
     along[state::SLIP] = 1.0;
