@@ -9,6 +9,8 @@ use runtime::topics;
 
 /// A state lasts until the next one, but not across a gap `[s]`.
 const GAP_S: f64 = 1.0;
+/// Longer than this nothing may be missing `[s]`: what heated meanwhile nobody knows.
+const HOLE_S: f64 = 2.0;
 /// Time over which a flow is averaged `[s]`.
 const FLOW_S: f64 = 0.2;
 
@@ -59,6 +61,8 @@ pub(super) fn streams(recorded: &Recorded, wanted: &Excitation, with_flow: bool)
     let state_hz = if with_flow { wanted.motion_hz } else { wanted.state_hz };
     let times = |samples: &[At]| series::rate_hz(samples.iter().map(|(at_s, _)| *at_s));
     let mut lacking = Vec::new();
+    lacking.extend(hole(topics::HOTEND_TEMPERATURE.name(), recorded.hotend_k.iter().map(|(at_s, _)| *at_s)));
+    lacking.extend(hole(topics::PRINTER_STATE.name(), recorded.states.iter().map(|state| state.stamp.0)));
     let mut demand = |topic: &str, hz: f64, wanted_hz: f64, what: &str| {
         if hz <= 0.0 {
             lacking.push(format!("{topic}: not in the bag: {what}"));
@@ -86,6 +90,17 @@ pub(super) fn streams(recorded: &Recorded, wanted: &Excitation, with_flow: bool)
         ));
     }
     lacking
+}
+
+/// The longest hole of a topic that is too long, from its first message on.
+fn hole(topic: &str, stamps_s: impl Iterator<Item = f64>) -> Option<String> {
+    let stamps_s: Vec<f64> = stamps_s.collect();
+    let holes = stamps_s.windows(2).map(|pair| (pair[0] - stamps_s[0], pair[1] - pair[0]));
+    let (at_s, for_s) = holes.filter(|(_, for_s)| *for_s > HOLE_S).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(format!(
+        "{topic}: nothing for {for_s:.1} s from {at_s:.0} s on, {HOLE_S} s may be missing: what went on meanwhile would be \
+         guessed; record without a break, from a disk that keeps up"
+    ))
 }
 
 fn heat(recorded: &Recorded, moments: &[Moment], wanted: &Excitation) -> Vec<String> {

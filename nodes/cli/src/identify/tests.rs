@@ -143,6 +143,28 @@ fn a_bag_without_excitation_is_refused_with_what_is_missing() {
     );
 }
 
+/// Three seconds in the heat-up that nobody recorded, or only what the thermistor told of them, and one and a half.
+#[test]
+fn a_bag_with_a_hole_is_refused() {
+    let (_, setup, params) = setup();
+    let whole = recorded(&setup, &SCRIPT, 1);
+    let told = |hole_s: f64, (readings, states): (bool, bool)| {
+        let mut torn = whole.clone();
+        let first_s = torn.hotend_k[0].0;
+        let in_hole = |at_s: f64| (50.0..50.0 + hole_s).contains(&(at_s - first_s));
+        torn.hotend_k.retain(|(at_s, _)| !(readings && in_hole(*at_s)));
+        torn.states.retain(|state| !(states && in_hole(state.stamp.0)));
+        let checked = super::check(&torn, &setup, (&params, false), "bags/torn");
+        checked.map_err(|error| error.to_string())
+    };
+    for (parts, topic) in [((true, false), "sensors/hotend/temperature"), ((false, true), "printer/state")] {
+        let refused = told(3.0, parts).unwrap_err();
+        assert!(refused.contains(&format!("{topic}: nothing for 3.")), "{refused}");
+        assert!(refused.contains("s from 50 s on, 2 s may be missing"), "{refused}");
+    }
+    assert_eq!(told(1.5, (true, true)), Ok(()));
+}
+
 /// Another print helps where something was not done, not where nobody recorded it; ABS is printed without a fan.
 #[test]
 fn who_lacks_something_is_told_what_to_print() {

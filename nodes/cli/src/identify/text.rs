@@ -102,6 +102,9 @@ pub(super) fn trial(figures: &trial::Figures) -> String {
         ));
     }
     page.push_str(COLUMNS);
+    for trial::Stopped { seed, why } in &figures.stopped {
+        page.push_str(&format!("\nNOT FINISHED, and not counted: seed {seed}, {why}"));
+    }
     page
 }
 
@@ -127,9 +130,16 @@ mod tests {
             material: String::new(),
             verdicts: Vec::new(),
             runs: Vec::new(),
+            stopped: vec![trial::Stopped { seed: 36, why: "P2 at 174 s: safeoff".to_owned() }],
         };
         let page = super::trial(&none);
-        for column in ["inside: ", "within 5%: ", "either: ", "about 95 of 100"] {
+        for column in [
+            "inside: ",
+            "within 5%: ",
+            "either: ",
+            "about 95 of 100",
+            "counted: seed 36, P2 at 174 s: safeoff",
+        ] {
             assert!(page.contains(column), "{column} in {page}");
         }
     }

@@ -9,13 +9,14 @@ use crate::job::GcodeFile;
 use crate::output;
 use crate::sim::bagging::Bagging;
 use crate::sim::printing::Printing;
-use anyhow::{Context, bail};
+use anyhow::Context;
 use fdm_loop_msgs::PrintInfo;
 use models::extruder::StaticLaw;
 use models::extruder::{Extruder, RawExtruder};
 use models::hotend::{Hotend, RawHotend};
 use models::material::{Deviation, RawDeviation};
 use models::melt::Melt;
+use models::status::JobPhase;
 use models::units::Kelvin;
 use mpc_controller::params::{AdvanceSource, Level};
 use printer_sim::Scenario;
@@ -59,6 +60,15 @@ pub(super) struct Figures {
     pub(super) material: String,
     pub(super) verdicts: Vec<Verdict>,
     pub(super) runs: Vec<Run>,
+    /// Printers of which nothing could be learned, and why.
+    pub(super) stopped: Vec<Stopped>,
+}
+
+/// A printer of which nothing could be learned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Stopped {
+    pub(super) seed: u64,
+    pub(super) why: String,
 }
 
 /// Prints with every printer, learns it from its bag and compares.
@@ -72,21 +82,26 @@ pub(super) fn run(args: &IdentifyArgs, range: &str, config: &ConfigDir) -> anyho
     let file = GcodeFile::read(&args.gcode, &config.motion()?, None)?;
     let progress = output::bar(seeds.len() as u64, "printers");
     let folder = Scratch::new()?;
-    let mut runs = Vec::new();
+    let (mut runs, mut stopped) = (Vec::new(), Vec::new());
     for seed in seeds {
         let drawn = Drawn::new(&setup, &params.trial, seed)?;
         let bag = folder.0.join(format!("{seed}"));
-        let nozzle_k = print(&drawn.setup, &file, &bag, seed)?;
+        let printed = print(&drawn.setup, &file, &bag, seed)?;
         let recorded = Recorded::read(&bag, None)?;
         std::fs::remove_dir_all(&bag)?;
-        super::check(&recorded, &setup, (&params, with_flow), &format!("seed {seed}"))?;
-        let mut learned = learn(&recorded, (&setup.printer, &setup.material), &params, with_flow)?;
-        drawn.tell(&mut learned, nozzle_k);
-        runs.push(Run { seed, quantities: learned.quantities });
+        match printed {
+            Ok(nozzle_k) => {
+                super::check(&recorded, &setup, (&params, with_flow), &format!("seed {seed}"))?;
+                let mut learned = learn(&recorded, (&setup.printer, &setup.material), &params, with_flow)?;
+                drawn.tell(&mut learned, nozzle_k);
+                runs.push(Run { seed, quantities: learned.quantities });
+            }
+            Err(why) => stopped.push(Stopped { seed, why }),
+        }
         progress.inc(1);
     }
     progress.finish_and_clear();
-    Ok(Figures { gcode: file.name(), material, verdicts: verdicts(&runs), runs })
+    Ok(Figures { gcode: file.name(), material, verdicts: verdicts(&runs), runs, stopped })
 }
 
 /// A folder that goes with its value.
@@ -106,8 +121,8 @@ impl Drop for Scratch {
     }
 }
 
-/// Returns the true mean of the nozzle's temperature while roads were laid `[K]`.
-fn print(setup: &Setup, file: &GcodeFile, bag: &Path, seed: u64) -> anyhow::Result<f64> {
+/// Returns the true mean of the nozzle's temperature while roads were laid `[K]`, or why the print did not come to its end.
+fn print(setup: &Setup, file: &GcodeFile, bag: &Path, seed: u64) -> anyhow::Result<Result<f64, String>> {
     let info =
         PrintInfo { print_id: format!("trial-{seed}"), gcode_file: file.name(), ..PrintInfo::default() };
     let mut printing = Printing::new(setup, file.job(setup), &Scenario::default(), seed)?
@@ -119,12 +134,16 @@ fn print(setup: &Setup, file: &GcodeFile, bag: &Path, seed: u64) -> anyhow::Resu
             (sum_k, steps) = (sum_k + truth.nozzle_k, steps + 1.0);
         }
         if printing.is_stuck() {
-            let cause = printing.safety.as_ref().map(|safety| format!("{safety:?}")).unwrap_or_default();
-            bail!("seed {seed}: the supervisor paused the print: {cause}");
+            break;
         }
     }
     printing.take_bagging().map(Bagging::finish).transpose()?;
-    Ok(sum_k / steps)
+    if printing.simulator().phase() == JobPhase::Done {
+        return Ok(Ok(sum_k / steps));
+    }
+    let decided = printing.noticed.last();
+    let why = decided.map(|last| format!("{} at {:.0} s: {}", last.fault, last.detected_s, last.action));
+    Ok(Err(why.unwrap_or_else(|| "the print did not come to its end".to_owned())))
 }
 
 /// A printer unlike the nominal one, and what it is.

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 pub struct Detection {
     /// Fault as its finder names it.
     pub fault: String,
-    /// Onset of the first fault `[s]`; absent where nothing was injected.
+    /// Onset of the newest fault that had set in by then `[s]`; absent where none had.
     pub onset_s: Option<f64>,
     /// When it was noticed `[s]`.
     pub detected_s: f64,

@@ -70,4 +70,10 @@ impl Simulator {
     pub fn first_onset(&self) -> Option<Seconds> {
         self.faults.iter().map(|fault| fault.onset).min_by(|a, b| a.0.total_cmp(&b.0))
     }
+
+    /// Onset of the newest fault that has set in.
+    #[must_use]
+    pub fn newest_onset(&self) -> Option<Seconds> {
+        self.faults.iter().map(|fault| fault.onset).max_by(|a, b| a.0.total_cmp(&b.0))
+    }
 }

@@ -17,7 +17,7 @@ impl Printing {
     /// What the supervisor says: a permit for the printer, its state and its decisions.
     pub(super) fn say(&mut self, now: Seconds, output: safety_supervisor::Output) {
         self.send(now, Message::new(now, Content::Permit(output.permit)));
-        let onset_s = self.simulator.first_onset().map(|onset| onset.0);
+        let onset_s = self.simulator.newest_onset().map(|onset| onset.0);
         let cause = output.state.cause.map_or_else(String::new, |cause| cause.id().to_owned());
         if let Some(bagging) = &mut self.bagging {
             bagging.safety(now, &output);
