@@ -32,6 +32,14 @@ fn is_ahead(status: &PrinterStatus) -> bool {
     attaches(status.host) && status.trims.advance_s.is_some_and(handed_over)
 }
 
+/// Feed that goes into roads `[m/s]`: what takes a retraction back does not.
+fn laid_m_s(status: &PrinterStatus) -> f64 {
+    if !status.depositing {
+        return 0.0;
+    }
+    (status.planned_feed_m_s * status.trims.flow * status.trims.speed).max(0.0)
+}
+
 /// A moment at which a road was laid.
 #[derive(Debug, Clone, Copy)]
 struct Moment {
@@ -57,6 +65,8 @@ pub(crate) struct Learning {
     settings: RawLearning,
     /// y: what the printer holds over the factor, of each part of the law `[m]`.
     held_m: Triple,
+    /// The filament is drawn back: the outlet is dry, and what is held stays.
+    drawn: bool,
     before: Option<(f64, f64)>,
     since_s: Option<f64>,
     calm_since_s: f64,
@@ -73,6 +83,7 @@ impl Learning {
         Self {
             settings,
             held_m: Triple::zeros(),
+            drawn: false,
             before: None,
             since_s: None,
             calm_since_s: f64::NEG_INFINITY,
@@ -125,7 +136,8 @@ impl Learning {
     /// status `[m]`.
     pub(crate) fn on_status(&mut self, status: &PrinterStatus, foretold: &Foretold) -> f64 {
         let stamp_s = status.stamp.0;
-        let feed_m_s = (status.planned_feed_m_s * status.trims.flow * status.trims.speed).max(0.0);
+        let feed_m_s = laid_m_s(status);
+        self.drawn = !status.depositing && (self.drawn || status.planned_feed_m_s < 0.0);
         let (before_s, before_m_s) = self.before.replace((stamp_s, feed_m_s)).unwrap_or((stamp_s, feed_m_s));
         let dt_s = stamp_s - before_s;
         if (feed_m_s - before_m_s).abs() > CALM * feed_m_s.max(before_m_s) {
@@ -143,9 +155,11 @@ impl Learning {
         let slope_s = |at_m_s: f64| law.lag_s(at_m_s.max(SLOW_M_S));
         let lag = LinearLag { lag_s: factor * slope_s(0.5 * (before_m_s + feed_m_s)) };
         let from_m = parts_m(&law, before_m_s, SLOW_M_S);
-        self.held_m = Triple::from_fn(|of, _| {
-            lag.step_ramp(self.held_m[of], (from_m[of], wanted_m[of]), Seconds(dt_s))
-        });
+        if !self.drawn {
+            self.held_m = Triple::from_fn(|of, _| {
+                lag.step_ramp(self.held_m[of], (from_m[of], wanted_m[of]), Seconds(dt_s))
+            });
+        }
         let (Some(target_width_m), Some(height_m), true) =
             (status.target_width_m, status.layer_height_m, status.depositing && feed_m_s > 0.0)
         else {

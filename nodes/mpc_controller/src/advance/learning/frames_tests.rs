@@ -142,3 +142,37 @@ impl Learning {
         self.fit.weight()
     }
 }
+
+/// Lever of a road 0.1 s after its start, behind a travel of half a second whose first and last status tell these feeds.
+fn restarted([first_m_s, last_m_s]: [f64; 2]) -> f64 {
+    const FEED_M_S: f64 = 2e-3;
+    let mut learning = Learning::new(LEARNING);
+    for step in 0..231_u32 {
+        let (travels, at_s) = ((200..225).contains(&step), TICK_S * f64::from(step));
+        let feed_m_s = match step {
+            200 => first_m_s,
+            224 => last_m_s,
+            _ if travels => 0.0,
+            _ => FEED_M_S,
+        };
+        let told = PrinterStatus { depositing: !travels, ..status(at_s, feed_m_s) };
+        learning.on_status(&told, &foretold());
+    }
+    learning.moments.back().unwrap().levers[0]
+}
+
+/// A filament that is drawn back leaves the outlet dry: what the printer holds is there again when that is taken back, and the
+/// road tells nothing of the lag. Without that the melt runs out meanwhile. What takes a retraction back is laid in no case.
+#[test]
+fn what_is_drawn_back_is_held() {
+    const DRAW_M_S: f64 = 0.04;
+    let held = restarted([-DRAW_M_S, DRAW_M_S]);
+    assert!(held.abs() < 0.05, "{held}");
+    let travels_s = 25.0 * TICK_S;
+    let width = 1.0 - HEIGHT_M * ROUND_SIDES / TARGET_M;
+    let ran_out = width * (1.0 - (-travels_s / FORETOLD_S).exp()) * (-0.1 / FORETOLD_S).exp();
+    for last_m_s in [0.0, DRAW_M_S] {
+        let lever = restarted([0.0, last_m_s]);
+        assert!((lever / ran_out - 1.0).abs() < 0.1, "{lever}, expected {ran_out}");
+    }
+}
