@@ -8,6 +8,8 @@ const SLIP_TELLING: f64 = 0.01;
 const HIDING_S: f64 = 0.06;
 /// Largest angle of an arc between two reports, halved `[rad]`: a steeper one is not told from a corner.
 const STEEPEST: f64 = 1.2;
+/// Heights that differ by a smaller share are of one road `[-]`.
+const STILL: f64 = 0.05;
 /// Longest way back between two reports that is believed `[m]`: a retraction.
 const BACK_MAX_M: f64 = 0.01;
 
@@ -189,24 +191,56 @@ impl Ring<Sample> {
 
     /// Path speed and height of the road, if both kept within `spread` from `from_s` to `to_s`, and the tool went as far
     /// between reports that are far apart as the speeds at both tell.
-    pub(crate) fn steady_road(&self, (from_s, to_s): (f64, f64), spread: f64) -> Option<(f64, f64)> {
-        let first = self.values.partition_point(|sample| sample.stamp_s <= from_s).checked_sub(1)?;
-        let last = self.values.partition_point(|sample| sample.stamp_s < to_s);
-        self.values.get(last)?;
+    pub(crate) fn steady_road(&self, window_s: (f64, f64), spread: f64) -> Option<(f64, f64)> {
+        let (first, last) = self.reports(window_s)?;
         if !(first..last).all(|index| self.goes_straight_on(index, spread).unwrap_or(false)) {
             return None;
         }
-        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
-        let height_m = self.values.get(last)?.height_m?;
-        for sample in self.values.range(first..=last) {
-            let same = sample.height_m.is_some_and(|other| (other - height_m).abs() <= spread * height_m);
-            if !sample.depositing || !same {
-                return None;
-            }
-            low = low.min(sample.path_speed_m_s);
-            high = high.max(sample.path_speed_m_s);
-        }
+        let height_m = self.height_m((first, last), spread)?;
+        let (low, high) = self.path_speeds((first, last));
         (high - low <= spread * high).then_some((0.5 * (low + high), height_m))
+    }
+
+    /// Path speed at `to_s` and height of a road that was laid from `from_s` on between reports that are close, so that what the
+    /// tool did between them is known; and the spread of its speed, `most` at most.
+    pub(crate) fn unsteady_road(&self, window_s: (f64, f64), most: f64) -> Option<((f64, f64), f64)> {
+        let (first, last) = self.reports(window_s)?;
+        if !(first..last).all(|index| self.span_s(index).is_some_and(|span_s| span_s <= HIDING_S)) {
+            return None;
+        }
+        let height_m = self.height_m((first, last), STILL)?;
+        let (low, high) = self.path_speeds((first, last));
+        if high - low > most * high {
+            return None;
+        }
+        let (_, left, right) = self.around(window_s.1, |sample| sample.stamp_s)?;
+        let span_s = right.stamp_s - left.stamp_s;
+        let share = if span_s > 0.0 { (window_s.1 - left.stamp_s) / span_s } else { 0.0 };
+        let speed_m_s = left.path_speed_m_s + share * (right.path_speed_m_s - left.path_speed_m_s);
+        Some(((speed_m_s, height_m), (high - low) / high))
+    }
+
+    /// First and last report that tell of a window.
+    fn reports(&self, (from_s, to_s): (f64, f64)) -> Option<(usize, usize)> {
+        let first = self.values.partition_point(|sample| sample.stamp_s <= from_s).checked_sub(1)?;
+        let last = self.values.partition_point(|sample| sample.stamp_s < to_s);
+        (last < self.values.len()).then_some((first, last))
+    }
+
+    /// Height of the road that every one of these reports is of, within `spread`.
+    fn height_m(&self, (first, last): (usize, usize), spread: f64) -> Option<f64> {
+        let height_m = self.values.get(last)?.height_m?;
+        let same = |sample: &Sample| {
+            sample.depositing
+                && sample.height_m.is_some_and(|other| (other - height_m).abs() <= spread * height_m)
+        };
+        self.values.range(first..=last).all(same).then_some(height_m)
+    }
+
+    /// Slowest and fastest path speed of reports.
+    fn path_speeds(&self, (first, last): (usize, usize)) -> (f64, f64) {
+        let speeds = self.values.range(first..=last).map(|sample| sample.path_speed_m_s);
+        speeds.fold((f64::INFINITY, 0.0), |(low, high), speed| (low.min(speed), f64::max(high, speed)))
     }
 }
 

@@ -13,6 +13,9 @@ use nalgebra::{Matrix1, Vector1};
 /// Way back that is a stroke, no tremor of the wheel `[quanta]`.
 const STROKE_QUANTA: f64 = 2.5;
 
+/// Spread of a path speed that close reports do not show `[-]`.
+const HIDDEN_SPREAD: f64 = 0.25;
+
 /// A measurement with what is needed to predict it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Observation {
@@ -20,6 +23,8 @@ pub(crate) struct Observation {
     variance: f64,
     /// Part of the variance that is of a transient.
     passing: f64,
+    /// Of no road whose speed changes: it tells of sensor and melt.
+    is_steady: bool,
     sensor: Sensor,
 }
 
@@ -36,7 +41,13 @@ enum Sensor {
 impl Observation {
     /// Mean speeds of the filament and of the motor's strokes forth and back `[m/s]`.
     pub(crate) fn encoder([value, forth_m_s, back_m_s]: [f64; 3], variance: f64) -> Self {
-        Self { value, variance, passing: 0.0, sensor: Sensor::Encoder { forth_m_s, back_m_s } }
+        Self {
+            value,
+            variance,
+            passing: 0.0,
+            is_steady: true,
+            sensor: Sensor::Encoder { forth_m_s, back_m_s },
+        }
     }
 
     pub(crate) fn measurement(&self, gate: f64) -> Measurement<1> {
@@ -55,7 +66,7 @@ impl Observation {
 
     /// Whether the noise of the sensor is the larger part of the variance.
     pub(crate) fn is_of_noise(&self) -> bool {
-        self.passing < 0.5 * self.variance
+        self.is_steady && self.passing < 0.5 * self.variance
     }
 
     /// Predicted width `[m]`, and what the factor on the melt's lag does to it, relative `[-]`; `None` of another sensor.
@@ -90,6 +101,7 @@ pub(crate) fn temperature(
         value: reading.1.0,
         variance: sigma_k * sigma_k,
         passing: 0.0,
+        is_steady: true,
         sensor: Sensor::Temperature { of, drive, ahead_s: reading.0 - at_s },
     }
 }
@@ -162,6 +174,8 @@ pub(crate) struct Past<'a> {
     pub(crate) off_s_m: f64,
     /// How long before an exposure the path must be steady `[s]`.
     pub(crate) steady_s: f64,
+    /// Spread of the path speed up to which a width is looked at even so `[-]`, and the share of it that such a width may be off by.
+    pub(crate) unsteady: (f64, f64),
     /// Rest of a dip that passes by itself `[m]`.
     pub(crate) transient_m: f64,
 }
@@ -178,8 +192,11 @@ pub(crate) fn width(
     let sensor = &params.width;
     let smear_s = sensor.smear_m / sensor.path_speed_min_m_s;
     let from_s = frame.exposed_s - past.steady_s.max(smear_s);
-    let (path_speed_m_s, height_m) =
-        samples.steady_road((from_s, frame.exposed_s), sensor.path_speed_spread)?;
+    let window_s = (from_s, frame.exposed_s);
+    let (most, noise) = past.unsteady;
+    let steady = samples.steady_road(window_s, sensor.path_speed_spread).map(|road| (road, None));
+    let unsteady = || samples.unsteady_road(window_s, most).map(|(road, spread)| (road, Some(spread)));
+    let ((path_speed_m_s, height_m), spread) = steady.or_else(unsteady)?;
     if path_speed_m_s < sensor.path_speed_min_m_s {
         return None;
     }
@@ -187,13 +204,17 @@ pub(crate) fn width(
         if frame.exposed_s >= past.at_s { past.flow_m_s } else { past.flows.value_at(frame.exposed_s)? };
     let known_s = frame.exposed_s.min(past.at_s);
     let slope_m_s = past.slopes.value_at(known_s).unwrap_or(0.0);
+    let unsteady_m = spread.map_or(0.0, |spread| noise * (spread + HIDDEN_SPREAD) * frame.width_m);
     let unbalanced_m = past.off_s_m * past.imbalances.value_at(known_s)? * frame.width_m;
     let sigma_m = frame.sigma_m.max(sensor.sigma_min_m);
     let passing = (sensor.transient_doubt * past.transient_m).powi(2);
     Some(Observation {
         value: frame.width_m,
-        variance: scale * (sigma_m * sigma_m + unbalanced_m * unbalanced_m) + passing,
+        variance: scale * (sigma_m * sigma_m + unbalanced_m * unbalanced_m)
+            + unsteady_m * unsteady_m
+            + passing,
         passing,
+        is_steady: spread.is_none(),
         sensor: Sensor::Width {
             road: Road { path_speed_m_s, height_m },
             flow_change_m_s: then_m_s - past.flow_m_s,

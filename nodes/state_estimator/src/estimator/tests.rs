@@ -95,7 +95,7 @@ fn status(stamp_s: f64, motor_m: f64) -> PrinterStatus {
     }
 }
 
-/// A printer at constant speed whose gear slips and whose road is wider by `gain`; noise of the quantum alone.
+/// A printer whose gear slips and whose road is wider by `gain`; noise of the quantum alone.
 struct Rig {
     estimator: Estimator,
     step: u32,
@@ -114,16 +114,16 @@ struct Rig {
     gain: f64,
     /// Steps of 10 ms from one status to the next.
     status_steps: u32,
-    /// There is an encoder.
     encoder: bool,
     /// What a sensor in the nozzle reads, where one is fitted.
     nozzle: Option<Celsius>,
-    /// What the host tells otherwise.
     host: Box<dyn Fn(&mut PrinterStatus)>,
     /// The motor goes back and forth by so much, 5 times a second, as with pressure advance in an infill.
     stroke_m: f64,
     /// Scatter of the widths beside what the road is, evenly over plus and minus so much.
     width_noise_m: f64,
+    /// The path slows down and speeds up by this share in 0.2 s.
+    swing: f64,
 }
 
 impl Rig {
@@ -164,6 +164,7 @@ impl Rig {
             host: Box::new(|_| ()),
             stroke_m: 0.0,
             width_noise_m: 0.0,
+            swing: 0.0,
         }
     }
 
@@ -176,6 +177,9 @@ impl Rig {
     fn try_run(&mut self, steps: u32) -> Option<Estimate> {
         let mut last = None;
         let end = self.step + steps;
+        let swing = self.swing;
+        let path_speed_m_s =
+            |at_s: f64| SPEED_M_S * (1.0 + swing * (std::f64::consts::TAU * at_s / 0.2).sin());
         while self.step < end {
             self.step += 1;
             let now_s = f64::from(self.step) * 0.01;
@@ -195,6 +199,7 @@ impl Rig {
             if self.step.is_multiple_of(self.status_steps) {
                 let mut status = status(now_s, self.motor_m);
                 status.wanted_position_m = self.wanted_m;
+                status.path_speed_m_s = path_speed_m_s(now_s);
                 status.trims.slip = (self.made_up > 0.0).then_some(self.made_up);
                 (self.host)(&mut status);
                 self.estimator.on_event(Event::Printer(status));
@@ -212,7 +217,8 @@ impl Rig {
             if self.step.is_multiple_of(50) {
                 let flow_m3_s = self.flow_m_s * self.gain * 2.405_281_875e-6;
                 let scatter = f64::from(self.step / 50 * 37 % 101) / 50.0 - 1.0;
-                let width_m = models::bead::stadium::width_m(flow_m3_s, SPEED_M_S, HEIGHT_M)
+                let speed_m_s = path_speed_m_s(now_s - 0.02);
+                let width_m = models::bead::stadium::width_m(flow_m3_s, speed_m_s, HEIGHT_M)
                     + self.width_noise_m * scatter;
                 self.estimator.on_event(Event::Width {
                     exposed: Seconds(now_s - 0.02),

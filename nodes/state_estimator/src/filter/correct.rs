@@ -54,10 +54,10 @@ impl Filter {
 
     fn correct_by_widths(&mut self, run: &mut Running, inbox: &mut Inbox, record: &mut Record) -> bool {
         let (alone, width) = (&self.params.widths_alone, &self.params.width);
-        let (imbalance, steady_s) = if run.slip_by_widths() {
-            (alone.imbalance, alone.steady_s)
+        let (imbalance, steady_s, unsteady) = if run.slip_by_widths() {
+            (alone.imbalance, alone.steady_s, (alone.unsteady_spread, alone.unsteady_noise))
         } else {
-            (width.imbalance, width.steady_s)
+            (width.imbalance, width.steady_s, (0.0, 0.0))
         };
         for frame in inbox.frames.iter() {
             let past = measurement::Past {
@@ -68,6 +68,7 @@ impl Filter {
                 imbalances: &run.imbalances,
                 off_s_m: imbalance / self.reference_feed_m_s,
                 steady_s,
+                unsteady,
                 transient_m: run.transient.rest(run.at_s, self.fade_s()),
             };
             let scale = self.width_noise.scale();

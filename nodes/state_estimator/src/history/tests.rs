@@ -59,6 +59,27 @@ fn a_road_is_steady_only_while_speed_and_height_are() {
     assert_eq!(ring.steady_road((0.03, 0.2), 0.05), None);
 }
 
+/// From 50 to 30 mm/s within one report: 42 mm/s where it is looked at, and a spread of two fifths.
+#[test]
+fn a_road_that_is_not_steady_is_known_between_close_reports_alone() {
+    let ring = |period_s: f64| {
+        let mut ring = Ring::new(8);
+        for step in 0..8 {
+            let mut sample = sample(f64::from(step) * period_s, 0.0);
+            sample.path_speed_m_s = if step < 5 { 0.05 } else { 0.03 };
+            sample.depositing = step < 7;
+            ring.push(sample);
+        }
+        ring
+    };
+    let ((speed_m_s, height_m), spread) = ring(0.02).unsteady_road((0.03, 0.088), 0.75).unwrap();
+    assert!((speed_m_s - 0.042).abs() < 1e-12 && (spread - 0.4).abs() < 1e-12, "{speed_m_s} {spread}");
+    assert!((height_m - 2e-4).abs() < 1e-15);
+    assert_eq!(ring(0.02).unsteady_road((0.03, 0.088), 0.35), None, "too large a spread");
+    assert_eq!(ring(0.02).unsteady_road((0.03, 0.13), 0.75), None, "the road ends");
+    assert_eq!(ring(0.25).unsteady_road((0.375, 1.1), 0.75), None, "a slow host's reports");
+}
+
 /// Reports of a tool on a path at 50 mm/s, which is given by the place at a way along it.
 fn along(period_s: f64, path: impl Fn(f64) -> [f64; 2]) -> Ring<Sample> {
     let mut ring = Ring::new(8);

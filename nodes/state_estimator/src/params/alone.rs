@@ -23,6 +23,11 @@ pub struct RawWidthsAlone {
     pub imbalance: f64,
     /// The path must be steady from this long before the exposure on `[s]`.
     pub steady_s: f64,
+    /// Spread of the path speed around the exposure up to which a width is looked at even so, where the printer's reports are
+    /// close `[-]`.
+    pub unsteady_spread: f64,
+    /// Standard deviation of such a width, relative, over that spread and a quarter more, which reports do not show `[-]`.
+    pub unsteady_noise: f64,
     /// Widths whose normalised squared innovation is above are rejected `[-]`.
     pub gate: f64,
     /// Innovations looked at for a step of the slip.
@@ -50,6 +55,8 @@ impl RawWidthsAlone {
         in_range("widths_alone.lag_rel", self.lag_rel, "-", (0.0, 2.0))?;
         in_range("widths_alone.imbalance", self.imbalance, "-", (0.0, 5.0))?;
         in_range("widths_alone.steady_s", self.steady_s, "s", (0.0, 2.0))?;
+        in_range("widths_alone.unsteady_spread", self.unsteady_spread, "-", (0.0, 1.0))?;
+        in_range("widths_alone.unsteady_noise", self.unsteady_noise, "-", (0.01, 1.0))?;
         in_range("widths_alone.gate", self.gate, "-", (1.0, 1e6))?;
         in_range("widths_alone.step_samples", f64::from(self.step_samples), "samples", (1.0, 20.0))?;
         in_range("widths_alone.step_threshold", self.step_threshold, "-", (1.0, 100.0))?;

@@ -71,8 +71,32 @@ fn a_width_is_looked_at_where_the_path_was_steady_for_so_long() {
         });
         rig.run(1000).measured[Channel::Width as usize]
     };
-    assert!(measured(&[]) > 8);
-    assert_eq!(measured(&[("steady_s: 0.05 ", "steady_s: 2.0 ")]), 0);
+    let none = ("unsteady_spread: 0.75 ", "unsteady_spread: 0.0 ");
+    assert!(measured(&[none]) > 8);
+    assert_eq!(measured(&[none, ("steady_s: 0.05 ", "steady_s: 2.0 ")]), 0);
+    assert!(
+        measured(&[("steady_s: 0.05 ", "steady_s: 2.0 ")]) > 8,
+        "even so, where half is no larger spread"
+    );
+    let less = ("unsteady_spread: 0.75 ", "unsteady_spread: 0.45 ");
+    assert_eq!(measured(&[less, ("steady_s: 0.05 ", "steady_s: 2.0 ")]), 0, "and not where it is");
+}
+
+/// A path that slows down and speeds up all the time, and three times a usual step of the slip: told, and each width speaks the
+/// less loudly the larger their noise is.
+#[test]
+fn widths_of_a_path_that_is_never_steady_tell_of_the_slip() {
+    let told = |noise: &str| {
+        let mut rig = Rig::with(&[("unsteady_noise: 0.2 ", &format!("unsteady_noise: {noise} "))]);
+        (rig.encoder, rig.swing) = (false, 0.2);
+        rig.run(3000);
+        rig.slip = 0.30;
+        let first = rig.run(100).nis[Channel::Width as usize].unwrap();
+        (rig.run(1400).x[state::SLIP], first)
+    };
+    let (slip, first) = told("0.2");
+    assert!((slip - 0.30).abs() < 0.02, "{slip}");
+    assert!(told("0.8").1 < 0.5 * first, "{} {first}", told("0.8").1);
 }
 
 /// What slip and gain are taken for one another by: the walk of a gain, 0.0007 a tick, 0.014 after 20 s, no more than said.
