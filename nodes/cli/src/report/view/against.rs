@@ -75,7 +75,8 @@ pub(crate) fn section(view: &View, other: &Other) -> Markup {
             Trace::line(&own, Ink::Estimated, of(view.record)),
         ];
         let span_s = span_s.max(1.0);
-        Plot { span_s, shows: Some(*shows), ..view.plot(title, unit, traces) }.draw()
+        let onset_s = view.record.truth.onset_s;
+        Plot { span_s, onset_s, shows: Some(*shows), ..view.plot(title, unit, traces) }.draw()
     };
     html! {
         @if simulated {
@@ -87,14 +88,27 @@ pub(crate) fn section(view: &View, other: &Other) -> Markup {
             @for signal in &SEEN { (plot(signal)) }
         }
         @for signal in &TRIMS { (plot(signal)) }
-        p.note { "Each print from its own first message on; the marks are this print's events. Trims are those that the \
+        p.note { "Each print from its own first message on; the numbered marks are this print's events, one \
+            without a number is the onset of its first fault. Trims are those that the \
             supervisor permitted; a print without corrections has none." }
     }
 }
 
-/// Names in the legends: as the bags are called, told apart where they are called the same.
+/// Names in the legends: as the bags are called, told apart where they are called the same, and by their ends where those differ.
 fn names(own: &str, other: &str) -> (String, String) {
-    let short = |name: &str| crate::report::decode::short(name, NAME_MAX);
+    let end = |name: &str| {
+        let cut = name.chars().count().saturating_sub(NAME_MAX);
+        let kept: String = name.chars().skip(cut).collect();
+        if cut > 0 { format!("…{kept}") } else { kept }
+    };
+    let by_end = end(own) != end(other);
+    let short = |name: &str| {
+        if by_end {
+            crate::report::decode::short(&end(name), NAME_MAX + 1)
+        } else {
+            crate::report::decode::short(name, NAME_MAX)
+        }
+    };
     if own == other {
         return (format!("{}, this", short(own)), format!("{}, the other", short(other)));
     }
@@ -142,6 +156,11 @@ mod tests {
     fn bags_of_one_name_are_told_apart() {
         assert_eq!(names("a", "b"), ("a".to_owned(), "b".to_owned()));
         assert_eq!(names("a", "a"), ("a, this".to_owned(), "a, the other".to_owned()));
+        let (off, mpc) = names(&format!("{}-off", "a".repeat(40)), &format!("{}-mpc", "a".repeat(40)));
+        assert!(off.starts_with("…aaa") && off.ends_with("a-off") && mpc.ends_with("a-mpc"), "{off} {mpc}");
+        let tail = "z".repeat(40);
+        let (first, second) = names(&format!("one{tail}"), &format!("two{tail}"));
+        assert!(first.starts_with("onez") && second.starts_with("twoz") && first.ends_with('…'), "{first}");
         assert_eq!(times_smaller(Some(6.0), Some(2.0)), Some(3.0));
         assert_eq!(times_smaller(Some(6.0), Some(0.0)), None);
     }

@@ -32,6 +32,8 @@ pub(crate) struct Plot<'a> {
     pub(crate) span_s: f64,
     pub(crate) traces: Vec<Trace<'a>>,
     pub(crate) markers: &'a [Marker],
+    /// When a fault set in, a mark without a number.
+    pub(crate) onset_s: Option<f64>,
     /// What the axis shows at least.
     pub(crate) shows: Option<(f64, f64)>,
     /// Where values belong: from, to.
@@ -112,6 +114,10 @@ impl Plot<'_> {
         }
         for trace in traces {
             trace.shapes(size.columns, self.span_s, &place, &mut elements);
+        }
+        for at_s in self.onset_s.iter().filter(|at_s| **at_s <= self.span_s) {
+            let (mark, at) = (Marker { at: *at_s, number: 0, ink: Ink::Target }, at_s / unit_s);
+            elements.push(Shape::Marker(mark, false, [(at, low), (at, high)]));
         }
         let mut numbered = f64::NEG_INFINITY;
         for marker in self.markers.iter().filter(|marker| marker.at <= self.span_s) {

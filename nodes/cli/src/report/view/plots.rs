@@ -13,7 +13,17 @@ impl<'a> View<'a> {
     /// A plot of this print.
     pub(super) fn plot(&'a self, title: &'a str, unit: &'a str, traces: Vec<Trace<'a>>) -> Plot<'a> {
         let markers = &self.markers;
-        Plot { title, unit, span_s: self.span_s, traces, markers, shows: None, band: None, logarithm: false }
+        Plot {
+            title,
+            unit,
+            span_s: self.span_s,
+            traces,
+            markers,
+            onset_s: None,
+            shows: None,
+            band: None,
+            logarithm: false,
+        }
     }
 }
 
