@@ -99,6 +99,20 @@ fn widths_of_a_path_that_is_never_steady_tell_of_the_slip() {
     assert!(told("0.8").1 < 0.5 * first, "{} {first}", told("0.8").1);
 }
 
+/// Nor do such widths teach the noise of the sensor; beside an encoder, which tells of the slip, they are left out.
+#[test]
+fn widths_of_a_path_that_is_never_steady_teach_no_noise() {
+    let told = |encoder: bool| {
+        let mut rig = Rig::new();
+        (rig.encoder, rig.swing) = (encoder, 0.2);
+        let estimate = rig.run(3000);
+        (estimate.measured[Channel::Width as usize], estimate.noise_scale[Channel::Width as usize])
+    };
+    let (alone, scale) = told(false);
+    assert!(alone > 50 && (scale - 1.0).abs() < 1e-12, "{alone} {scale}");
+    assert_eq!(told(true).0, 0);
+}
+
 /// What slip and gain are taken for one another by: the walk of a gain, 0.0007 a tick, 0.014 after 20 s, no more than said.
 #[test]
 fn slip_and_gain_are_stated_to_be_parted_as_far_as_they_say() {
