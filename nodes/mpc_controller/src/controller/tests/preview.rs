@@ -1,6 +1,9 @@
 //! Which coming moves get a law.
 
 use super::*;
+use crate::advance::Advance;
+use crate::advance::learning::tests::taught;
+use crate::params::{AdvanceSource, RawAdvance};
 use models::motion::{MoveKind, Role, Segment, Trapezoid};
 
 /// A line of 80 mm at 30 mm/s.
@@ -64,4 +67,40 @@ fn only_the_plan_slows() {
     let mut plan = controller(Level::Mpc);
     plan.on_event(Event::Estimate(estimate(1.0)));
     assert_eq!(plan.on_coming(Seconds(2.0), 1, &Segment { profile, ..line() }), None);
+}
+
+/// A melt that is known to run stiffer leaves the drive less force for the same feed: a move is planned as much slower.
+#[test]
+fn a_move_through_a_stiffer_melt_is_planned_slower() {
+    let mut controller = controller(Level::Mpc);
+    controller.on_event(Event::Estimate(estimate(1.0)));
+    let most_m_s = controller.feed_max_m_s(&estimate(1.0));
+    let profile = Trapezoid::new(0.08, (0.0, 0.0), most_m_s / (2.6e-3 / 0.08), 1e3);
+    let mut pace = || controller.on_coming(Seconds(1.1), 1, &Segment { profile, ..line() }).unwrap().speed;
+    assert!((pace() - 1.0).abs() < 1e-9, "{}", pace());
+    controller.advance = taught(AdvanceSource::Planned, Level::Mpc).0;
+    let speed = controller.on_coming(Seconds(1.1), 1, &Segment { profile, ..line() }).unwrap().speed;
+    assert!((0.7..0.97).contains(&speed), "{speed}");
+}
+
+/// No law that is sent is higher than `law_high_s` at the feed at which the supervisor looks: its shape stays, and is scaled.
+#[test]
+fn a_law_that_is_too_high_is_sent_scaled() {
+    let mut controller = controller(Level::Mpc);
+    controller.on_event(Event::Estimate(estimate(1.0)));
+    let mut sent = |high_of: &dyn Fn(f64) -> f64| {
+        let settings = controller.params.advance;
+        let whole = controller.on_coming(Seconds(1.1), 1, &line()).unwrap().advance;
+        let high_s = high_of(whole.advance_s(settings.law_feed_m_s));
+        controller.advance = Advance::new(RawAdvance { law_high_s: high_s, ..settings }, Level::Mpc);
+        let law = controller.on_coming(Seconds(1.1), 1, &line()).unwrap().advance;
+        (whole, law, law.advance_s(settings.law_feed_m_s) / high_s)
+    };
+    let (whole, law, of_most) = sent(&|advance_s| 0.5 * advance_s);
+    assert!(
+        (of_most - 1.0).abs() < 1e-9 && (law.linear_s / whole.linear_s - 0.5).abs() < 1e-9,
+        "{law:?} {whole:?}"
+    );
+    let (whole, law, _) = sent(&|advance_s| 4.0 * advance_s);
+    assert!((law.linear_s / whole.linear_s - 2.0).abs() < 1e-9, "as it was before it was bounded: {law:?}");
 }
