@@ -27,10 +27,10 @@ impl Printing {
             let (fault, action) = match event.what {
                 What::Impulse => ("P8".to_owned(), "flagged".to_owned()),
                 What::PartFanSlow => ("P4".to_owned(), "flagged".to_owned()),
+                _ if event.before == event.after => continue,
                 _ if event.after == Mode::Paused && self.adopts_pause(now, output.state.cause) => continue,
-                _ if event.before != event.after
-                    && (event.after >= Mode::Degraded
-                        || event.after == Mode::Observe && event.before != Mode::Init) =>
+                _ if event.after >= Mode::Degraded
+                    || event.after == Mode::Observe && event.before != Mode::Init =>
                 {
                     (cause.clone(), format!("{:?}", event.after).to_lowercase())
                 }
