@@ -21,7 +21,7 @@ pub struct RawWidthsAlone {
     pub lag_rel: f64,
     /// Share of the flow's recent imbalance by which a width may be off `[-]`.
     pub imbalance: f64,
-    /// The path must be steady from this long before the exposure on `[s]`.
+    /// The path's speed is looked at from this long before the exposure on `[s]`.
     pub steady_s: f64,
     /// Spread of the path speed around the exposure up to which a width is looked at even so, where the printer's reports are
     /// close `[-]`.
