@@ -7,6 +7,8 @@
 //! printing, paused -- start --> failed                        any -- fatal error --> failed
 //! ```
 //! Done and failed stay until the next job begins. `Not SD printing` ends no pause: old Marlins say it in one.
+//! Behind a fatal error bytes are those of the job that failed, said before the halt or by a firmware that reads on
+//! without moving (Marlin's `stop()`): the next job is told by bytes behind `Not SD printing`, or by a start.
 
 use crate::line::{Action, Card};
 use models::status::JobPhase;
@@ -18,6 +20,8 @@ pub struct Job {
     done: u64,
     total: u64,
     out_of_filament: bool,
+    /// A fatal error, and no word since that the job it ended is off the card.
+    halted: bool,
 }
 
 impl Job {
@@ -47,6 +51,10 @@ impl Job {
 
     /// The firmware tells of the card.
     pub fn on_card(&mut self, card: Card) {
+        if self.halted && matches!(card, Card::Printing { .. }) {
+            return;
+        }
+        self.halted = false;
         match (card, self.phase) {
             (Card::Printing { done, total }, phase) => {
                 let stands = phase == Some(JobPhase::Paused) && done <= self.done;
@@ -85,7 +93,7 @@ impl Job {
 
     /// The firmware has started: what it printed is lost.
     pub fn on_start(&mut self) {
-        self.out_of_filament = false;
+        (self.out_of_filament, self.halted) = (false, false);
         self.phase = match self.phase {
             Some(JobPhase::Printing | JobPhase::Paused | JobPhase::Failed) => Some(JobPhase::Failed),
             _ => None,
@@ -94,7 +102,7 @@ impl Job {
 
     /// The firmware has stopped itself.
     pub fn on_fatal(&mut self) {
-        self.phase = Some(JobPhase::Failed);
+        (self.phase, self.halted) = (Some(JobPhase::Failed), true);
     }
 }
 
@@ -168,5 +176,24 @@ mod tests {
         assert_eq!(job.phase(), Some(JobPhase::Printing));
         job.on_fatal();
         assert_eq!(job.phase(), Some(JobPhase::Failed));
+    }
+
+    /// A report on its way when the firmware halted is of the job that failed.
+    #[test]
+    fn bytes_of_a_job_that_failed_begin_none() {
+        let failed = |next: &[Card]| {
+            let mut job = job(&[printing(10)]);
+            job.on_fatal();
+            next.iter().for_each(|card| job.on_card(*card));
+            job.phase()
+        };
+        assert_eq!(failed(&[printing(10), printing(12)]), Some(JobPhase::Failed));
+        assert_eq!(failed(&[printing(12), Card::NotPrinting]), Some(JobPhase::Failed));
+        assert_eq!(failed(&[Card::NotPrinting, printing(1)]), Some(JobPhase::Printing));
+        let mut job = job(&[printing(10)]);
+        job.on_fatal();
+        job.on_start();
+        job.on_card(printing(1));
+        assert_eq!(job.phase(), Some(JobPhase::Printing), "a start tells that the halt is over");
     }
 }
