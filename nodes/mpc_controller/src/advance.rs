@@ -12,12 +12,15 @@
 //! in the midst of a road.
 
 use crate::params::{AdvanceSource, Level, RawAdvance};
+pub(crate) use attached::Sent;
 use fit::Learnt;
+pub(crate) use learning::Nozzle;
 use learning::{Learning, SLOW_M_S};
 use models::command::AdvanceLaw;
 use models::status::{HostProfile, PrinterStatus};
 use models::units::Seconds;
 
+mod attached;
 mod fit;
 pub(crate) mod learning;
 
@@ -149,14 +152,14 @@ impl Advance {
     }
 
     /// Follows feed and outlet, for what frames will show of them. `melt` is the nominal law of melt and filament now, `None`
-    /// while it is not known, and the share of `narrowed_reach` that is open: 0 for a sound nozzle. Returns how much more
-    /// a planned law holds at this feed by what was learnt since `[m]`: the nozzle holds what it holds already.
+    /// while it is not known, in the nozzle that there is. Returns how much more a planned law holds at this feed by what was
+    /// learnt since `[m]`: the nozzle holds what it holds already.
     pub(crate) fn on_status(
         &mut self,
         status: &PrinterStatus,
-        (melt, doubt): (Option<AdvanceLaw>, f64),
+        melt: Option<AdvanceLaw>,
+        nozzle: Nozzle,
     ) -> f64 {
-        self.learning.set_doubt(doubt);
         let foretold = match self.settings.source {
             AdvanceSource::Planned => melt.map(|law| Foretold {
                 advance_s: law.advance_s(status.planned_feed_m_s.max(SLOW_M_S)),
@@ -166,7 +169,7 @@ impl Advance {
             }),
             _ => self.foretold(status.stamp.0),
         };
-        let grown_m = foretold.map(|foretold| self.learning.on_status(status, &foretold));
+        let grown_m = foretold.map(|foretold| self.learning.on_status(status, &foretold, nozzle));
         grown_m.filter(|_| self.settings.source == AdvanceSource::Planned).unwrap_or(0.0)
     }
 
@@ -181,6 +184,16 @@ impl Advance {
     /// Forgets what is held: nothing is printed. What was learnt of the printer stays.
     pub(crate) fn rest(&mut self) {
         self.held_s = None;
+    }
+
+    /// A move was sent with a trim.
+    pub(crate) fn attach(&mut self, sent: Sent) {
+        self.learning.attach(sent);
+    }
+
+    /// Follows the moves that were sent: the fastest feed of the one under way `[m/s]`; `None` before the first.
+    pub(crate) fn on_move(&mut self, status: &PrinterStatus) -> Option<f64> {
+        self.learning.on_move(status)
     }
 
     /// The foretold law for a coming move, with what was learnt; `None` where it is missing, stale or doubtful.

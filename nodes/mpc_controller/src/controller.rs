@@ -191,9 +191,7 @@ impl Controller {
         self.balance.on_wanted(status.stamp.0, self.nominal.fed_m());
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
         self.catch_up.on_in_force(status.stamp.0, status.trims.slip);
-        let melt = law.map(|law| self.clog.law(law.advance()));
-        let grown_m = self.advance.on_status(status, (melt, self.clog.doubt()));
-        self.clog.carry(grown_m);
+        self.follow_advance(status);
         self.roads.on_status(status, self.excess_m, self.params.clog.feed_spread);
         if self.status.is_none_or(|before| self.unsteady(&before, status)) {
             self.steady_since_s = status.stamp.0;

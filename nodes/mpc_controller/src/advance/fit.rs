@@ -11,6 +11,8 @@ use nalgebra::{Matrix3, Vector3};
 const INDEX_AT_M_S: f64 = 1.2e-3;
 /// A smaller reach is none: a prior has to be finite `[-]`.
 const REACH_MIN: f64 = 1e-6;
+/// Rounds in which the factor that weighs the errors becomes the one that they tell: each leaves a third at most.
+const ROUNDS: u32 = 6;
 
 /// One of each: of the whole law, of the melt's index, of the melt's part.
 pub(super) type Triple = Vector3<f64>;
@@ -47,11 +49,6 @@ impl Learnt {
         let (linear_s, shear) = (law.linear_s * self.factor, law.shear * self.force());
         AdvanceLaw { linear_s, shear, ..law }.bent(self.index, INDEX_AT_M_S)
     }
-
-    /// `c_0, c_1, c_2`.
-    pub(super) fn coefficients(&self) -> Triple {
-        Triple::new(self.factor, self.index * self.force(), self.narrowed)
-    }
 }
 
 /// Weighted sums over frames.
@@ -59,24 +56,43 @@ impl Learnt {
 pub(super) struct Fit {
     weight: f64,
     levers: Triple,
-    answer: f64,
     levers_sq: Matrix3<f64>,
+    driven: Sums,
+    errors: Sums,
+}
+
+/// Sums of one number per frame, alone and times the levers.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    plain: f64,
     products: Triple,
 }
 
+impl Sums {
+    fn take(&mut self, value: f64, levers: Triple, kept: f64) {
+        self.plain = kept * self.plain + value;
+        self.products = kept * self.products + levers * value;
+    }
+
+    fn about_mean(&self, levers: Triple, weight: f64) -> Triple {
+        self.products - levers * self.plain / weight
+    }
+}
+
 impl Fit {
-    /// Takes a frame in: what each coefficient does to its width, and what they did together. Older ones count for `kept`.
-    pub(super) fn take(&mut self, levers: Triple, answer: f64, kept: f64) {
+    /// Takes a frame in: what each coefficient does to its width, what the drive does to it, and its error. Older ones count for
+    /// `kept`.
+    pub(super) fn take(&mut self, levers: Triple, (driven, error): (f64, f64), kept: f64) {
         self.weight = kept * self.weight + 1.0;
         self.levers = kept * self.levers + levers;
-        self.answer = kept * self.answer + answer;
         self.levers_sq = kept * self.levers_sq + levers * levers.transpose();
-        self.products = kept * self.products + levers * answer;
+        self.driven.take(driven, levers, kept);
+        self.errors.take(error, levers, kept);
     }
 
     /// The nozzle is sound: what frames told of a narrowed one is past.
     pub(super) fn forget_narrowing(&mut self) {
-        (self.levers[2], self.products[2]) = (0.0, 0.0);
+        (self.levers[2], self.driven.products[2], self.errors.products[2]) = (0.0, 0.0, 0.0);
         self.levers_sq.row_mut(2).fill(0.0);
         self.levers_sq.column_mut(2).fill(0.0);
     }
@@ -88,12 +104,14 @@ impl Fit {
         }
         let prior = reach.map(|reach| (noise / reach.max(REACH_MIN)).powi(2));
         let spread = self.levers_sq - self.levers * self.levers.transpose() / self.weight;
-        let common = self.products - self.levers * self.answer / self.weight;
-        let root = (spread + Matrix3::from_diagonal(&prior)).cholesky();
-        let Some(found) = root.map(|root| root.solve(&(common + Triple::new(prior[0], 0.0, 0.0)))) else {
-            return Learnt::NOTHING;
-        };
-        let factor = found[0].clamp(1.0 - reach[0], 1.0 + reach[0]);
+        let Some(root) = (spread + Matrix3::from_diagonal(&prior)).cholesky() else { return Learnt::NOTHING };
+        let driven = self.driven.about_mean(self.levers, self.weight) + Triple::new(prior[0], 0.0, 0.0);
+        let errors = self.errors.about_mean(self.levers, self.weight);
+        let (mut found, mut factor) = (Triple::zeros(), 1.0);
+        for _ in 0..ROUNDS {
+            found = root.solve(&(driven - errors * factor));
+            factor = found[0].clamp(1.0 - reach[0], 1.0 + reach[0]);
+        }
         let narrowed = found[2].clamp(-reach[2], reach[2]);
         let index = (found[1] / (factor + narrowed)).clamp(-reach[1], reach[1]);
         Learnt { factor, index, narrowed }

@@ -1,11 +1,12 @@
 //! Learns how far the foretold `K_A` is off, from the widths of roads whose speed has just changed.
 //!
-//! At a feed v the drive holds `kappa L(v)` compressed, `L` the foretold law; the printer needs `rho L(u)` at an outlet u.
-//! Near `rho = kappa = f`, the factor that is believed, the printer is `f L'(v) y' + y = L(v)`, and the width error is
-//! `e = r_w (kappa - rho)/f (L(v) - y)/(L'(v) v)`. With `h = r_w (L(v) - y)/(L'(v) v)` that is `kappa h - f e = rho h`: a line
-//! through widths, whose slope is `rho`. For one `K_0`, `L = K_0 v` and `h = r_w (1 - u/v)`, u the feed behind the lag. Two
-//! more parts of a law, its melt's index and a nozzle that has narrowed, have a `kappa`, a `rho` and an `h` of their own (`fit`).
+//! At a feed v the printer needs `rho L(u)` compressed, `L` the foretold law, u the outlet; the drive holds `D(v)`, by the trim that a
+//! move was sent with, or by one `K`. What both lag behind by is y, `rho L'(v) y' + y = L(v)`, and a, `rho L'(v) a' + a = D(v)`. The
+//! width error is `e = r_w ((D - a) - rho (L - y)) / (rho L'(v) v)`: with `h = r_w (L - y)/(L'(v) v)` and d the same of the drive's that
+//! is `d - rho e = rho h`, a line through widths whose slope is `rho`. For one `K_0`, `L = K_0 v` and `h = r_w (1 - u/v)`, u the feed behind
+//! the lag. Two more parts of a law, its melt's index and a nozzle that has narrowed, have a `rho` and an `h` of their own (`fit`).
 
+use super::attached::{Attached, Sent};
 use super::fit::{Fit, Learnt, Triple, parts_m};
 use super::{Foretold, attaches};
 use crate::params::RawLearning;
@@ -51,12 +52,23 @@ struct Moment {
     target_width_m: f64,
     /// `h`: what an error of each coefficient does to the relative width `[-]`.
     levers: Triple,
-    /// `kappa`: coefficients of the advance in force `[-]`.
-    shares: Triple,
-    /// `f`: factor that was believed `[-]`.
-    factor: f64,
+    /// `d`: what the drive does to it `[-]`.
+    driven: f64,
     /// What the melt's part of the foretold law held `[m]`.
     melt_m: f64,
+}
+
+/// What a dip told of the nozzle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Nozzle {
+    /// Force over that of a sound one that laws follow `[-]`.
+    pub(crate) force: f64,
+    /// Share of `narrowed_reach` that is open; 0 in a sound one.
+    pub(crate) doubt: f64,
+}
+
+impl Nozzle {
+    pub(crate) const SOUND: Self = Self { force: 1.0, doubt: 0.0 };
 }
 
 /// What was learnt.
@@ -65,6 +77,10 @@ pub(crate) struct Learning {
     settings: RawLearning,
     /// y: what the printer holds over the factor, of each part of the law `[m]`.
     held_m: Triple,
+    attached: Attached,
+    /// D, and the a behind it `[m]`.
+    driven_m: f64,
+    pushed_m: f64,
     /// The filament is drawn back: the outlet is dry, and what is held stays.
     drawn: bool,
     before: Option<(f64, f64)>,
@@ -72,8 +88,7 @@ pub(crate) struct Learning {
     calm_since_s: f64,
     moments: VecDeque<Moment>,
     fit: Fit,
-    /// Share of `narrowed_reach` that is open; 0 in a sound nozzle.
-    doubt: f64,
+    nozzle: Nozzle,
     /// In force. Factor and index follow what the frames say slowly: of one K, a change while a road is laid is itself a width error.
     learnt: Learnt,
 }
@@ -83,25 +98,35 @@ impl Learning {
         Self {
             settings,
             held_m: Triple::zeros(),
+            attached: Attached::default(),
+            driven_m: 0.0,
+            pushed_m: 0.0,
             drawn: false,
             before: None,
             since_s: None,
             calm_since_s: f64::NEG_INFINITY,
             moments: VecDeque::with_capacity(STATUSES),
             fit: Fit::default(),
-            doubt: 0.0,
+            nozzle: Nozzle::SOUND,
             learnt: Learnt::NOTHING,
         }
     }
 
-    /// L and `kappa` of what is executed: the law of the moves, which carry what is believed, else one K.
-    fn executed(&self, status: &PrinterStatus, foretold: &Foretold) -> (AdvanceLaw, Triple) {
-        if is_ahead(status) {
-            (foretold.law, self.learnt.coefficients())
-        } else {
-            let one = AdvanceLaw { linear_s: foretold.advance_s, shear: 0.0, index: 1.0 };
-            (one, Triple::new(status.advance_s / foretold.advance_s, 0.0, 0.0))
-        }
+    /// D: what the drive holds compressed at a feed `[m/s]` `[m]`.
+    fn driven_at_m(&self, status: &PrinterStatus, feed_m_s: f64) -> f64 {
+        let sent = self.attached.under_way().filter(|_| is_ahead(status));
+        sent.map_or(status.advance_s * feed_m_s, |sent| sent.held_m(feed_m_s))
+    }
+
+    /// A move was sent with a trim.
+    pub(crate) fn attach(&mut self, sent: Sent) {
+        self.attached.push(sent);
+    }
+
+    /// Follows the moves that were sent: the fastest feed of the one under way `[m/s]`; `None` before the first.
+    pub(crate) fn on_move(&mut self, status: &PrinterStatus) -> Option<f64> {
+        self.attached.on_status(status);
+        self.attached.under_way().map(|sent| sent.cruise_m_s)
     }
 
     /// What is believed, each within its reach.
@@ -111,7 +136,7 @@ impl Learning {
 
     fn goal(&self) -> Learnt {
         let RawLearning { reach, index_reach, narrowed_reach, width_noise, .. } = self.settings;
-        self.fit.learnt(width_noise, Triple::new(reach, index_reach, narrowed_reach * self.doubt))
+        self.fit.learnt(width_noise, Triple::new(reach, index_reach, narrowed_reach * self.nozzle.doubt))
     }
 
     /// Lets factor and index go towards what the frames say; how much more `held_m` is by it.
@@ -123,65 +148,77 @@ impl Learning {
         held_m(&self.learnt) - before_m
     }
 
-    /// The nozzle has narrowed, by a force of which so much is open, or is sound: 0.
-    pub(crate) fn set_doubt(&mut self, doubt: f64) {
-        if self.doubt > 0.0 && doubt <= 0.0 {
+    /// What the nozzle is known for now. What it holds by another force it holds already.
+    fn take_nozzle(&mut self, nozzle: Nozzle, law: &AdvanceLaw) {
+        if self.nozzle.doubt > 0.0 && nozzle.doubt <= 0.0 {
             self.fit.forget_narrowing();
             self.learnt.narrowed = 0.0;
         }
-        self.doubt = doubt;
+        let grown = nozzle.force / self.nozzle.force;
+        if let Some((_, feed_m_s)) = self.before {
+            let before = AdvanceLaw { shear: law.shear / grown, ..*law };
+            self.held_m += parts_m(law, feed_m_s, SLOW_M_S) - parts_m(&before, feed_m_s, SLOW_M_S);
+        }
+        self.nozzle = nozzle;
     }
 
-    /// Follows the feed behind the foretold lag, and returns how much more the law with what was learnt holds at it since the last
+    /// Follows feed and drive behind the foretold lag, and returns how much more the law with what was learnt holds since the last
     /// status `[m]`.
-    pub(crate) fn on_status(&mut self, status: &PrinterStatus, foretold: &Foretold) -> f64 {
-        let stamp_s = status.stamp.0;
+    pub(crate) fn on_status(&mut self, status: &PrinterStatus, foretold: &Foretold, nozzle: Nozzle) -> f64 {
+        let (stamp_s, law) = (status.stamp.0, foretold.law);
         let feed_m_s = laid_m_s(status);
         self.drawn = !status.depositing && (self.drawn || status.planned_feed_m_s < 0.0);
+        self.take_nozzle(nozzle, &law);
         let (before_s, before_m_s) = self.before.replace((stamp_s, feed_m_s)).unwrap_or((stamp_s, feed_m_s));
         let dt_s = stamp_s - before_s;
         if (feed_m_s - before_m_s).abs() > CALM * feed_m_s.max(before_m_s) {
             self.calm_since_s = stamp_s;
         }
-        let grown_m = self.follow_goal(dt_s, |learnt| learnt.of(foretold.law).held_m(feed_m_s));
-        let (law, shares) = self.executed(status, foretold);
+        let grown_m = self.follow_goal(dt_s, |learnt| learnt.of(law).held_m(feed_m_s));
         let wanted_m = parts_m(&law, feed_m_s, SLOW_M_S);
+        let driven_m = self.driven_at_m(status, feed_m_s);
+        let driven_before_m = std::mem::replace(&mut self.driven_m, driven_m);
         if !(foretold.advance_s > 0.0 && (0.0..=foretold.advance_s).contains(&dt_s)) {
-            self.held_m = wanted_m;
+            (self.held_m, self.pushed_m) = (wanted_m, driven_m);
             self.since_s = None;
             return grown_m;
         }
-        let factor = self.learnt.factor;
         let slope_s = |at_m_s: f64| law.lag_s(at_m_s.max(SLOW_M_S));
-        let lag = LinearLag { lag_s: factor * slope_s(0.5 * (before_m_s + feed_m_s)) };
-        let from_m = parts_m(&law, before_m_s, SLOW_M_S);
         if !self.drawn {
+            let lag = LinearLag { lag_s: self.learnt.factor * slope_s(0.5 * (before_m_s + feed_m_s)) };
+            let from_m = parts_m(&law, before_m_s, SLOW_M_S);
             self.held_m = Triple::from_fn(|of, _| {
                 lag.step_ramp(self.held_m[of], (from_m[of], wanted_m[of]), Seconds(dt_s))
             });
+            self.pushed_m = lag.step_ramp(self.pushed_m, (driven_before_m, driven_m), Seconds(dt_s));
         }
+        self.note(status, feed_m_s, (wanted_m, slope_s(feed_m_s)));
+        grown_m
+    }
+
+    /// Keeps the moment of a road at a feed `[m/s]`, with what the law wants there `[m]` and its slope `[s]`.
+    fn note(&mut self, status: &PrinterStatus, feed_m_s: f64, (wanted_m, slope_s): (Triple, f64)) {
         let (Some(target_width_m), Some(height_m), true) =
             (status.target_width_m, status.layer_height_m, status.depositing && feed_m_s > 0.0)
         else {
             self.since_s = None;
-            return grown_m;
+            return;
         };
-        let since_s = *self.since_s.get_or_insert(stamp_s);
-        let sides = height_m * ROUND_SIDES / target_width_m;
+        let since_s = *self.since_s.get_or_insert(status.stamp.0);
         if self.moments.len() == STATUSES {
             self.moments.pop_front();
         }
+        let section = 1.0 - height_m * ROUND_SIDES / target_width_m;
+        let over_m = section / (slope_s * feed_m_s);
         self.moments.push_back(Moment {
-            stamp_s,
+            stamp_s: status.stamp.0,
             since_s,
             calm_since_s: self.calm_since_s,
             target_width_m,
-            levers: (wanted_m - self.held_m) / (slope_s(feed_m_s) * feed_m_s) * (1.0 - sides),
-            shares,
-            factor,
+            levers: (wanted_m - self.held_m) * over_m,
+            driven: (self.driven_m - self.pushed_m) * over_m,
             melt_m: wanted_m[2],
         });
-        grown_m
     }
 
     /// Learns from the width of a road that was laid at `exposed_s`, and returns how much more a nozzle that has narrowed is known
@@ -202,11 +239,11 @@ impl Learning {
             (width_m / moment.target_width_m - 1.0).clamp(-self.settings.error_max, self.settings.error_max);
         // A feed that the loop itself has trimmed on that error would teach its own answer.
         let is_own = moment.levers[0].abs() < self.settings.lever_min;
-        let seen = Triple::new(1.0, 1.0, if self.doubt > 0.0 { 1.0 } else { 0.0 });
-        let levers = if is_own { Triple::zeros() } else { moment.levers.component_mul(&seen) };
-        let answer = moment.shares.dot(&levers) - moment.factor * error;
-        self.fit.take(levers, answer, 1.0 - 1.0 / self.settings.frames);
-        if self.doubt <= 0.0 {
+        let seen = Triple::new(1.0, 1.0, if self.nozzle.doubt > 0.0 { 1.0 } else { 0.0 });
+        let (levers, driven) =
+            if is_own { (Triple::zeros(), 0.0) } else { (moment.levers.component_mul(&seen), moment.driven) };
+        self.fit.take(levers, (driven, error), 1.0 - 1.0 / self.settings.frames);
+        if self.nozzle.doubt <= 0.0 {
             return 0.0;
         }
         let (before, now) = (self.learnt.narrowed, self.goal().narrowed);

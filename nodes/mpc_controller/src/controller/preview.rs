@@ -1,12 +1,14 @@
 //! Preview: trims attached to coming moves. A corner is planned before it comes, not chased after it.
 
 use super::{Controller, Printer};
+use crate::advance::{Nozzle, Sent};
 use crate::input::Estimate;
 use crate::params::{AdvanceSource, Level};
 use crate::reference::nozzle_reference;
 use models::command::{AdvanceLaw, MotionTrim};
 use models::extruder::StaticLaw;
 use models::motion::{MoveKind, Segment};
+use models::status::PrinterStatus;
 use models::units::{Kelvin, Seconds};
 
 /// Flow in a corner over that before it, about `[-]`.
@@ -22,9 +24,10 @@ impl Controller {
         }
         let (flow, in_force) = self.scheduled();
         let speed = self.pace_of(now, segment);
+        let cruise_m_s = segment.filament_per_path() * segment.profile.cruise_m_s * flow * in_force * speed;
         let (advance, carried_m) = match self.params.advance.source {
             AdvanceSource::Planned => {
-                let sound = self.melt_law(now, segment, flow * in_force * speed)?;
+                let sound = self.melt_law(now, cruise_m_s)?;
                 (self.advance.with_learnt(self.clog.law(sound)), self.clog.carried_m())
             }
             AdvanceSource::Predicted => (self.advance.law(now.0)?, 0.0),
@@ -40,8 +43,21 @@ impl Controller {
         };
         trim.is_valid().then(|| {
             self.report.scheduled += 1;
+            self.advance.attach(Sent { line: segment.line, cruise_m_s, trim });
             trim
         })
+    }
+
+    /// Follows what is held compressed, by the law for the speeds of the move under way.
+    pub(super) fn follow_advance(&mut self, status: &PrinterStatus) {
+        let fastest_m_s = self.advance.on_move(status);
+        let law = self.estimate.and_then(|estimate| {
+            self.outlet_law(&estimate, fastest_m_s.unwrap_or(estimate.reference_feed_m_s))
+        });
+        let melt = law.map(|law| self.clog.law(law.advance()));
+        let nozzle = Nozzle { force: self.clog.factor(), doubt: self.clog.doubt() };
+        let grown_m = self.advance.on_status(status, melt, nozzle);
+        self.clog.carry(grown_m);
     }
 
     /// Speed of a coming move relative to the slicer's at which the drive's force suffices for its fastest feed `[-]`. With
@@ -59,9 +75,8 @@ impl Controller {
     /// The nominal law of the filament held compressed up to a move's cruise; `None` where no recent estimate tells the
     /// nozzle's temperature, or that is colder than at the lowest set-point of the material: a law of a melt that nothing
     /// drives says nothing of the one that is going to be laid.
-    fn melt_law(&self, now: Seconds, segment: &Segment, feed: f64) -> Option<AdvanceLaw> {
+    fn melt_law(&self, now: Seconds, cruise_m_s: f64) -> Option<AdvanceLaw> {
         let estimate = self.recent(now).filter(|made| made.nozzle.0 >= self.least_nozzle().0)?;
-        let cruise_m_s = segment.filament_per_path() * segment.profile.cruise_m_s * feed;
         (cruise_m_s > 0.0).then(|| self.outlet_law(&estimate, cruise_m_s))?.map(|law| law.advance())
     }
 

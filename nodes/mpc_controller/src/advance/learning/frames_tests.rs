@@ -30,7 +30,7 @@ fn stepped_with(
     for at_s in (0..).map(told).take_while(|at_s| *at_s <= BEGUN_S + until_s + 1e-9) {
         let [before, after] = STEP_M_S;
         let feed_m_s = if at_s < BEGUN_S + 0.5 * TICK_S { before } else { after };
-        learning.on_status(&host(status(at_s, feed_m_s)), &foretold());
+        learning.on_status(&host(status(at_s, feed_m_s)), &foretold(), Nozzle::SOUND);
     }
     learning
 }
@@ -68,7 +68,7 @@ fn frames_with_a_large_lever_are_left_out() {
     }
 }
 
-/// `kappa h - f e`, e within `+- error_max`: whatever is said beyond teaches no more.
+/// `d - e`, e within `+- error_max`: whatever is said beyond teaches no more.
 #[test]
 fn large_errors_of_a_width_count_as_the_largest_believed() {
     for (error_max, error, believed) in [
@@ -131,7 +131,7 @@ fn a_frame_far_before_its_status_is_no_pair() {
         let mut learning = stepped(RawLearning { pairing_s, ..LEARNING }, 0.4);
         // One status late by four: 0.1 s behind the one before.
         let next_s = BEGUN_S + 0.5;
-        learning.on_status(&status(next_s, STEP_M_S[1]), &foretold());
+        learning.on_status(&status(next_s, STEP_M_S[1]), &foretold(), Nozzle::SOUND);
         learning.on_width(next_s - before_s, TARGET_M);
         assert_eq!(learning.frames() > 0.0, is_pair, "{pairing_s} s, {before_s} s before");
     }
@@ -156,7 +156,7 @@ fn restarted([first_m_s, last_m_s]: [f64; 2]) -> f64 {
             _ => FEED_M_S,
         };
         let told = PrinterStatus { depositing: !travels, ..status(at_s, feed_m_s) };
-        learning.on_status(&told, &foretold());
+        learning.on_status(&told, &foretold(), Nozzle::SOUND);
     }
     learning.moments.back().unwrap().levers[0]
 }

@@ -5,10 +5,11 @@ use super::*;
 use crate::advance::{Advance, Basis, Prediction};
 use crate::params::{AdvanceSource, Level, RawAdvance};
 use models::advance::Compensation;
-use models::command::Trims;
+use models::command::{MotionTrim, Trims};
 use models::extruder::{Pressure, StaticLaw};
 
 mod narrowed;
+mod planned;
 
 pub(super) const FORETOLD_S: f64 = 0.6;
 pub(super) const HEIGHT_M: f64 = 2e-4;
@@ -17,6 +18,15 @@ pub(super) const TARGET_M: f64 = 4.5e-4;
 pub(super) fn foretold() -> Foretold {
     let law = AdvanceLaw { linear_s: FORETOLD_S, shear: 0.0, index: 1.0 };
     Foretold { advance_s: FORETOLD_S, half_width_s: 0.02, law, basis: Basis::Network }
+}
+
+/// Fastest feed of each move `[m/s]`.
+const CRUISE_M_S: f64 = 3e-3;
+
+/// A move of a line, sent with a law of which so much is held already.
+pub(in crate::advance) fn sent(line: u64, advance: AdvanceLaw, carried_m: f64) -> Sent {
+    let trim = MotionTrim { sequence: line, flow: 1.0, speed: 1.0, advance, carried_m };
+    Sent { line, cruise_m_s: CRUISE_M_S, trim }
 }
 
 /// Feed that swings between 1 and 3 mm/s, 4 s a period, in ramps.
@@ -29,11 +39,13 @@ fn feed_m_s(at_s: f64) -> f64 {
 /// and what widths show is not of it.
 #[test]
 fn a_law_that_is_handed_over_is_not_yet_executed() {
-    let learning = Learning::new(LEARNING);
+    let mut learning = Learning::new(LEARNING);
+    learning.attach(sent(100, AdvanceLaw::constant(FORETOLD_S), 0.0));
     let permitted = Trims { advance_s: Some(FORETOLD_S), ..Trims::NEUTRAL };
-    for (advance_s, expected) in [(FORETOLD_S, 1.0), (0.25 * FORETOLD_S, 0.25)] {
+    for (advance_s, expected_s) in [(FORETOLD_S, FORETOLD_S), (0.25 * FORETOLD_S, 0.25 * FORETOLD_S)] {
         let told = PrinterStatus { trims: permitted, advance_s, ..status(1.0, 1e-3) };
-        assert!((learning.executed(&told, &foretold()).1[0] - expected).abs() < 1e-12, "{advance_s}");
+        assert_eq!(learning.on_move(&told), Some(CRUISE_M_S));
+        assert!((learning.driven_at_m(&told, 1e-3) - 1e-3 * expected_s).abs() < 1e-15, "{advance_s}");
     }
 }
 
@@ -49,7 +61,7 @@ fn learnt(reach: f64, lag_s: f64, (offset, for_s): (f64, f64)) -> f64 {
         at_s = 0.02 * f64::from(step);
         let (before, now) = (feed_m_s(at_s - 0.02), feed_m_s(at_s));
         state = plant.step(state, (before, now), Seconds(0.02));
-        learning.on_status(&status(at_s, now), &foretold());
+        learning.on_status(&status(at_s, now), &foretold(), Nozzle::SOUND);
         // 2 Hz against 4 s would meet the same eight places for ever.
         if step.is_multiple_of(23) {
             let section = plant.outlet(state, now) / now;
@@ -93,7 +105,11 @@ fn frames_in_a_ramp_are_left_out() {
     for step in 0..2000_u32 {
         let at_s = 0.02 * f64::from(step);
         // 2 % more with every status, from anew each second.
-        learning.on_status(&status(at_s, 1e-3 * 1.02_f64.powf(f64::from(step % 50))), &foretold());
+        learning.on_status(
+            &status(at_s, 1e-3 * 1.02_f64.powf(f64::from(step % 50))),
+            &foretold(),
+            Nozzle::SOUND,
+        );
         learning.on_width(at_s, 0.8 * TARGET_M);
     }
     assert!((learning.learnt().factor - 1.0).abs() < 1e-12, "{}", learning.learnt().factor);
@@ -107,7 +123,7 @@ fn small_levers_teach_nothing() {
         for step in 0..10_000_u32 {
             let at_s = 0.02 * f64::from(step);
             let phase = std::f64::consts::TAU * at_s / 4.0;
-            learning.on_status(&status(at_s, 2e-3 * (1.0 + 0.03 * phase.sin())), &foretold());
+            learning.on_status(&status(at_s, 2e-3 * (1.0 + 0.03 * phase.sin())), &foretold(), Nozzle::SOUND);
             if step.is_multiple_of(23) {
                 learning.on_width(at_s, TARGET_M * (1.0 + 0.05 * phase.cos()));
             }
@@ -129,7 +145,7 @@ fn the_factor_changes_slowly() {
         let at_s = 0.02 * f64::from(step);
         let (last, now) = (feed_m_s(at_s - 0.02), feed_m_s(at_s));
         state = plant.step(state, (last, now), Seconds(0.02));
-        learning.on_status(&status(at_s, now), &foretold());
+        learning.on_status(&status(at_s, now), &foretold(), Nozzle::SOUND);
         assert!((learning.learnt().factor - before).abs() <= 0.01 * 0.02 + 1e-12);
         before = learning.learnt().factor;
         if step.is_multiple_of(23) {
@@ -148,14 +164,14 @@ fn stiff() -> StaticLaw {
     StaticLaw::of_compression(LAW.index, 1.2 * LAW.shear, 1.2 * LAW.linear_s)
 }
 
-/// 200 s of a printer that gets with each move the law which `follow` makes of each status and, at 2 Hz, of a width and its
-/// time; the last law.
+/// 200 s of a printer that gets with each move the law which `follow` makes of the last move, each status and, at 2 Hz, a width and
+/// its time; the last law. Another law pushes nothing at the feed as it is.
 fn printed_with_law(
     (plant, feed_m_s): (&StaticLaw, impl Fn(f64) -> f64),
-    mut follow: impl FnMut(&PrinterStatus, Option<(f64, f64)>) -> AdvanceLaw,
+    mut follow: impl FnMut(Sent, &PrinterStatus, Option<(f64, f64)>) -> AdvanceLaw,
 ) -> AdvanceLaw {
     let mut pressure = Pressure::steady(plant, feed_m_s(0.0));
-    let mut law = LAW;
+    let (mut law, mut carried_m) = (LAW, 0.0);
     for step in 1..=10_000_u32 {
         let at_s = 0.02 * f64::from(step);
         let (before, now) = (feed_m_s(at_s - 0.02), feed_m_s(at_s));
@@ -165,8 +181,11 @@ fn printed_with_law(
         let sides_m = HEIGHT_M * ROUND_SIDES;
         let section = laid_m_s / (0.5 * (before + now));
         let width = (at_s - 0.01, section * (TARGET_M - sides_m) + sides_m);
-        let status = PrinterStatus { trims: acting, ..status(at_s, now) };
-        law = follow(&status, step.is_multiple_of(23).then_some(width));
+        let line = u64::from(step);
+        let status = PrinterStatus { trims: acting, line, ..status(at_s, now) };
+        let next = follow(sent(line, law, carried_m), &status, step.is_multiple_of(23).then_some(width));
+        carried_m += next.held_m(now) - law.held_m(now);
+        law = next;
     }
     law
 }
@@ -176,12 +195,32 @@ fn printed_with_law(
 fn the_factor_meets_a_law_over_the_feed() {
     let foretold = Foretold { advance_s: 0.416, law: LAW, ..foretold() };
     let mut learning = Learning::new(RawLearning { reach: 0.4, ..LEARNING });
-    printed_with_law((&stiff(), feed_m_s), |status, width| {
-        learning.on_status(status, &foretold);
+    printed_with_law((&stiff(), feed_m_s), |sent, status, width| {
+        learning.attach(sent);
+        learning.on_move(status);
+        learning.on_status(status, &foretold, Nozzle::SOUND);
         if let Some((at_s, width_m)) = width {
             learning.on_width(at_s, width_m);
         }
         LAW.scaled(learning.learnt().factor)
+    });
+    assert!((learning.learnt().factor - 1.2).abs() < 0.05, "{}", learning.learnt().factor);
+}
+
+/// A long move has the law that it was sent with, whatever is believed by now: taken for what is believed, it would teach a factor
+/// beyond any.
+#[test]
+fn the_factor_is_learnt_beside_the_law_that_a_move_was_sent_with() {
+    let foretold = Foretold { advance_s: 0.416, law: LAW, ..foretold() };
+    let mut learning = Learning::new(RawLearning { reach: 0.45, ..LEARNING });
+    printed_with_law((&stiff(), feed_m_s), |sent, status, width| {
+        learning.attach(sent);
+        learning.on_move(status);
+        learning.on_status(status, &foretold, Nozzle::SOUND);
+        if let Some((at_s, width_m)) = width {
+            learning.on_width(at_s, width_m);
+        }
+        LAW
     });
     assert!((learning.learnt().factor - 1.2).abs() < 0.05, "{}", learning.learnt().factor);
 }
@@ -195,82 +234,13 @@ pub(crate) fn taught(source: AdvanceSource, level: Level) -> (Advance, f64) {
 }
 
 fn print_and_learn(advance: &mut Advance, plant: (&StaticLaw, impl Fn(f64) -> f64)) -> AdvanceLaw {
-    printed_with_law(plant, |status, width| {
-        advance.on_status(status, (Some(LAW), 0.0));
+    printed_with_law(plant, |sent, status, width| {
+        advance.attach(sent);
+        advance.on_move(status);
+        advance.on_status(status, Some(LAW), Nozzle::SOUND);
         if let Some((at_s, width_m)) = width {
             advance.on_width(Seconds(at_s), width_m);
         }
         advance.with_learnt(LAW)
     })
-}
-
-/// A melt that thins less under shear than its maker says, index 0.6 of 0.5, on roads at three feeds: some of the offset is found in
-/// 200 s. Without reach the index is the maker's.
-#[test]
-fn the_index_of_a_planned_law_is_learnt() {
-    let plant = LAW.bent(0.1, 2e-3);
-    let printer = StaticLaw::of_compression(plant.index, plant.shear, plant.linear_s);
-    let feed_m_s = |at_s: f64| match (at_s / 6.0).fract() {
-        0.0..0.33 => 3e-3,
-        0.33..0.66 => 0.4e-3,
-        _ => 1.7e-3,
-    };
-    // what an index does is much like what a factor does: widths that scatter tell it slowly, these do not
-    let learnt = |index_reach: f64| {
-        let learning = RawLearning {
-            planned_reach: 0.4,
-            index_reach,
-            width_noise: 0.01,
-            settle_s: 0.1,
-            lever_min: 0.05,
-            lever_max: 1.0,
-            ..LEARNING
-        };
-        let settings = RawAdvance { source: AdvanceSource::Planned, learning, ..SETTINGS };
-        let mut advance = Advance::new(settings, Level::Mpc);
-        print_and_learn(&mut advance, (&printer, feed_m_s))
-    };
-    let (bent, unbent) = (learnt(0.2), learnt(0.0));
-    assert!((0.03..0.13).contains(&(bent.index - LAW.index)), "{bent:?}");
-    assert!((unbent.index - LAW.index).abs() < 1e-15);
-    assert!(learnt(0.03).index - LAW.index < 0.03 + 1e-12);
-}
-
-/// A law that goes on growing by what was learnt, at one feed: what it holds more there is told, so that nothing is pushed for it. A
-/// predicted law is sent without what the nozzle is said to hold.
-#[test]
-fn what_a_planned_law_grows_by_is_told() {
-    for (source, told) in [(AdvanceSource::Planned, true), (AdvanceSource::Predicted, false)] {
-        let learning = RawLearning { reach: 0.4, planned_reach: 0.4, slew_1_s: 5e-4, ..LEARNING };
-        let mut advance =
-            Advance::new(RawAdvance { source, learning, age_limit_s: 1e3, ..SETTINGS }, Level::Mpc);
-        let word = Foretold { advance_s: 0.416, law: LAW, ..foretold() };
-        advance.on_prediction(Prediction { stamp: Seconds(0.0), advance: Some(word), turn: None });
-        let before = print_and_learn(&mut advance, (&stiff(), feed_m_s));
-        let grown_m: f64 = (1..=500_u32)
-            .map(|step| {
-                let at_s = 200.0 + 0.02 * f64::from(step);
-                let acting = Trims { advance_s: Some(0.5), ..Trims::NEUTRAL };
-                advance.on_status(&PrinterStatus { trims: acting, ..status(at_s, 2e-3) }, (Some(LAW), 0.0))
-            })
-            .sum();
-        let expected_m = advance.with_learnt(LAW).held_m(2e-3) - before.held_m(2e-3);
-        assert!(expected_m > 5e-6, "{expected_m}");
-        let expected_m = if told { expected_m } else { 0.0 };
-        assert!((grown_m - expected_m).abs() < 1e-9, "{grown_m} of {expected_m}");
-    }
-}
-
-/// The melt's own law is learnt too where it is planned, no word of a predictor needed; not where one K is sent, nor where
-/// nothing can slow the print. What a planned law holds more than the nominal one is force.
-#[test]
-fn a_planned_law_is_learnt_and_its_force() {
-    let (advance, planned) = taught(AdvanceSource::Planned, Level::Mpc);
-    assert!((planned - 1.2).abs() < 0.05, "{planned}");
-    assert!((advance.stiffness() - planned).abs() < 1e-12);
-    for (source, level) in [(AdvanceSource::Material, Level::Mpc), (AdvanceSource::Planned, Level::Encoder)] {
-        let (advance, constant) = taught(source, level);
-        assert!((constant - 1.0).abs() < 1e-12, "{constant}");
-        assert!((advance.stiffness() - 1.0).abs() < 1e-12);
-    }
 }
