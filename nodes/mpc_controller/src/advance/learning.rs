@@ -134,15 +134,9 @@ impl Learning {
         self.learnt
     }
 
-    /// What the frames say and, once they say anything, the surplus on it.
     fn goal(&self) -> Learnt {
-        let RawLearning { reach, index_reach, narrowed_reach, surplus, width_noise, .. } = self.settings;
-        let said =
-            self.fit.learnt(width_noise, Triple::new(reach, index_reach, narrowed_reach * self.nozzle.doubt));
-        if said == Learnt::NOTHING {
-            return said;
-        }
-        Learnt { factor: (said.factor * (1.0 + surplus)).min(1.0 + reach), ..said }
+        let RawLearning { reach, index_reach, narrowed_reach, width_noise, .. } = self.settings;
+        self.fit.learnt(width_noise, Triple::new(reach, index_reach, narrowed_reach * self.nozzle.doubt))
     }
 
     /// Lets factor and index go towards what the frames say; how much more `held_m` is by it.

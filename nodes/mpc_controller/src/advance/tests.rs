@@ -11,7 +11,6 @@ pub(super) const LEARNING: RawLearning = RawLearning {
     planned_reach: 0.0,
     index_reach: 0.0,
     narrowed_reach: 0.0,
-    surplus: 0.0,
     slew_1_s: 0.003,
     width_noise: 0.1,
     frames: 200.0,

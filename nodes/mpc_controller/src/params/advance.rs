@@ -69,8 +69,6 @@ pub struct RawLearning {
     pub index_reach: f64,
     /// Largest further correction of the melt's part in a nozzle that has narrowed `[-]`; 0 leaves what its dip told.
     pub narrowed_reach: f64,
-    /// What a planned law is given beyond what was learnt `[-]`: a drive smooths its strokes, and short ones come out smaller.
-    pub surplus: f64,
     /// How fast the correction follows `[1/s]`: times K it is the relative width error of a straight.
     pub slew_1_s: f64,
     /// Scatter of widths that no advance explains, relative `[-]`.
@@ -95,7 +93,7 @@ impl RawAdvance {
     /// Learning as it counts for the source at a level: a planned law asks more of the drive than nominal only where the plan
     /// can slow the print, and of any other law nothing is learnt but its factor.
     pub(crate) fn learning_at(&self, level: Level) -> RawLearning {
-        let alone = RawLearning { index_reach: 0.0, narrowed_reach: 0.0, surplus: 0.0, ..self.learning };
+        let alone = RawLearning { index_reach: 0.0, narrowed_reach: 0.0, ..self.learning };
         match (self.source, level) {
             (AdvanceSource::Planned, Level::Mpc) => {
                 RawLearning { reach: self.learning.planned_reach, ..self.learning }
@@ -122,7 +120,6 @@ impl RawAdvance {
         in_range("advance.learning.planned_reach", learning.planned_reach, "-", (0.0, 0.5))?;
         in_range("advance.learning.index_reach", learning.index_reach, "-", (0.0, 0.3))?;
         in_range("advance.learning.narrowed_reach", learning.narrowed_reach, "-", (0.0, 1.0))?;
-        in_range("advance.learning.surplus", learning.surplus, "-", (0.0, 0.1))?;
         in_range("advance.learning.slew_1_s", learning.slew_1_s, "1/s", (1e-5, 10.0))?;
         in_range("advance.learning.width_noise", learning.width_noise, "-", (0.001, 1.0))?;
         in_range("advance.learning.frames", learning.frames, "-", (2.0, 1e5))?;

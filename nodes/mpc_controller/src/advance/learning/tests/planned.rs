@@ -73,19 +73,3 @@ fn a_planned_law_is_learnt_and_its_force() {
         assert!((advance.stiffness() - 1.0).abs() < 1e-12);
     }
 }
-
-/// Of a printer that needs 1.2 times the law with a surplus of 5 %: 1.26, within reach, and nothing before the first frame.
-#[test]
-fn the_surplus_is_on_what_was_learnt_within_reach() {
-    let learnt = |surplus: f64, planned_reach: f64| {
-        let learning = RawLearning { reach: 0.4, planned_reach, surplus, ..LEARNING };
-        let settings = RawAdvance { source: AdvanceSource::Planned, learning, ..SETTINGS };
-        let mut advance = Advance::new(settings, Level::Mpc);
-        advance.on_status(&status(0.02, 2e-3), Some(LAW), Nozzle::SOUND);
-        assert_eq!(advance.with_learnt(LAW), LAW);
-        print_and_learn(&mut advance, (&stiff(), feed_m_s)).linear_s / LAW.linear_s
-    };
-    let (plain, more) = (learnt(0.0, 0.4), learnt(0.05, 0.4));
-    assert!((more / plain - 1.05).abs() < 0.01, "{plain} {more}");
-    assert!(learnt(0.1, 0.22) <= 1.22 + 1e-12);
-}
