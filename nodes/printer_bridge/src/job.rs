@@ -8,7 +8,8 @@
 //! ```
 //! Done and failed stay until the next job begins. `Not SD printing` ends no pause: old Marlins say it in one.
 //! Behind a fatal error bytes are those of the job that failed, said before the halt or by a firmware that reads on
-//! without moving (Marlin's `stop()`): the next job is told by bytes behind `Not SD printing`, or by a start.
+//! without moving (Marlin's `stop()`), to the end of the file: the next job is told by bytes behind `Not SD printing` or a start,
+//! or by fewer bytes than before.
 
 use crate::line::{Action, Card};
 use models::status::JobPhase;
@@ -51,7 +52,12 @@ impl Job {
 
     /// The firmware tells of the card.
     pub fn on_card(&mut self, card: Card) {
-        if self.halted && matches!(card, Card::Printing { .. }) {
+        let of_the_same = match card {
+            Card::Printing { done, .. } => done >= self.done,
+            Card::Done => true,
+            Card::NotPrinting => false,
+        };
+        if self.halted && of_the_same {
             return;
         }
         self.halted = false;
@@ -63,7 +69,8 @@ impl Job {
                     self.phase = Some(JobPhase::Printing);
                 }
             }
-            (Card::NotPrinting, Some(JobPhase::Paused | JobPhase::Done | JobPhase::Failed)) => {}
+            (Card::NotPrinting, Some(JobPhase::Paused | JobPhase::Done | JobPhase::Failed))
+            | (Card::Done, Some(JobPhase::Failed)) => {}
             (Card::NotPrinting, _) => self.phase = Some(JobPhase::Idle),
             (Card::Done, _) => self.phase = Some(JobPhase::Done),
         }
@@ -189,7 +196,14 @@ mod tests {
         };
         assert_eq!(failed(&[printing(10), printing(12)]), Some(JobPhase::Failed));
         assert_eq!(failed(&[printing(12), Card::NotPrinting]), Some(JobPhase::Failed));
+        assert_eq!(
+            failed(&[printing(999), Card::Done, printing(999)]),
+            Some(JobPhase::Failed),
+            "read on to its end"
+        );
+        assert_eq!(failed(&[Card::NotPrinting, Card::Done]), Some(JobPhase::Failed));
         assert_eq!(failed(&[Card::NotPrinting, printing(1)]), Some(JobPhase::Printing));
+        assert_eq!(failed(&[printing(12), printing(1)]), Some(JobPhase::Printing), "another file");
         let mut job = job(&[printing(10)]);
         job.on_fatal();
         job.on_start();
