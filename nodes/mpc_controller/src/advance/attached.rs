@@ -98,6 +98,7 @@ mod tests {
         let mut attached = Attached::default();
         (0..10_000).for_each(|line| attached.push(sent(line, AdvanceLaw::constant(0.5), 0.0)));
         assert_eq!(attached.coming.len(), KEPT);
+        assert_eq!(at(&mut attached, 9_999, true), Some(9_999), "the newest are kept");
     }
 
     /// What is carried is drawn back at rest.

@@ -26,7 +26,10 @@ fn frames(fit: &mut Fit, needs: Triple, offset: f64, is_narrowed: bool) {
         let wave = |rate: f64| (rate * f64::from(frame)).sin();
         let narrowed = if is_narrowed { 0.4 * wave(2.3) } else { 0.0 };
         let levers = Triple::new(0.6 * wave(0.7), 0.3 * wave(1.9), narrowed);
-        fit.take(levers, (needs.dot(&levers) + offset, 0.0), 1.0 - 1.0 / 200.0);
+        // what the drive pushes beside it shows in the width
+        let error = 0.2 * (levers[0] + levers[2]);
+        let driven = needs.dot(&levers) + offset + needs[0] * error;
+        fit.take(levers, (driven, error), 1.0 - 1.0 / 200.0);
     }
 }
 

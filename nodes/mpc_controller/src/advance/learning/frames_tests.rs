@@ -158,7 +158,22 @@ fn restarted([first_m_s, last_m_s]: [f64; 2]) -> f64 {
         let told = PrinterStatus { depositing: !travels, ..status(at_s, feed_m_s) };
         learning.on_status(&told, &foretold(), Nozzle::SOUND);
     }
-    learning.moments.back().unwrap().levers[0]
+    let moment = learning.moments.back().unwrap();
+    // of one K the drive's part is as held back, or has run out, as the printer's
+    assert!((moment.driven - SHARE * moment.levers[0]).abs() < 1e-12, "{moment:?}");
+    moment.levers[0]
+}
+
+/// Behind a hole in the statuses nobody knows what is held: it begins anew, the drive's part too.
+#[test]
+fn a_hole_begins_anew() {
+    let mut learning = stepped(LEARNING, 0.1);
+    assert!(learning.moments.back().unwrap().driven > 0.1);
+    for at_s in [20.0, 20.02] {
+        learning.on_status(&status(at_s, STEP_M_S[1]), &foretold(), Nozzle::SOUND);
+    }
+    let moment = learning.moments.back().unwrap();
+    assert!(moment.driven.abs() < 1e-12 && moment.levers[0].abs() < 1e-12, "{moment:?}");
 }
 
 /// A filament that is drawn back leaves the outlet dry: what the printer holds is there again when that is taken back, and the
