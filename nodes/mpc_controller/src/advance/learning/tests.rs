@@ -190,11 +190,10 @@ fn printed_with_law(
     law
 }
 
-/// The factor meets 1.2 but for the prior, 0.05, and moves with what is learnt.
-#[test]
-fn the_factor_meets_a_law_over_the_feed() {
+/// Factor after that print on a stiff printer, where the next move is sent with the law that is made of what was learnt.
+fn learnt_beside(reach: f64, law_of: impl Fn(f64) -> AdvanceLaw) -> f64 {
     let foretold = Foretold { advance_s: 0.416, law: LAW, ..foretold() };
-    let mut learning = Learning::new(RawLearning { reach: 0.4, ..LEARNING });
+    let mut learning = Learning::new(RawLearning { reach, ..LEARNING });
     printed_with_law((&stiff(), feed_m_s), |sent, status, width| {
         learning.attach(sent);
         learning.on_move(status);
@@ -202,27 +201,24 @@ fn the_factor_meets_a_law_over_the_feed() {
         if let Some((at_s, width_m)) = width {
             learning.on_width(at_s, width_m);
         }
-        LAW.scaled(learning.learnt().factor)
+        law_of(learning.learnt().factor)
     });
-    assert!((learning.learnt().factor - 1.2).abs() < 0.05, "{}", learning.learnt().factor);
+    learning.learnt().factor
+}
+
+/// The factor meets 1.2 but for the prior, 0.05, and moves with what is learnt.
+#[test]
+fn the_factor_meets_a_law_over_the_feed() {
+    let factor = learnt_beside(0.4, |factor| LAW.scaled(factor));
+    assert!((factor - 1.2).abs() < 0.05, "{factor}");
 }
 
 /// A long move has the law that it was sent with, whatever is believed by now: taken for what is believed, it would teach a factor
 /// beyond any.
 #[test]
 fn the_factor_is_learnt_beside_the_law_that_a_move_was_sent_with() {
-    let foretold = Foretold { advance_s: 0.416, law: LAW, ..foretold() };
-    let mut learning = Learning::new(RawLearning { reach: 0.45, ..LEARNING });
-    printed_with_law((&stiff(), feed_m_s), |sent, status, width| {
-        learning.attach(sent);
-        learning.on_move(status);
-        learning.on_status(status, &foretold, Nozzle::SOUND);
-        if let Some((at_s, width_m)) = width {
-            learning.on_width(at_s, width_m);
-        }
-        LAW
-    });
-    assert!((learning.learnt().factor - 1.2).abs() < 0.05, "{}", learning.learnt().factor);
+    let factor = learnt_beside(0.45, |_| LAW);
+    assert!((factor - 1.2).abs() < 0.05, "{factor}");
 }
 
 /// An advance from `source` after that print, and the factor that it learnt.
