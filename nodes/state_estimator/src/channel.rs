@@ -163,6 +163,11 @@ impl Record {
         self.rejected
     }
 
+    /// Newest innovation over its own deviation since the last step; 0 without one.
+    pub(crate) fn deviates(&self) -> f64 {
+        self.recent.newest().copied().unwrap_or(0.0)
+    }
+
     /// Innovations before now say nothing of what begins.
     pub(crate) fn begin(&mut self) {
         self.recent.clear();

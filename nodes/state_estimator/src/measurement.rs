@@ -59,6 +59,11 @@ impl Observation {
         self.value < predicted
     }
 
+    /// The same with more variance.
+    pub(crate) fn doubted(&self, excess: f64) -> Self {
+        Self { variance: self.variance + excess, ..*self }
+    }
+
     /// Variance that a passing transient adds; 0 without one.
     pub(crate) fn passing(&self) -> f64 {
         self.passing

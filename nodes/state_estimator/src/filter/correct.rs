@@ -116,7 +116,11 @@ impl Filter {
             (record.gate(run.encoder_alive), record.step())
         };
         let lagging = observation.lagging(&model, &run.ukf.belief().mean);
-        let update = run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x));
+        let update = if channel == Channel::Width && run.slip_by_widths() {
+            self.update_doubting(run, observation, (gate, record.deviates()))
+        } else {
+            run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x))
+        };
         record.used_s = Some(run.at_s);
         if channel == Channel::Width && self.opens(run, observation, &update) {
             // whether it fades can be told of what comes from now on
@@ -149,6 +153,29 @@ impl Filter {
                 run.ukf.inflate(&self.doubt(channel));
                 true
             }
+        }
+    }
+
+    /// Takes a width as if it was off by `outlier` deviations at most, and tells by how much it was (Huber 1964): more is its own
+    /// mistake, unless the one before deviates to the same side by as much.
+    fn update_doubting(
+        &self,
+        run: &mut Running,
+        observation: &Observation,
+        (gate, before): (f64, f64),
+    ) -> Update<1> {
+        let most = self.params.widths_alone.outlier.powi(2);
+        let predicted = |x: &State| observation.predicted(&self.model, x);
+        let update = run.ukf.update(&observation.measurement(most.min(gate)), predicted);
+        let Update::Rejected(seen) = update else { return update };
+        if seen.nis > gate {
+            return update;
+        }
+        let again = before * seen.residual.x > 0.0 && before.powi(2) > most;
+        let excess = if again { 0.0 } else { seen.covariance.x * (seen.nis / most - 1.0) };
+        match run.ukf.update(&observation.doubted(excess).measurement(f64::INFINITY), predicted) {
+            Update::Applied(_) => Update::Applied(seen),
+            other => other,
         }
     }
 

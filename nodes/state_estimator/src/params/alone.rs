@@ -30,6 +30,8 @@ pub struct RawWidthsAlone {
     pub unsteady_noise: f64,
     /// Widths whose normalised squared innovation is above are rejected `[-]`.
     pub gate: f64,
+    /// Innovation, over its own deviation, beyond which a width counts for less, as if it was off by no more `[-]`.
+    pub outlier: f64,
     /// Innovations looked at for a step of the slip.
     pub step_samples: u32,
     /// Bound of their sum over the root of their number, above which a step is taken as given `[-]`.
@@ -58,6 +60,7 @@ impl RawWidthsAlone {
         in_range("widths_alone.unsteady_spread", self.unsteady_spread, "-", (0.0, 1.0))?;
         in_range("widths_alone.unsteady_noise", self.unsteady_noise, "-", (0.01, 1.0))?;
         in_range("widths_alone.gate", self.gate, "-", (1.0, 1e6))?;
+        in_range("widths_alone.outlier", self.outlier, "-", (0.5, 100.0))?;
         in_range("widths_alone.step_samples", f64::from(self.step_samples), "samples", (1.0, 20.0))?;
         in_range("widths_alone.step_threshold", self.step_threshold, "-", (1.0, 100.0))?;
         in_range("widths_alone.step_std", self.step_std, "-", (0.0, 1.0))?;

@@ -113,6 +113,28 @@ fn widths_of_a_path_that_is_never_steady_teach_no_noise() {
     assert_eq!(told(true).0, 0);
 }
 
+/// One width of 6 % too much after 30 s is its own mistake: where it counts as off by 1.75 deviations, the road that is believed
+/// moves by half of what it would. A second one tells that roads are wider, and is believed.
+#[test]
+fn a_single_width_that_is_far_off_is_doubted() {
+    let moved = |outlier: &str| {
+        let mut rig = Rig::with(&[("outlier: 1.75 ", &format!("outlier: {outlier} "))]);
+        rig.encoder = false;
+        let laid = |estimate: &Estimate| estimate.x[state::FLOW] * estimate.x[state::GAIN] / FEED_M_S;
+        let before = laid(&rig.run(3000));
+        rig.gain = 1.06;
+        let first = rig.run(50);
+        assert!(
+            first.nis[Channel::Width as usize].unwrap() > 3.0_f64.powi(2),
+            "all that it is off by is told"
+        );
+        [laid(&first) - before, laid(&rig.run(50)) - before]
+    };
+    let ([doubted, then], [believed, _]) = (moved("1.75"), moved("100.0"));
+    assert!(doubted > 0.0 && doubted < 0.6 * believed, "{doubted} of {believed}");
+    assert!(then > 0.8 * believed, "{then} of {believed}");
+}
+
 /// What slip and gain are taken for one another by: the walk of a gain, 0.0007 a tick, 0.014 after 20 s, no more than said.
 #[test]
 fn slip_and_gain_are_stated_to_be_parted_as_far_as_they_say() {

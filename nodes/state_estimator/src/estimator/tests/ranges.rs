@@ -63,6 +63,7 @@ fn what_is_learnt_of_the_lag_and_told_of_a_step_has_its_ranges() {
         ("melt_lag", "lever_min", "1.0", "1.1", "[0, 1]"),
         ("melt_lag", "error_max", "0.01", "0.0", "[0.01, 10]"),
         ("widths_alone", "followed", "1.0", "1.1", "[0, 1]"),
+        ("widths_alone", "outlier", "0.5", "0.4", "[0.5, 100]"),
         ("widths_alone", "slip_most", "0.05", "0.0", "[0.05, 1]"),
     ] {
         assert_eq!(refusal(block, key, taken), None, "{block}.{key} = {taken}");
