@@ -156,8 +156,9 @@ impl Filter {
         }
     }
 
-    /// Takes a width as if it was off by `outlier` deviations at most, and tells by how much it was (Huber 1964): more is its own
-    /// mistake, unless the one before deviates to the same side by as much.
+    /// Takes a width that is off by more than `outlier` deviations with so much more noise that it is off by that many, so that it
+    /// counts the less the farther it is off, and tells by how much it was: it is its own mistake, unless the one before is off to
+    /// the same side, too.
     fn update_doubting(
         &self,
         run: &mut Running,

@@ -30,7 +30,7 @@ pub struct RawWidthsAlone {
     pub unsteady_noise: f64,
     /// Widths whose normalised squared innovation is above are rejected `[-]`.
     pub gate: f64,
-    /// Innovation, over its own deviation, beyond which a width counts for less, as if it was off by no more `[-]`.
+    /// Innovation, over its own deviation, beyond which a width is given so much more noise that it is off by no more `[-]`.
     pub outlier: f64,
     /// Innovations looked at for a step of the slip.
     pub step_samples: u32,
