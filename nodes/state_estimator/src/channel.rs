@@ -163,9 +163,10 @@ impl Record {
         self.rejected
     }
 
-    /// Newest innovation over its own deviation since the last step; 0 without one.
-    pub(crate) fn deviates(&self) -> f64 {
-        self.recent.newest().copied().unwrap_or(0.0)
+    /// Newest innovation over its own deviation since the last step; 0 without one that is as new as the channel's limit.
+    pub(crate) fn deviates(&self, now_s: f64) -> f64 {
+        let fresh = self.used_s.is_some_and(|used_s| now_s - used_s <= self.trust.age_limit_s);
+        self.recent.newest().copied().filter(|_| fresh).unwrap_or(0.0)
     }
 
     /// Innovations before now say nothing of what begins.

@@ -62,3 +62,17 @@ fn a_channel_tells_while_it_is_alive_and_something_of_it_is_used() {
     assert!(!told(Some(99.6), None) && !told(Some(99.6), Some(69.9)));
     assert!(!told(Some(99.4), Some(99.4)) && !told(None, None));
 }
+
+/// What the newest innovation deviates by is told with its sign, until it is older than the channel's limit or a step.
+#[test]
+fn an_innovation_deviates_until_it_is_old() {
+    let mut record = Record::new(TRUST, HEALTH, false);
+    assert!(record.deviates(100.0).abs() < 1e-12);
+    let own = record.step();
+    record.note(&update(1.0), 0.0, own);
+    record.note(&update(-3.0), 0.0, own);
+    record.used_s = Some(100.0);
+    assert!((record.deviates(100.5) + 3.0).abs() < 1e-12 && record.deviates(100.6).abs() < 1e-12);
+    record.begin();
+    assert!(record.deviates(100.5).abs() < 1e-12);
+}

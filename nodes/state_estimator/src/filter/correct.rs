@@ -117,7 +117,7 @@ impl Filter {
         };
         let lagging = observation.lagging(&model, &run.ukf.belief().mean);
         let update = if channel == Channel::Width && run.slip_by_widths() {
-            self.update_doubting(run, observation, (gate, record.deviates()))
+            self.update_doubting(run, observation, (gate, record.deviates(run.at_s)))
         } else {
             run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x))
         };
