@@ -49,6 +49,16 @@ fn folder(test: &str) -> PathBuf {
     std::env::temp_dir().join(format!("fdm_orphans_{test}_{}", std::process::id()))
 }
 
+/// Reads on until it tells of the print's progress a second time, ten seconds after the first.
+fn prints(lines: &mut impl Iterator<Item = String>) {
+    let (mut said, mut told) = (Vec::new(), 0);
+    while told < 2 {
+        let Some(line) = lines.next() else { panic!("it ended before that: {said:#?}") };
+        told += usize::from(line.contains(" % at "));
+        said.push(line);
+    }
+}
+
 /// One after another: each brings up a whole graph.
 static ALONE: Mutex<()> = Mutex::new(());
 
@@ -62,7 +72,7 @@ fn a_group_that_was_stopped_ends_in_order_when_it_goes_on() {
     let group = Pid::from_child(&child);
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
     // "0.0 % at 0 s: ...", and again ten seconds later: it prints, and is recorded.
-    lines.by_ref().filter(|line| line.contains(" % at ")).nth(1).unwrap();
+    prints(&mut lines);
     kill_process_group(group, Signal::STOP).unwrap();
     std::thread::sleep(Duration::from_secs(2));
     kill_process_group(group, Signal::CONT).unwrap();
@@ -84,7 +94,7 @@ fn ctrl_c_at_the_whole_group_ends_it_in_order() {
     let mut child = up(&folder);
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
     let nodes = nodes(&mut lines);
-    lines.by_ref().filter(|line| line.contains(" % at ")).nth(1).unwrap();
+    prints(&mut lines);
     let asked = Instant::now();
     kill_process_group(Pid::from_child(&child), Signal::INT).unwrap();
     let said: Vec<String> = lines.collect();
