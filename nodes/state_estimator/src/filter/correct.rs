@@ -110,13 +110,14 @@ impl Filter {
     ) -> bool {
         let model = self.model;
         let alone = &self.params.widths_alone;
-        let (gate, step) = if channel == Channel::Width && run.slip_by_widths() {
+        let by_widths = channel == Channel::Width && run.slip_by_widths();
+        let (gate, step) = if by_widths {
             (alone.gate, alone.step())
         } else {
             (record.gate(run.encoder_alive), record.step())
         };
         let lagging = observation.lagging(&model, &run.ukf.belief().mean);
-        let update = if channel == Channel::Width && run.slip_by_widths() {
+        let update = if by_widths {
             self.update_doubting(run, observation, (gate, record.deviates(run.at_s)))
         } else {
             run.ukf.update(&observation.measurement(gate), |x| observation.predicted(&model, x))
@@ -147,7 +148,7 @@ impl Filter {
             Verdict::Stepped => {
                 self.steps += 1;
                 // a spool does not step: where nobody watches the gear, that does
-                if channel == Channel::Width && run.slip_by_widths() {
+                if by_widths {
                     return self.take_slip(run, observation, gate);
                 }
                 run.ukf.inflate(&self.doubt(channel));
