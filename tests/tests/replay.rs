@@ -108,6 +108,7 @@ fn a_replay_judges_the_same_pictures_as_before() {
 }
 
 /// The printer says that the job has ended before nobody hears it any more: the page knows, and so do the brains of a replay.
+/// It knows the host and what was not fitted, too.
 #[test]
 fn a_print_in_virtual_time_is_recorded_to_its_end() {
     for (scenario, phase, verdict) in
@@ -117,13 +118,18 @@ fn a_print_in_virtual_time_is_recorded_to_its_end() {
         _ = std::fs::remove_dir_all(&bag);
         let bag = bag.display().to_string();
         let gcode = "tests/data/gcode/prusa_cube_pla_marlin_relE.gcode";
-        let print = json(&["sim", gcode, "--layers", "1", "--scenario", scenario, "--bag", &bag]);
+        let printer = ["--host", "serial", "--without", "tachometer,encoder", "--with", "nozzle"];
+        let print = ["sim", gcode, "--layers", "1", "--scenario", scenario, "--bag", &bag];
+        let print = json(&[&print[..], &printer].concat());
         assert_eq!(print["ended"], phase, "{print}");
         let out = format!("{bag}.html");
         assert!(fdm(&["report", &bag, "--out", &out]).status.success());
         let page = std::fs::read_to_string(&out).unwrap();
         let at_the_end = format!("<dt>Phase at the end</dt><dd>{phase}");
         assert!(page.contains(&at_the_end) && page.contains(verdict), "{scenario}");
+        for told in ["host serial", "<dt>Sensors</dt><dd>without tachometer, encoder<wbr><small>with nozzle<wbr></small>"] {
+            assert!(page.contains(told), "{scenario}: no {told}");
+        }
         assert_eq!(json(&["replay", &bag, "--check"])["identical"], true, "{scenario}");
     }
 }

@@ -33,10 +33,10 @@ impl Saturation {
     pub(crate) fn on_period(&mut self, dt_s: f64, held: &Move, duty: f64) {
         let at_stop: [bool; ACTUATORS] = std::array::from_fn(|index| match held.get(index) {
             Some(value) => {
-                let range = self.high[index] - self.low[index];
-                let near = self.params.margin * range;
-                // one without room is switched off, not at a stop
-                range > 0.0 && (value - self.low[index] <= near || self.high[index] - value <= near)
+                let (low, high) = (self.low[index], self.high[index]);
+                let near = self.params.margin * (high - low);
+                // a way without room is switched off: who rests at its end is not at a stop
+                (low < -near && value - low <= near) || (high > near && high - value <= near)
             }
             None => self.is_heater_at_stop(duty),
         });
@@ -84,6 +84,19 @@ mod tests {
         assert_eq!(told_at([0.2, 0.1, 0.0], |_| 0.5), None);
         // at the stop half of the time
         assert_eq!(told_at([0.0; 3], |step| f64::from(step % 2)), None);
+    }
+
+    /// Never faster than the slicer: its speed is where the path rests. Slower is still a stop.
+    #[test]
+    fn a_way_without_room_is_no_stop_and_the_other_one_is() {
+        let params = watched().params;
+        for (low, high) in [(-0.3, 0.0), (0.0, 0.15)] {
+            let mut saturation = Saturation::new(params, [-0.25, low, 0.0], [0.25, high, 0.0]);
+            (0..480).for_each(|_| saturation.on_period(0.25, &[0.0; 3], 0.5));
+            assert_eq!(saturation.longest_s(), 0.0, "{low} to {high}");
+            (0..480).for_each(|_| saturation.on_period(0.25, &[0.0, low + high, 0.0], 0.5));
+            assert!(saturation.is_long(), "{low} to {high}");
+        }
     }
 
     #[test]

@@ -215,7 +215,8 @@ fn of_record(record: &Record) -> Vec<Said> {
     said.map(|kept| Said { topic: kept.topic, at_ns: kept.log_ns, payload: kept.payload.clone() }).collect()
 }
 
-/// Topic by topic; a topic of a brain that was not replayed is left out, and so is what lies beyond the record's end.
+/// Topic by topic. Beside a record, which ends at `end_ns`, a topic of a brain that was not replayed is left out, and so is what
+/// lies beyond that end; beside another replay, `None`, nothing is.
 fn beside(before: &[Said], after: &[Said], exact: bool, end_ns: Option<u64>) -> Vec<Output> {
     let always = [topics::ESTIMATE.name(), topics::CONTROL_COMMAND.name(), topics::SAFETY_COMMAND.name()];
     let mut outputs = Vec::new();
@@ -224,7 +225,8 @@ fn beside(before: &[Said], after: &[Said], exact: bool, end_ns: Option<u64>) -> 
         if let Some(end_ns) = end_ns {
             leave_out_beyond(&mut other, one.len(), end_ns.saturating_sub(slack_ns(exact)));
         }
-        if !other.is_empty() || always.contains(&topic) || topic == topics::EVENTS.name() {
+        let ceased = end_ns.is_none() && !one.is_empty();
+        if !other.is_empty() || ceased || always.contains(&topic) || topic == topics::EVENTS.name() {
             outputs.push(compare(topic, &payloads(&one), &payloads(&other), exact));
         }
     }
@@ -255,6 +257,15 @@ fn payloads<'a>(said: &[&'a Said]) -> Vec<&'a [u8]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A plan that a change of parameters ends is told; of a record it may be a brain's that is not replayed.
+    #[test]
+    fn what_is_said_no_more_is_told_beside_another_replay() {
+        let topic = topics::CONTROL_SCHEDULE.name();
+        let before = [Said { topic, at_ns: 10, payload: vec![0; 12] }];
+        let told = |end_ns| beside(&before, &[], true, end_ns).into_iter().find(|output| output.topic == topic);
+        assert!(told(None).is_some_and(|output| output.before == 1 && output.after == 0) && told(Some(20)).is_none());
+    }
 
     /// A record that ends at 20 ns, after the first of three words of that instant; what is missing before it is missing.
     #[test]

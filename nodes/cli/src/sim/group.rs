@@ -47,8 +47,18 @@ pub struct Comparison {
 
 type Figure = (&'static str, fn(&Run) -> Option<f64>);
 
+/// Mean NIS of a channel.
+fn nis(run: &Run, channel: &str) -> Option<f64> {
+    run.nis_mean.get(channel).copied().flatten()
+}
+
+/// Share of the time for which the stated 95 % interval of a state held.
+fn coverage(run: &Run, state: usize) -> Option<f64> {
+    run.coverage.map(|coverage| coverage[state])
+}
+
 /// Figures that are averaged.
-const FIGURES: [Figure; 14] = [
+const FIGURES: [Figure; 25] = [
     ("quality_mean", |run| run.quality_mean),
     ("width_rms_rel", |run| run.width_rms_rel),
     ("corner_width_rms_rel", |run| run.corner_width_rms_rel),
@@ -62,6 +72,17 @@ const FIGURES: [Figure; 14] = [
     ("feedback_share", |run| run.feedback_share),
     ("slowed_share", |run| run.slowed_share),
     ("nees_median", |run| run.nees_median),
+    ("nees_told_median", |run| run.nees_told.as_ref().map(|told| told.nees_median)),
+    ("nis_thermistor", |run| nis(run, "thermistor")),
+    ("nis_encoder", |run| nis(run, "encoder")),
+    ("nis_width", |run| nis(run, "width")),
+    ("nis_nozzle", |run| nis(run, "nozzle")),
+    ("coverage_block", |run| coverage(run, 0)),
+    ("coverage_nozzle", |run| coverage(run, 1)),
+    ("coverage_thermistor", |run| coverage(run, 2)),
+    ("coverage_flow", |run| coverage(run, 3)),
+    ("coverage_slip", |run| coverage(run, 4)),
+    ("coverage_gain", |run| coverage(run, 5)),
     ("realtime_factor", |run| Some(run.realtime_factor)),
 ];
 
@@ -130,6 +151,7 @@ fn mean_and_deviation(values: &[f64]) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sim::consistency::STATE_NAMES;
     use crate::sim::report::Detection;
     use crate::sim::text;
 
@@ -180,6 +202,22 @@ mod tests {
         ] {
             assert!(told.contains(part), "{part} is missing in\n{told}");
         }
+    }
+
+    /// Each channel and state under its own name, over the runs that have it.
+    #[test]
+    fn what_a_filter_states_is_averaged_by_channel_and_state() {
+        let stated = |encoder: f64, gain: f64| Run {
+            nis_mean: [("encoder", Some(encoder)), ("width", None)].into(),
+            coverage: Some([0.9, 0.91, 0.92, 0.93, 0.94, gain]),
+            ..run(1, "done", None)
+        };
+        let group = Group::of("mpc".to_owned(), vec![stated(0.5, 0.95), stated(0.7, 0.97), run(3, "done", None)]);
+        for (name, mean) in [("nis_encoder", 0.6), ("coverage_gain", 0.96)] {
+            assert!((group.mean[name] - mean).abs() < 1e-12 && group.count[name] == 2, "{name}: {group:?}");
+        }
+        let states = STATE_NAMES.map(|state| group.mean[format!("coverage_{state}").as_str()]);
+        assert!(states.is_sorted() && group.count["nis_width"] == 0, "{states:?}");
     }
 
     #[test]

@@ -174,7 +174,7 @@ fn new_bag(
     file: &GcodeFile,
 ) -> anyhow::Result<(PathBuf, PrintInfo)> {
     crate::up::check_new_bag(bag)?;
-    let text = config.texts(choice)?;
+    let text = format!("{}{}", config.texts(choice)?, names.text());
     let info = PrintInfo {
         print_id: bag.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         gcode_file: file.name(),

@@ -38,6 +38,14 @@ pub(super) struct Names {
     pub(super) with: Vec<String>,
 }
 
+impl Names {
+    /// What was chosen of the printer, as a section of the recorded configuration.
+    pub(super) fn text(&self) -> String {
+        let (without, with) = (self.without.join(", "), self.with.join(", "));
+        format!("# sim\nsimulator.host: {}\nsensors.without: {without}\nsensors.with: {with}\n", self.host)
+    }
+}
+
 /// Mean NIS by channel; of a sensor that few printers have nothing is told where it is not fitted.
 fn nis_by_channel(printing: &Printing) -> BTreeMap<&'static str, Option<f64>> {
     let means = runtime::wire::CHANNELS.into_iter().zip(printing.nis_mean);

@@ -124,7 +124,8 @@ impl Supervisor {
         // A fan that does not turn does not cool, whatever it is told.
         let fan = checks.part_fan.flow_share(report.fan, report.part_fan_speed_1_s);
         let motor_position_m = report.motor_position_m;
-        let slip = checks.filament.slip().map_or(0.0, |slip| slip.clamp(0.0, 1.0));
+        // Where no encoder tells, what is made up for is all that is known to be lost.
+        let slip = checks.filament.slip().or(report.trims.slip).map_or(0.0, |slip| slip.clamp(0.0, 1.0));
         checks.heater.on_drive(report.stamp, Drive { duty: hotend, fan, motor_position_m, slip });
         checks.frozen.on_duty(hotend);
         let bed_drive = Drive { duty: bed, fan: 0.0, motor_position_m: 0.0, slip: 0.0 };

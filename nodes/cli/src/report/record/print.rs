@@ -29,7 +29,7 @@ pub(crate) struct Print {
     /// Names and values of the newest description: from the topic, or from the recorder's note.
     pub(crate) described: BTreeMap<&'static str, String>,
     pub(crate) config: String,
-    /// Material, control level, host and mode at the start by the configuration.
+    /// Material, control level, host, mode at the start, sensors fitted and not, by the configuration.
     pub(crate) configured: BTreeMap<&'static str, String>,
     diameter_m: Option<f64>,
     /// When recording began, wall clock `[s]` since 1970.
@@ -92,11 +92,13 @@ impl Print {
     }
 
     fn configuration(&mut self, text: &str) {
-        const WANTED: [(&str, &str); 5] = [
+        const WANTED: [(&str, &str); 7] = [
             ("material.name", "material"),
             ("control", "control"),
             ("simulator.host", "host"),
             ("start_mode", "start_mode"),
+            ("sensors.without", "without"),
+            ("sensors.with", "with"),
             ("printer.extruder.filament_diameter_m", "filament"),
         ];
         for line in text.lines() {
