@@ -127,7 +127,10 @@ fn a_print_in_virtual_time_is_recorded_to_its_end() {
         let page = std::fs::read_to_string(&out).unwrap();
         let at_the_end = format!("<dt>Phase at the end</dt><dd>{phase}");
         assert!(page.contains(&at_the_end) && page.contains(verdict), "{scenario}");
-        for told in ["host serial", "<dt>Sensors</dt><dd>without tachometer, encoder<wbr><small>with nozzle<wbr></small>"] {
+        for told in [
+            "host serial",
+            "<dt>Sensors</dt><dd>without tachometer, encoder<wbr><small>with nozzle<wbr></small>",
+        ] {
             assert!(page.contains(told), "{scenario}: no {told}");
         }
         assert_eq!(json(&["replay", &bag, "--check"])["identical"], true, "{scenario}");

@@ -106,5 +106,8 @@ fn s3_a_slip_that_is_made_up_for_is_no_drift_without_an_encoder() {
     for seed in 0..4 {
         assert!(!drifts_behind(seed, Some(0.5)), "seed {seed}");
     }
-    assert!((0..4).any(|seed| drifts_behind(seed, None)), "nothing shows what the heat of twice the feed does");
+    assert!(
+        (0..4).any(|seed| drifts_behind(seed, None)),
+        "nothing shows what the heat of twice the feed does"
+    );
 }

@@ -29,6 +29,13 @@ pub(super) const AMBIENT: usize = 9;
 /// Number of them.
 pub(super) const COUNT: usize = 10;
 
+/// Second differences farther out than so many deviations are no noise `[-]`: of a Gaussian one in two million.
+const OUTLYING: f64 = 5.0;
+/// Rounds in which those are left out: what a wrong reading adds to the deviation is gone after two or three.
+const ROUNDS: u32 = 10;
+/// A reading farther from both neighbours than so many deviations is wrong `[-]`.
+const SPIKE: f64 = 8.0;
+
 /// A loss of nothing has no logarithm `[W/K]`.
 const LOSS_LEAST_W_K: f64 = 1e-4;
 
@@ -92,6 +99,8 @@ impl<'a> Heat<'a> {
         let (from_s, to_s) = (duty.first()?.0, duty.last()?.0);
         let known: Vec<At> =
             recorded.hotend_k.iter().filter(|(at_s, _)| (from_s..=to_s).contains(at_s)).copied().collect();
+        let sigma_k = noise(&known)?;
+        let known = without_spikes(&known, sigma_k);
         let step = |pair: &[At]| {
             let ((from_s, _), (to_s, read_k)) = (pair[0], pair[1]);
             Step {
@@ -110,7 +119,7 @@ impl<'a> Heat<'a> {
             steps: known.windows(2).map(step).collect(),
             gains,
             first: cold(&known, params.excitation.cold_s)?,
-            sigma_k: noise(&known)?,
+            sigma_k,
         })
     }
 
@@ -242,9 +251,28 @@ fn cold(readings: &[At], cold_s: f64) -> Option<At> {
 /// Noise of white readings `[K]`, whatever they follow: second differences have six times its variance.
 fn noise(readings: &[At]) -> Option<f64> {
     let second = |triple: &[At]| triple[0].1 - 2.0 * triple[1].1 + triple[2].1;
-    let squares: Vec<f64> = readings.windows(3).map(|triple| second(triple).powi(2)).collect();
-    #[allow(clippy::cast_precision_loss, reason = "a count of readings")]
-    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
-    let sigma_k = (mean / 6.0).sqrt();
+    let mut squares: Vec<f64> = readings.windows(3).map(|triple| second(triple).powi(2)).collect();
+    for _ in 0..ROUNDS {
+        let most = OUTLYING.powi(2) * mean(&squares);
+        squares.retain(|square| *square <= most);
+    }
+    let sigma_k = (mean(&squares) / 6.0).sqrt();
     (sigma_k.is_finite() && sigma_k > 0.0).then_some(sigma_k)
+}
+
+fn mean(values: &[f64]) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "a count of readings")]
+    let count = values.len() as f64;
+    values.iter().sum::<f64>() / count
+}
+
+/// Readings without single wrong ones: that lie farther from both neighbours, on one side, than noise does.
+fn without_spikes(readings: &[At], sigma_k: f64) -> Vec<At> {
+    let far_k = SPIKE * sigma_k;
+    let is_spike = |place: usize| {
+        let Some((before, after)) = place.checked_sub(1).zip(readings.get(place + 1)) else { return false };
+        let (up_k, down_k) = (readings[place].1 - readings[before].1, readings[place].1 - after.1);
+        up_k * down_k > 0.0 && up_k.abs().min(down_k.abs()) > far_k
+    };
+    (0..readings.len()).filter(|place| !is_spike(*place)).map(|place| readings[place]).collect()
 }

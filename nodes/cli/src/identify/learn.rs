@@ -104,6 +104,28 @@ pub(super) fn learn(
     Ok(Learned { heat, flow, quantities })
 }
 
+impl Learned {
+    /// What its own fit tells against it: more is left than noise leaves.
+    pub(super) fn doubts(&self, misfit_max: f64) -> Vec<String> {
+        let of_heat = ("hot end", "thermistor", self.heat.fit.variance);
+        let of_flow = self.flow.as_ref().map(|flow| ("flow", "widths", flow.fit.variance));
+        let told = |(part, sensor, misfit): (&str, &str, f64)| {
+            format!(
+                "identify: what the fit of the {part} leaves is {:.1} times the noise of the {sensor}, {:.1} at most where \
+                 nothing else acts: a draught, a fault, another spool",
+                misfit.sqrt(),
+                misfit_max.sqrt()
+            )
+        };
+        [Some(of_heat), of_flow]
+            .into_iter()
+            .flatten()
+            .filter(|(.., misfit)| *misfit > misfit_max)
+            .map(told)
+            .collect()
+    }
+}
+
 /// A number that is `before` times the exponential of a parameter.
 fn of_logarithm(
     (name, unit): (&'static str, &'static str),

@@ -83,7 +83,7 @@ struct Figures {
     widths: usize,
     /// Messages that could not be.
     refused: u64,
-    /// What somebody in the graph warned of meanwhile: what was learned may be a fault's.
+    /// What somebody in the graph warned of meanwhile, and what the fit itself shows: what was learned may be a fault's.
     warned: Vec<String>,
     /// Nozzle's temperature for which the lags are told `[K]`.
     lags_at_k: Option<f64>,
@@ -111,13 +111,14 @@ pub fn run(args: &IdentifyArgs) -> anyhow::Result<()> {
         output::check_writable("--out", out)?;
     }
     let params = IdentifyParams::load(&config)?;
-    let recorded = Recorded::read(bag, args.namespace.as_deref())?;
+    let mut recorded = Recorded::read(bag, args.namespace.as_deref())?;
     let material = material(args.material.as_deref(), recorded.material(), &bag.display().to_string())?;
     let setup = config.load(&Choice::of(material, Level::Off))?;
     let with_flow = args.only != Some(Part::Hotend);
     check(&recorded, &setup, (&params, with_flow), &bag.display().to_string())?;
     let learned = learn(&recorded, (&setup.printer, &setup.material), &params, with_flow)
         .with_context(|| bag.display().to_string())?;
+    recorded.warned.extend(learned.doubts(params.fit.misfit_max));
     if let Some(out) = &args.out {
         let nominal = config.file("printers/ender3.yaml");
         let nominal = runtime::input::text(&nominal).with_context(|| nominal.display().to_string())?;

@@ -73,6 +73,7 @@ pub(super) struct Fitting {
     pub(super) tolerance: f64,
     pub(super) lag_speeds_m_s: [f64; 3],
     pub(super) informed: f64,
+    pub(super) misfit_max: f64,
 }
 
 /// Ranges of simulated printers.
@@ -146,6 +147,7 @@ impl IdentifyParams {
             ("fit.calm_s", fit.calm_s, (0.0, 10.0)),
             ("fit.calm_rel", fit.calm_rel, (0.0, 1.0)),
             ("fit.road_s", fit.road_s, (0.0, 10.0)),
+            ("fit.misfit_max", fit.misfit_max, (1.0, 1e6)),
             ("fit.rounds", f64::from(fit.rounds), (2.0, 20.0)),
             ("fit.steps", f64::from(fit.steps), (1.0, 1000.0)),
             ("fit.informed", fit.informed, (0.0, 1.0)),

@@ -67,6 +67,30 @@ fn is_within_intervals(script: &[Stretch], most_outside: usize) {
     }
 }
 
+/// Readings of a sound print, and those that `falsify` makes of them: what was learned of the noise `[K]`, and what is doubted.
+fn noise_and_doubts(falsify: impl Fn(f64, &mut f64)) -> (f64, Vec<String>) {
+    let (_, setup, params) = setup();
+    let mut recorded = recorded(&setup, &SCRIPT, 1);
+    recorded.hotend_k.iter_mut().for_each(|(at_s, reading_k)| falsify(*at_s, reading_k));
+    let learned = hotend_of(&setup, &params, &recorded);
+    (learned.heat.sigma_k, learned.doubts(params.fit.misfit_max))
+}
+
+/// What no hot end would do is told, in a deviation or two; a single wrong reading is left out, of data and of noise.
+#[test]
+fn what_else_acted_is_doubted_and_a_wrong_reading_is_none() {
+    let (sound_k, doubts) = noise_and_doubts(|_, _| {});
+    assert!((0.14..0.16).contains(&sound_k) && doubts.is_empty(), "{sound_k} {doubts:?}");
+    let (spiked_k, doubts) = noise_and_doubts(|at_s, reading_k| {
+        *reading_k += if (149.95..150.15).contains(&at_s) { 40.0 } else { 0.0 };
+    });
+    assert!((spiked_k / sound_k - 1.0).abs() < 0.02 && doubts.is_empty(), "{spiked_k} {doubts:?}");
+    let (_, doubts) = noise_and_doubts(|at_s, reading_k| {
+        *reading_k -= if (120.0..180.0).contains(&at_s) { 2.0 } else { 0.0 };
+    });
+    assert!(doubts.len() == 1 && doubts[0].contains("hot end"), "{doubts:?}");
+}
+
 #[test]
 fn the_file_is_the_nominal_one_with_the_learned_numbers() {
     let (config, setup, params) = setup();

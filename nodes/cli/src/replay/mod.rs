@@ -263,8 +263,12 @@ mod tests {
     fn what_is_said_no_more_is_told_beside_another_replay() {
         let topic = topics::CONTROL_SCHEDULE.name();
         let before = [Said { topic, at_ns: 10, payload: vec![0; 12] }];
-        let told = |end_ns| beside(&before, &[], true, end_ns).into_iter().find(|output| output.topic == topic);
-        assert!(told(None).is_some_and(|output| output.before == 1 && output.after == 0) && told(Some(20)).is_none());
+        let told =
+            |end_ns| beside(&before, &[], true, end_ns).into_iter().find(|output| output.topic == topic);
+        assert!(
+            told(None).is_some_and(|output| output.before == 1 && output.after == 0)
+                && told(Some(20)).is_none()
+        );
     }
 
     /// A record that ends at 20 ns, after the first of three words of that instant; what is missing before it is missing.

@@ -212,7 +212,8 @@ mod tests {
             coverage: Some([0.9, 0.91, 0.92, 0.93, 0.94, gain]),
             ..run(1, "done", None)
         };
-        let group = Group::of("mpc".to_owned(), vec![stated(0.5, 0.95), stated(0.7, 0.97), run(3, "done", None)]);
+        let group =
+            Group::of("mpc".to_owned(), vec![stated(0.5, 0.95), stated(0.7, 0.97), run(3, "done", None)]);
         for (name, mean) in [("nis_encoder", 0.6), ("coverage_gain", 0.96)] {
             assert!((group.mean[name] - mean).abs() < 1e-12 && group.count[name] == 2, "{name}: {group:?}");
         }

@@ -157,7 +157,8 @@ fn figures(view: &View) -> Vec<(&'static str, String, String)> {
         figures.insert(1, ("Mode as set", set, String::new()));
     }
     let sensors = |name: &str| print.configured.get(name).filter(|names| !names.is_empty());
-    let [without, with] = ["without", "with"].map(|name| sensors(name).map(|names| format!("{name} {names}")));
+    let [without, with] =
+        ["without", "with"].map(|name| sensors(name).map(|names| format!("{name} {names}")));
     if without.is_some() || with.is_some() {
         figures.push(("Sensors", without.unwrap_or_default(), with.unwrap_or_default()));
     }
