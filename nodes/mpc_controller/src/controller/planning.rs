@@ -114,7 +114,7 @@ impl Controller {
     }
 
     /// Errors now; `None` while no road is deposited: the move is held.
-    fn start(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Option<Start> {
+    pub(super) fn start(&mut self, status: &PrinterStatus, estimate: &Estimate) -> Option<Start> {
         if !status.depositing || status.planned_feed_m_s <= 0.0 {
             return None;
         }
