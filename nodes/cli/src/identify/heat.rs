@@ -7,6 +7,7 @@
 use super::gains::Gains;
 use super::least_squares::{Fit, Problem};
 use super::params::{IdentifyParams, Prior};
+use super::readings::{noise, without_spikes};
 use super::record::{At, Recorded};
 use super::series::{self, Says};
 use models::hotend::{Hotend, Inputs, RawHotend, Thermal};
@@ -28,13 +29,6 @@ const MELT_HEAT: usize = 8;
 pub(super) const AMBIENT: usize = 9;
 /// Number of them.
 pub(super) const COUNT: usize = 10;
-
-/// Second differences farther out than so many deviations are no noise `[-]`: of a Gaussian one in two million.
-const OUTLYING: f64 = 5.0;
-/// Rounds in which those are left out: what a wrong reading adds to the deviation is gone after two or three.
-const ROUNDS: u32 = 10;
-/// A reading farther from both neighbours than so many deviations is wrong `[-]`.
-const SPIKE: f64 = 8.0;
 
 /// A loss of nothing has no logarithm `[W/K]`.
 const LOSS_LEAST_W_K: f64 = 1e-4;
@@ -246,33 +240,4 @@ fn cold(readings: &[At], cold_s: f64) -> Option<At> {
     #[allow(clippy::cast_precision_loss, reason = "a count of readings")]
     let count = cold.len() as f64;
     Some((from_s, cold.iter().sum::<f64>() / count))
-}
-
-/// Noise of white readings `[K]`, whatever they follow: second differences have six times its variance.
-fn noise(readings: &[At]) -> Option<f64> {
-    let second = |triple: &[At]| triple[0].1 - 2.0 * triple[1].1 + triple[2].1;
-    let mut squares: Vec<f64> = readings.windows(3).map(|triple| second(triple).powi(2)).collect();
-    for _ in 0..ROUNDS {
-        let most = OUTLYING.powi(2) * mean(&squares);
-        squares.retain(|square| *square <= most);
-    }
-    let sigma_k = (mean(&squares) / 6.0).sqrt();
-    (sigma_k.is_finite() && sigma_k > 0.0).then_some(sigma_k)
-}
-
-fn mean(values: &[f64]) -> f64 {
-    #[allow(clippy::cast_precision_loss, reason = "a count of readings")]
-    let count = values.len() as f64;
-    values.iter().sum::<f64>() / count
-}
-
-/// Readings without single wrong ones: that lie farther from both neighbours, on one side, than noise does.
-fn without_spikes(readings: &[At], sigma_k: f64) -> Vec<At> {
-    let far_k = SPIKE * sigma_k;
-    let is_spike = |place: usize| {
-        let Some((before, after)) = place.checked_sub(1).zip(readings.get(place + 1)) else { return false };
-        let (up_k, down_k) = (readings[place].1 - readings[before].1, readings[place].1 - after.1);
-        up_k * down_k > 0.0 && up_k.abs().min(down_k.abs()) > far_k
-    };
-    (0..readings.len()).filter(|place| !is_spike(*place)).map(|place| readings[place]).collect()
 }

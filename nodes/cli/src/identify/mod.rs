@@ -10,6 +10,7 @@ mod heat;
 mod learn;
 mod least_squares;
 mod params;
+mod readings;
 mod record;
 mod series;
 #[cfg(test)]
