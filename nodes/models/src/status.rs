@@ -41,6 +41,13 @@ impl HostProfile {
     pub const fn executes_schedules(self) -> bool {
         matches!(self, Self::Native | Self::Serial)
     }
+
+    /// Whether a trim of a move that has not begun stands for the one before: a native host plans a move as it begins, others have
+    /// sent it on with what it was sent with.
+    #[must_use]
+    pub const fn takes_trims_anew(self) -> bool {
+        matches!(self, Self::Native)
+    }
 }
 
 /// State of printer and job at one moment.

@@ -12,7 +12,8 @@
 //! in the midst of a road.
 
 use crate::params::{AdvanceSource, Level, RawAdvance};
-pub(crate) use attached::Sent;
+use attached::Attached;
+pub(crate) use attached::{Driven, Sent};
 use fit::Learnt;
 pub(crate) use learning::Nozzle;
 use learning::{Learning, SLOW_M_S};
@@ -186,9 +187,19 @@ impl Advance {
         self.held_s = None;
     }
 
-    /// A move was sent with a trim.
-    pub(crate) fn attach(&mut self, sent: Sent) {
-        self.learning.attach(sent);
+    /// Moves that were sent with a trim.
+    pub(crate) fn attached(&self) -> &Attached {
+        self.learning.attached()
+    }
+
+    /// The same, to send more of them, or anew.
+    pub(crate) fn attached_mut(&mut self) -> &mut Attached {
+        self.learning.attached_mut()
+    }
+
+    /// What the drive holds now for a nozzle that has narrowed.
+    pub(crate) fn driven(&self, status: &PrinterStatus) -> Driven {
+        self.learning.driven(status)
     }
 
     /// Follows the moves that were sent: the fastest feed of the one under way `[m/s]`; `None` before the first.

@@ -9,9 +9,11 @@
 mod dip;
 mod likely;
 
+use crate::advance::Driven;
 use crate::params::RawClog;
 use dip::Word;
-pub(crate) use dip::{Dips, Look};
+pub(crate) use dip::{Ahead, Dips, Look};
+use likely::Likely;
 use models::command::AdvanceLaw;
 
 /// Share of what is open of a force that its dip has told `[-]`: it tells a force of 1.4 to 2.5 to some per cent.
@@ -75,31 +77,44 @@ impl Clog {
         }
     }
 
-    /// A frame of a steady road while the encoder speaks.
-    pub(crate) fn on_look(&mut self, look: Look) {
-        let word = self.dips.on_look(Look { melt_m: self.needed * look.melt_m, ..look });
-        self.follow(word);
+    /// A frame of a steady road while the encoder speaks; whether laws are others since.
+    pub(crate) fn on_look(&mut self, look: Look, ahead: Ahead) -> bool {
+        let word = self.dips.on_look(Look { melt_m: self.needed * look.melt_m, ..look }, ahead);
+        self.follow(word, ahead.driven)
     }
 
     /// The same of a road that is not settled, at a feed `[m/s]`.
-    pub(crate) fn on_unsettled(&mut self, feed_m_s: f64) {
-        let word = self.dips.on_unsettled(feed_m_s);
-        self.follow(word);
+    pub(crate) fn on_unsettled(&mut self, feed_m_s: f64, ahead: Ahead) -> bool {
+        let word = self.dips.on_unsettled(feed_m_s, ahead);
+        self.follow(word, ahead.driven)
     }
 
-    /// The nozzle comes to need more than it did: as far as the drive can push, the law grows, and what the nozzle does not hold yet
-    /// is pushed.
-    fn follow(&mut self, word: Option<Word>) {
+    /// What a dip tells comes to be what is followed; whether it tells anything. What the drive has pushed since an earlier word of the
+    /// same dip is held without having been taken from the roads.
+    fn follow(&mut self, word: Option<Word>, driven: Driven) -> bool {
         match word {
             Some(Word::Narrowed(likely, melt_m)) => {
-                let (needed, factor) = (self.needed, self.factor());
-                self.before = (needed, self.carried_m);
-                self.needed = (needed * likely.force).max(1.0);
-                self.carry(likely.share * (self.factor() - factor) * melt_m / needed);
+                self.before = (self.needed, self.carried_m);
+                self.narrow(likely, melt_m / self.needed, 0.0);
+            }
+            Some(Word::Again(likely, melt_m)) => {
+                (self.needed, self.carried_m) = self.before;
+                let sound_m = melt_m / self.needed;
+                let before = Driven { force: self.factor(), carried_m: self.carried_m };
+                self.narrow(likely, sound_m, driven.beyond_m(sound_m) - before.beyond_m(sound_m));
             }
             Some(Word::Withdrawn) => (self.needed, self.carried_m) = self.before,
             None => {}
         }
+        word.is_some()
+    }
+
+    /// The nozzle comes to need more than it did: as far as the drive can push, the law grows, and what the nozzle neither holds yet nor
+    /// has been `pushed_m` is pushed. `sound_m` is what the melt of a sound one holds.
+    fn narrow(&mut self, likely: Likely, sound_m: f64, pushed_m: f64) {
+        let (needed, factor) = (self.needed, self.factor());
+        self.needed = (needed * likely.force).max(1.0);
+        self.carry(likely.share * (self.factor() - factor) * sound_m - pushed_m);
     }
 }
 

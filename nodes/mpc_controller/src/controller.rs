@@ -62,6 +62,8 @@ pub struct Controller {
     steady_since_s: f64,
     roads: Roads,
     clog: Clog,
+    /// Laws are others than those that coming moves were sent with.
+    anew: bool,
     /// Filament that passed the encoder beyond the slicer's feed so far `[m]`.
     excess_m: f64,
     /// Since when the trims in force differ from the held ones `[s]`.
@@ -109,6 +111,7 @@ impl Controller {
             steady_since_s: f64::NEG_INFINITY,
             roads: Roads::new(),
             clog: Clog::new(params.clog),
+            anew: false,
             excess_m: 0.0,
             differ_since_s: None,
             report: Report::default(),
@@ -192,7 +195,8 @@ impl Controller {
         self.catch_up.on_wanted(status.stamp.0, status.wanted_position_m);
         self.catch_up.on_in_force(status.stamp.0, status.trims.slip);
         self.follow_advance(status);
-        self.roads.on_status(status, self.excess_m, self.params.clog.feed_spread);
+        let held = (self.excess_m, self.advance.driven(status));
+        self.roads.on_status(status, held, self.params.clog.feed_spread);
         if self.status.is_none_or(|before| self.unsteady(&before, status)) {
             self.steady_since_s = status.stamp.0;
         }
@@ -275,10 +279,6 @@ impl Controller {
             self.differ_since_s = None;
             self.report.adopted += 1;
         }
-    }
-
-    fn fresh_status(&self, at: Seconds) -> Option<PrinterStatus> {
-        self.status.filter(|status| at.0 - status.stamp.0 <= self.params.status_age_limit_s)
     }
 }
 

@@ -4,13 +4,12 @@ use fdm_loop_msgs::{
     AdvancePrediction, BeadWidth, FilamentMotion, LayerHeight, MotionSegment, PrinterState, StateEstimate,
 };
 use models::command::AdvanceLaw;
-use models::motion::Segment;
 use models::units::Seconds;
 use runtime::Reason;
 use runtime::wire::{self, WireError};
 
 use crate::advance::{Basis, Foretold, Prediction, Turn};
-use crate::input::{Estimate, Event, Refused};
+use crate::input::{Coming, Estimate, Event, Refused};
 use crate::wire::{Measured, WireEvent};
 
 /// Highest advance that is believed `[s]`, as in commands.
@@ -48,10 +47,11 @@ pub fn width(message: &BeadWidth) -> Result<(Seconds, Event), WireError> {
 }
 
 /// A move that is known before it begins, with its number; the brain counts from 0.
-pub fn coming(message: &MotionSegment) -> Result<(Seconds, (u64, Segment)), WireError> {
+pub fn coming(message: &MotionSegment) -> Result<(Seconds, Coming), WireError> {
     let read = wire::motion_from_wire(message)?;
     let no_move = WireError::OutOfRange { field: "sequence", value: 0.0, low: 1.0, high: f64::INFINITY };
-    Ok((read.start, (read.sequence.checked_sub(1).ok_or(no_move)?, read.segment)))
+    let sequence = read.sequence.checked_sub(1).ok_or(no_move)?;
+    Ok((read.start, Coming { sequence, start: Seconds(read.path_time_s), segment: read.segment }))
 }
 
 /// A word of the advance predictor; what a flag declares unknown is not read.

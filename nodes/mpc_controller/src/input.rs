@@ -1,6 +1,7 @@
 //! What comes in, and what is refused.
 
 use crate::advance::Prediction;
+use models::motion::Segment;
 use models::status::PrinterStatus;
 use models::units::{Kelvin, Seconds};
 
@@ -23,6 +24,17 @@ pub struct Estimate {
     pub encoder_alive: bool,
     /// Widths come.
     pub width_alive: bool,
+}
+
+/// A move that is known before it begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coming {
+    /// Its number from the start of the print, from 0.
+    pub sequence: u64,
+    /// When it begins on the slicer's own plan: where `PrinterStatus::path_time_s` reaches this it is under way.
+    pub start: Seconds,
+    /// What it does.
+    pub segment: Segment,
 }
 
 /// What the controller reacts to.

@@ -41,5 +41,5 @@ pub mod trims;
 pub mod wire;
 
 pub use controller::{Controller, Report};
-pub use input::{Estimate, Event, Refusals, Refused};
+pub use input::{Coming, Estimate, Event, Refusals, Refused};
 pub use params::{Level, Params};

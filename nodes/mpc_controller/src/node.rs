@@ -6,7 +6,6 @@ use fdm_loop_msgs::{
 };
 use models::command::{AdvanceLaw, Command, MotionTrim, Scheduled, Trims};
 use models::material::Material;
-use models::motion::Segment;
 use models::printer::Printer;
 use models::units::Seconds;
 use runtime::wire::{command_to_wire, schedule_to_wire};
@@ -19,7 +18,7 @@ use serde::de::IgnoredAny;
 
 use crate::controller::Controller;
 use crate::convert;
-use crate::input::{self, Event, Refusals};
+use crate::input::{self, Coming, Event, Refusals};
 use crate::params::{AdvanceSource, Params};
 use crate::qp::BuildError;
 use crate::wire::WireLevel;
@@ -78,12 +77,11 @@ enum Kind {
 
 async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     let mut setup = Setup::read(&node)?;
-    let params = setup.params;
     let Inlets { mut estimate, mut printer, mut encoder, mut width, mut predictions, mut coming } =
-        Inlets::open(&mut node, &params)?;
+        Inlets::open(&mut node, &setup.params)?;
     let commands = node.publish_on(&topics::CONTROL_COMMAND)?;
-    let mut schedule = Schedule::open(&mut node, &params)?;
-    let mut ticks = node.timer(Seconds(params.period_s));
+    let mut schedule = Schedule::open(&mut node, &setup.params)?;
+    let mut ticks = node.timer(Seconds(setup.params.period_s));
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut controller, mut jumps) = (setup.controller()?, clock.jumps_back());
     let mut live = node.live_parameters(&LIVE);
@@ -110,6 +108,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
             }
             taken = width.next(convert::width) => {
                 pass(&mut controller, taken);
+                schedule.send_anew(clock.now(), &mut controller);
                 follow(&mut width.refused, &controller, |all| &all.width);
             }
             taken = predictions.next(convert::prediction) => {
@@ -199,9 +198,19 @@ impl Schedule {
     }
 
     /// Sends the controller's trim of a coming move, where it has one.
-    fn plan(&mut self, now: Seconds, taken: Result<(u64, Segment), Reason>, controller: &mut Controller) {
-        let trim = taken.ok().and_then(|(sequence, segment)| controller.on_coming(now, sequence, &segment));
-        let Some(trim) = trim else { return };
+    fn plan(&mut self, now: Seconds, taken: Result<Coming, Reason>, controller: &mut Controller) {
+        let trim = taken.ok().and_then(|coming| controller.on_coming(now, &coming));
+        if let Some(trim) = trim {
+            self.send(now, trim);
+        }
+    }
+
+    /// Sends the trims that are others since they were sent.
+    fn send_anew(&mut self, now: Seconds, controller: &mut Controller) {
+        controller.take_anew(now).into_iter().for_each(|trim| self.send(now, trim));
+    }
+
+    fn send(&mut self, now: Seconds, trim: MotionTrim) {
         self.newest = Scheduled { sequence: self.newest.sequence + 1, trim, ..self.newest };
         self.outlet.send(schedule_to_wire(now, &self.newest));
     }

@@ -1,5 +1,6 @@
 //! What was laid when: a frame tells of the road of its exposure, which is not always the one of its arrival.
 
+use crate::advance::Driven;
 use crate::params::RawClog;
 use models::bead::ROUND_SIDES;
 use models::status::PrinterStatus;
@@ -21,6 +22,8 @@ pub(crate) struct Road {
     pub(crate) feed_m_s: f64,
     /// Filament that had passed the encoder beyond it `[m]`.
     pub(crate) excess_m: f64,
+    /// What the drive held for a nozzle that has narrowed.
+    pub(crate) driven: Driven,
     /// How long path, width and deposition have been as they are `[s]`.
     pub(crate) steady_s: f64,
     /// Mean of the slicer's feed over the time until it that was asked for `[m/s]`.
@@ -57,6 +60,7 @@ struct Laid {
     target_m: Option<f64>,
     height_m: Option<f64>,
     excess_m: f64,
+    driven: Driven,
     since_s: f64,
 }
 
@@ -70,9 +74,14 @@ impl Roads {
         Self(VecDeque::with_capacity(KEPT))
     }
 
-    /// Takes a status in, newer than all before, and the excess until then. A relative change of path speed or width beyond
+    /// Takes a status in, newer than all before, and the excess until then, and what the drive holds. A relative change of path speed or width beyond
     /// `spread` is one.
-    pub(crate) fn on_status(&mut self, status: &PrinterStatus, excess_m: f64, spread: f64) {
+    pub(crate) fn on_status(
+        &mut self,
+        status: &PrinterStatus,
+        (excess_m, driven): (f64, Driven),
+        spread: f64,
+    ) {
         let mut laid = Laid {
             stamp_s: status.stamp.0,
             planned_speed_m_s: status.planned_speed_m_s,
@@ -80,6 +89,7 @@ impl Roads {
             target_m: status.target_width_m.filter(|_| status.depositing),
             height_m: status.layer_height_m,
             excess_m,
+            driven,
             since_s: status.stamp.0,
         };
         let before = self.0.back().filter(|before| !laid.differs_from(before, spread));
@@ -100,6 +110,7 @@ impl Roads {
             height_m: laid.height_m,
             feed_m_s: laid.feed_m_s,
             excess_m: laid.excess_m,
+            driven: laid.driven,
             steady_s: exposed_s - laid.since_s,
             mean_feed_m_s: self.mean_feed_m_s((exposed_s - mean_s, later)),
             goes_on: self.0.get(later).is_none_or(|next| next.continues(&laid)),
@@ -149,7 +160,7 @@ pub(crate) mod tests {
             now.planned_speed_m_s *= slow;
             now.planned_feed_m_s *= slow;
             now.target_width_m = Some(4.8e-4);
-            roads.on_status(&now, 0.0, 0.35);
+            roads.on_status(&now, (0.0, Driven::SOUND), 0.35);
         }
         roads
     }
@@ -162,7 +173,7 @@ pub(crate) mod tests {
             let mut now = status(stamp_s, FEED_M_S);
             now.planned_speed_m_s = if step == 50 { 0.02 } else { 0.06 };
             now.target_width_m = Some(if stamp_s < 2.0 { 4.8e-4 } else { 6.0e-4 });
-            roads.on_status(&now, stamp_s, 0.1);
+            roads.on_status(&now, (stamp_s, Driven::SOUND), 0.1);
         }
         roads
     }
@@ -213,7 +224,7 @@ pub(crate) mod tests {
             if step < 10 {
                 now.planned_feed_m_s = 0.1 * FEED_M_S;
             }
-            roads.on_status(&now, 0.0, settings.feed_spread);
+            roads.on_status(&now, (0.0, Driven::SOUND), settings.feed_spread);
         }
         let settled = |at_s: f64| roads.at(at_s, settings.settles_s).unwrap().is_settled(&settings);
         assert!(!settled(0.3), "0.1 s after the slow start");
@@ -238,7 +249,7 @@ pub(crate) mod tests {
         let mut roads = roads();
         let mut travel = status(3.02, FEED_M_S);
         travel.depositing = false;
-        roads.on_status(&travel, 3.02, 0.1);
+        roads.on_status(&travel, (3.02, Driven::SOUND), 0.1);
         assert_eq!(roads.at(3.03, 0.3), None);
         let last = roads.at(3.01, 0.3).unwrap();
         assert!(!last.goes_on && roads.at(2.99, 0.3).unwrap().goes_on, "{last:?}");

@@ -37,6 +37,11 @@ impl Slowing {
         (self.lacking, self.speed) = (0.0, 0.0);
     }
 
+    /// What lacked is being pushed.
+    pub(crate) fn on_push(&mut self) {
+        self.lacking = 0.0;
+    }
+
     /// Factor on the plan's speed `[-]`, > 0; the feed per path is divided by it.
     pub(crate) fn factor(&self) -> f64 {
         1.0 + self.speed
@@ -134,6 +139,16 @@ mod tests {
         slowing.on_section(0.5, 0.0, LEAST_DIP, &BAND);
         slowing.advance(0.5, (FADE_S, 1.0), (WIDE, 1.0), 0.0);
         assert!((slowing.factor() - 1.0 - speed).abs() < 1e-9);
+    }
+
+    /// Behind a push nothing lacks, and the path goes back to the plan's speed.
+    #[test]
+    fn what_is_pushed_slows_no_more() {
+        let mut slowing = Slowing::default();
+        slowing.on_section(0.0, -0.12, LEAST_DIP, &BAND);
+        assert!(run(&mut slowing, 0.0, 0.2, 1.0) < -0.09);
+        slowing.on_push();
+        assert!(run(&mut slowing, 0.2, 0.25, 1.0).abs() < f64::EPSILON);
     }
 
     #[test]

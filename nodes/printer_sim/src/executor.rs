@@ -187,6 +187,7 @@ impl Executor {
         match self.queue.pop_front() {
             None => false,
             Some(Queued::Act(action, line)) => {
+                self.line = line;
                 self.act(action, line);
                 false
             }

@@ -178,6 +178,7 @@ impl<'a> Brains<'a> {
         self.give_estimator(now, payload, limit, estimating::width);
         let limit = self.settings.controller.frame_age_limit().0;
         self.give_controller(now, payload, limit, control::width);
+        self.attach_anew(now);
     }
 
     fn hear_printer(&mut self, now: Seconds, payload: &[u8]) {

@@ -12,6 +12,7 @@ use fdm_loop_msgs::{ControlCommand, FilamentMotion, Header, PrintInfo, RosType, 
 use models::command::{MotionTrim, Scheduled};
 use models::motion::Segment;
 use models::units::{Celsius, Seconds};
+use mpc_controller::Coming;
 use printer_sim::pace::Pace;
 use printer_sim::{Simulator, convert as printer};
 use runtime::topics::{self, Topic};
@@ -151,7 +152,7 @@ impl Bagging {
         now: Seconds,
         (stamp, path_time_s): (Seconds, f64),
         (sequence, segment): (u64, &Segment),
-    ) -> Option<(u64, Segment)> {
+    ) -> Option<Coming> {
         let sent = wire::motion_to_wire(stamp, path_time_s, sequence.saturating_add(1), segment);
         self.put(now, &topics::PRINTER_COMING, &sent);
         mpc_controller::convert::coming(&sent).ok().map(|(_, read)| read)

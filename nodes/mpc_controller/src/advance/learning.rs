@@ -6,7 +6,7 @@
 //! is `d - rho e = rho h`, a line through widths whose slope is `rho`. For one `K_0`, `L = K_0 v` and `h = r_w (1 - u/v)`, u the feed behind
 //! the lag. Two more parts of a law, its melt's index and a nozzle that has narrowed, have a `rho` and an `h` of their own (`fit`).
 
-use super::attached::{Attached, Sent};
+use super::attached::{Attached, Driven};
 use super::fit::{Fit, Learnt, Triple, parts_m};
 use super::{Foretold, attaches};
 use crate::params::RawLearning;
@@ -118,9 +118,20 @@ impl Learning {
         sent.map_or(status.advance_s * feed_m_s, |sent| sent.held_m(feed_m_s))
     }
 
-    /// A move was sent with a trim.
-    pub(crate) fn attach(&mut self, sent: Sent) {
-        self.attached.push(sent);
+    /// Moves that were sent with a trim.
+    pub(super) fn attached(&self) -> &Attached {
+        &self.attached
+    }
+
+    /// The same, to send more of them, or anew.
+    pub(super) fn attached_mut(&mut self) -> &mut Attached {
+        &mut self.attached
+    }
+
+    /// What the drive holds now for a nozzle that has narrowed.
+    pub(super) fn driven(&self, status: &PrinterStatus) -> Driven {
+        let sent = self.attached.under_way().filter(|_| is_ahead(status));
+        sent.map_or(Driven::SOUND, |sent| sent.driven())
     }
 
     /// Follows the moves that were sent: the fastest feed of the one under way `[m/s]`; `None` before the first.

@@ -3,14 +3,12 @@
 //! What each force would leave in them, and so which it is, [`super::likely`] tells. A dip that does not pass tells of none: a leak.
 
 use super::likely::Likely;
+use crate::advance::Driven;
 use crate::params::RawClog;
 
 /// Least share of its deepest that counts as left of a dip, and least that counts as gone: between them it fades by a time
 /// constant `[-]`.
 const REST_MIN: f64 = 0.01;
-
-/// Frames that tell of a deep dip. By one more no push has come through: where that is sound, no nozzle was narrow.
-const EARLY: usize = 2;
 
 /// What a frame of a steady road tells, and what the encoder does.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +17,7 @@ pub(crate) struct Look {
     pub(crate) exposed_s: f64,
     /// Share of the slicer's flow that lacked in the road then `[-]`.
     pub(crate) lacking: f64,
-    /// Filament that had passed the encoder beyond the slicer's feed until then `[m]`.
+    /// Filament that had passed the encoder until then beyond the slicer's feed with the advance of a sound nozzle `[m]`.
     pub(crate) excess_m: f64,
     /// The slicer's feed then `[m/s]`, > 0.
     pub(crate) feed_m_s: f64,
@@ -29,6 +27,19 @@ pub(crate) struct Look {
     pub(crate) linear_m: f64,
     /// Flow index n `[-]`, in `(0, 1]`.
     pub(crate) index: f64,
+}
+
+/// What has come to pass since the newest frame, and what a law can still do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ahead {
+    /// Now `[s]`.
+    pub(crate) now_s: f64,
+    /// When a law that is sent now acts `[s]`.
+    pub(crate) acts_s: f64,
+    /// As in a [`Look`], until now `[m]`.
+    pub(crate) excess_m: f64,
+    /// What the drive holds now.
+    pub(crate) driven: Driven,
 }
 
 impl Look {
@@ -43,6 +54,8 @@ impl Look {
 pub(super) enum Word {
     /// Of the nozzle, and what the law's melt held at the feed at which it is booked `[m]`.
     Narrowed(Likely, f64),
+    /// The same by one frame more, instead of what it told before.
+    Again(Likely, f64),
     /// That what it told early was no narrowing.
     Withdrawn,
 }
@@ -75,54 +88,52 @@ impl Dips {
         Self { settings, before: None, dip: None, passed: None, has_begun: false }
     }
 
-    /// Share of the flow that lacks at `now_s` by a dip under way, or by what is left of one `[-]`, 0 or more. What one lacks that has
-    /// told is being pushed: its frames count.
+    /// Share of the flow that lacks at `now_s` by a dip under way, or by what is left of one `[-]`, 0 or more.
     pub(crate) fn rest(&self, now_s: f64) -> f64 {
         let left = |dip: &Dip| {
             dip.rest() * dip.deepest * (-(now_s - dip.last().exposed_s).max(0.0) / dip.fade_s()).exp()
         };
         let late = |dip: &&Dip| now_s - dip.first().exposed_s > self.settings.lasts_s;
-        let under_way = self.dip.as_ref().filter(|dip| !late(dip) && !dip.told).map(|dip| dip.deepest);
+        let under_way = self.dip.as_ref().filter(|dip| !late(dip)).map(|dip| dip.deepest);
         under_way.or_else(|| self.passed.as_ref().map(left)).unwrap_or(0.0)
     }
 
-    /// What a dip tells: once it has passed or another road has cut it off, or by its second frame where it is so deep that it
-    /// would last for whole roads. What that said is withdrawn where the dip lasts, or is over with the next frame.
-    pub(super) fn on_look(&mut self, look: Look) -> Option<Word> {
+    /// What a dip tells: by each of its frames where it is deep, else once it has passed or another road has cut it off. What was
+    /// told is withdrawn where the next frame does not bear it out, or the dip lasts.
+    pub(super) fn on_look(&mut self, look: Look, ahead: Ahead) -> Option<Word> {
         let before = self.before.replace(look)?;
         let Some(mut dip) = self.dip.take() else {
-            self.dip = self.begin(before, look);
-            self.has_begun |= self.dip.is_some();
-            return None;
+            let mut dip = self.begin(before, look)?;
+            self.has_begun = true;
+            let word = self.tell(&mut dip, ahead);
+            self.dip = Some(dip);
+            return word;
         };
         let lasts = look.exposed_s - dip.first().exposed_s > self.settings.lasts_s;
         if lasts && !dip.told {
             return None;
         }
         if !self.belongs(dip.last(), look) || self.differs(dip.first(), look) {
-            return self.cut_off(dip, look.melt_m);
+            return self.cut_off(dip, look.melt_m, ahead);
         }
-        let depth = dip.take(look);
-        if depth <= self.settings.passed * dip.deepest {
-            return self.pass(dip, look.melt_m);
+        if dip.take(look) <= self.settings.passed * dip.deepest {
+            return self.pass(dip, look.melt_m, ahead);
         }
         if lasts {
             return Some(Word::Withdrawn);
         }
-        let early = if self.is_deep(&dip) { dip.likely() } else { None };
-        dip.told |= early.is_some();
-        let melt_m = dip.before.melt_m;
+        let word = self.tell(&mut dip, ahead);
         self.dip = Some(dip);
-        early.map(|likely| Word::Narrowed(likely, melt_m))
+        word
     }
 
     /// The same where a road at this feed `[m/s]` that is not settled yet is faster than that of a dip, and cuts it off: a slower
     /// one may be a corner of the same.
-    pub(super) fn on_unsettled(&mut self, feed_m_s: f64) -> Option<Word> {
+    pub(super) fn on_unsettled(&mut self, feed_m_s: f64, ahead: Ahead) -> Option<Word> {
         let faster = |dip: &mut Dip| feed_m_s > (1.0 + self.settings.feed_spread) * dip.first().feed_m_s;
         let dip = self.dip.take_if(faster)?;
         let melt_m = dip.last().melt_at_m(feed_m_s);
-        self.cut_off(dip, melt_m)
+        self.cut_off(dip, melt_m, ahead)
     }
 
     /// Whether a dip has been seen to begin.
@@ -131,24 +142,35 @@ impl Dips {
     }
 
     /// What was seen of it has to do, where it was seen to fade. What it told already stands: nothing tells against it.
-    fn cut_off(&mut self, dip: Dip, melt_m: f64) -> Option<Word> {
-        if dip.told || dip.rest() > self.settings.cut_off { None } else { self.pass(dip, melt_m) }
+    fn cut_off(&mut self, dip: Dip, melt_m: f64, ahead: Ahead) -> Option<Word> {
+        if dip.told || dip.rest() > self.settings.cut_off { None } else { self.pass(dip, melt_m, ahead) }
     }
 
     /// By all its frames. What it holds counts as all that it will at the feed that there is by then, where the law's melt holds
     /// `melt_m`: until moves have the new law the road has filled by itself, and a push of what is left makes the next one fat.
-    fn pass(&mut self, dip: Dip, melt_m: f64) -> Option<Word> {
+    fn pass(&mut self, mut dip: Dip, melt_m: f64, ahead: Ahead) -> Option<Word> {
         let word = if dip.told {
-            (dip.looks.len() <= EARLY + 1).then_some(Word::Withdrawn)
+            self.tell(&mut dip, ahead)
         } else {
-            dip.likely().map(|likely| Word::Narrowed(Likely { share: 1.0, ..likely }, melt_m))
+            dip.likely(ahead).map(|likely| Word::Narrowed(Likely { share: 1.0, ..likely }, melt_m))
         };
         self.passed = Some(dip);
         word
     }
 
-    fn is_deep(&self, dip: &Dip) -> bool {
-        dip.looks.len() == EARLY && dip.first().lacking > 0.0 && dip.deepest > self.settings.deep
+    /// What a deep dip tells by its frames so far.
+    fn tell(&self, dip: &mut Dip, ahead: Ahead) -> Option<Word> {
+        let deep = dip.first().lacking > 0.0 && dip.deepest > self.settings.deep;
+        if !deep {
+            return None;
+        }
+        let likely = dip.likely(ahead);
+        let melt_m = dip.before.melt_m;
+        match (std::mem::replace(&mut dip.told, likely.is_some()), likely) {
+            (false, likely) => likely.map(|likely| Word::Narrowed(likely, melt_m)),
+            (true, Some(likely)) => Some(Word::Again(likely, melt_m)),
+            (true, None) => Some(Word::Withdrawn),
+        }
     }
 
     /// A dip begins beside a sound road: at the start of one that was thin already, nobody knows when.
@@ -189,8 +211,8 @@ impl Dip {
         depth
     }
 
-    fn likely(&self) -> Option<Likely> {
-        Likely::of(self.before, &self.looks)
+    fn likely(&self, ahead: Ahead) -> Option<Likely> {
+        Likely::of(self.before, &self.looks, ahead)
     }
 
     /// What is left of its deepest `[-]`.

@@ -4,7 +4,7 @@
 //! through at first, for it holds the same, and goes on by `d/dt (rho a u^n + K u) = v - u`, v what passes the encoder. When it
 //! narrowed nobody saw: between the last sound frame and the first of the dip. One that comes free is a `rho` below one.
 
-use super::dip::Look;
+use super::dip::{Ahead, Look};
 
 /// Largest force over that of the melt that is looked for, and one over the least `[-]`; steps of 6 % between.
 const FORCE_MAX: f64 = 12.0;
@@ -32,24 +32,24 @@ const HALVINGS: u32 = 20;
 pub(super) struct Likely {
     /// Force over that before `[-]`.
     pub(super) force: f64,
-    /// Share of what it comes to hold more that it holds at the last frame `[-]`, 0 to 1.
+    /// Share of what it comes to hold more that it holds when a law can act `[-]`, 0 to 1.
     pub(super) share: f64,
 }
 
 impl Likely {
     /// The mean over what is open, of forces by their logarithm, each as likely beforehand as the others; `None` where none fits,
     /// or a sound nozzle and the noise of widths may have been it.
-    pub(super) fn of(sound: Look, dip: &[Look]) -> Option<Self> {
+    pub(super) fn of(sound: Look, dip: &[Look], ahead: Ahead) -> Option<Self> {
         let gap_s = dip.first()?.exposed_s - sound.exposed_s;
         let runs: Vec<Run> = (0..FORCES * MOMENTS)
             .map(|run| {
                 let power = 2.0 * f64::from(run / MOMENTS) / f64::from(FORCES - 1) - 1.0;
                 let began_s = gap_s * (f64::from(run % MOMENTS) + 0.5) / f64::from(MOMENTS);
-                Run::of(sound, dip, (FORCE_MAX.powf(power), sound.exposed_s + began_s))
+                Run::of(sound, dip, (FORCE_MAX.powf(power), sound.exposed_s + began_s), ahead)
             })
             .collect();
         let least = runs.iter().map(|run| run.misfit).fold(f64::INFINITY, f64::min);
-        let unchanged = Run::of(sound, dip, (1.0, sound.exposed_s)).misfit;
+        let unchanged = Run::of(sound, dip, (1.0, sound.exposed_s), ahead).misfit;
         if least > MISFIT_MAX * frames(dip) || unchanged < least + EVIDENCE {
             return None;
         }
@@ -78,7 +78,7 @@ struct Run {
 }
 
 impl Run {
-    fn of(sound: Look, dip: &[Look], (force, began_s): (f64, f64)) -> Self {
+    fn of(sound: Look, dip: &[Look], (force, began_s): (f64, f64), ahead: Ahead) -> Self {
         let mut nozzle = Nozzle::narrowed(sound, force, began_s);
         let (mut last, mut misfit) = (sound, 0.0);
         let hopeless = HOPELESS + MISFIT_MAX * frames(dip);
@@ -89,10 +89,17 @@ impl Run {
             let lacks = 1.0 - nozzle.outlet * sound.feed_m_s / look.feed_m_s;
             misfit += ((look.lacking - lacks) / SCATTER).powi(2);
             if misfit > hopeless {
-                break;
+                return Self { force, misfit, share: nozzle.share() };
             }
             last = *look;
         }
+        let fed = last.feed_m_s / sound.feed_m_s;
+        let since_s = ahead.now_s - nozzle.now_s;
+        if since_s > 0.0 {
+            let excess = (ahead.excess_m - last.excess_m) / (since_s * sound.feed_m_s);
+            nozzle.run(fed + excess, ahead.now_s);
+        }
+        nozzle.run(fed, ahead.acts_s);
         Self { force, misfit, share: nozzle.share() }
     }
 }

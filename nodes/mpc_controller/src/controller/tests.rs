@@ -1,4 +1,5 @@
 use super::*;
+use crate::input::Coming;
 use crate::qp::input::{FEED, SETPOINT, SPEED};
 use models::command::Trims;
 use models::extruder::RawExtruder;

@@ -44,7 +44,6 @@ impl Executor {
             match self.steps.next() {
                 None => self.exhausted = true,
                 Some(Step::Action(action, line)) => {
-                    self.line = self.line.max(line);
                     self.queue.push_back(Queued::Act(action, line));
                 }
                 Some(Step::Move(segment)) => {
@@ -74,10 +73,15 @@ impl Executor {
         std::mem::take(&mut self.coming)
     }
 
-    /// Attaches a trim to a move that has not begun; one that has, or is out of order, is not taken. At `lapse` it is
-    /// void, unless its move has begun.
+    /// Attaches a trim to a move that has not begun; one that has, or is out of order, is not taken. A native host takes another for
+    /// the one that a move has. At `lapse` it is void, unless its move has begun.
     pub fn schedule(&mut self, trim: MotionTrim, lapse: Seconds) -> bool {
         let late = self.active.as_ref().is_some_and(|active| trim.sequence <= active.sequence);
+        let attached = self.schedule.iter_mut().find(|(kept, _)| kept.sequence == trim.sequence);
+        if let Some(attached) = attached.filter(|_| !late && self.settings.host.takes_trims_anew()) {
+            *attached = (trim, lapse);
+            return true;
+        }
         let order = self.schedule.back().is_none_or(|(last, _)| last.sequence < trim.sequence);
         if late || !order || self.schedule.len() >= SCHEDULED {
             return false;

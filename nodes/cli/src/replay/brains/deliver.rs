@@ -6,7 +6,7 @@ use advance_predictor::convert as foresight;
 use bag_recorder::order;
 use defect_classifier::{Output as Saw, convert as sight};
 use fdm_loop_msgs::{ControlCommand, RosType};
-use models::command::Scheduled;
+use models::command::{MotionTrim, Scheduled};
 use models::units::Seconds;
 use mpc_controller::convert as control;
 use runtime::topics::{self, Topic};
@@ -67,8 +67,20 @@ impl Brains<'_> {
     /// A move that is known before it begins: the controller's trim of it, where it has one.
     pub(super) fn hear_coming(&mut self, now: Seconds, payload: &[u8]) {
         let limit = Seconds(self.settings.controller.status_age_limit_s);
-        let Some(Ok((sequence, segment))) = taken(now, payload, limit, control::coming) else { return };
-        let Some(trim) = self.controller.on_coming(now, sequence, &segment) else { return };
+        let Some(Ok(coming)) = taken(now, payload, limit, control::coming) else { return };
+        if let Some(trim) = self.controller.on_coming(now, &coming) {
+            self.attach(now, trim);
+        }
+    }
+
+    /// Trims that the controller sends anew, of moves that have not begun.
+    pub(super) fn attach_anew(&mut self, now: Seconds) {
+        for trim in self.controller.take_anew(now) {
+            self.attach(now, trim);
+        }
+    }
+
+    fn attach(&mut self, now: Seconds, trim: MotionTrim) {
         self.trims += 1;
         let validity = Seconds(self.settings.controller.advance.schedule_validity_s);
         let session = self.settings.sessions.controller;

@@ -1,9 +1,10 @@
 //! Moves that the host knows before they begin, and the trims that are attached to them.
 
 use super::{CONTROLLER_SESSION, Printing};
-use models::command::Scheduled;
+use models::command::{MotionTrim, Scheduled};
 use models::motion::Segment;
 use models::units::Seconds;
+use mpc_controller::Coming;
 
 impl Printing {
     /// A move is known, told when, with its start on the slicer's plan `[s]` and its number: the printer gets what the supervisor
@@ -13,26 +14,52 @@ impl Printing {
             return;
         }
         let wished = if self.bagging.is_none() {
-            let (stamp, _, sequence) = coming;
-            self.wish_ahead((stamp, sequence), segment)
+            let (stamp, start_s, sequence) = coming;
+            self.wish_ahead(stamp, &Coming { sequence, start: Seconds(start_s), segment: *segment })
         } else {
             self.wish_ahead_by_wire(now, coming, segment)
         };
-        let Some(allowed) = wished.and_then(|wished| self.supervisor.on_scheduled(now, wished)) else {
-            return;
-        };
+        if let Some(wished) = wished {
+            self.attach(now, wished);
+        }
+    }
+
+    /// Trims that the controller sends anew, of moves that have not begun.
+    pub(super) fn attach_anew(&mut self, now: Seconds) {
+        for trim in self.controller.take_anew(now) {
+            let wished = match &mut self.bagging {
+                None => Some(self.numbered(trim)),
+                Some(bagging) => bagging.wish_ahead(now, self.schedule_validity, trim),
+            };
+            if let Some(wished) = wished {
+                self.attach(now, wished);
+            }
+        }
+    }
+
+    /// The printer gets what the supervisor lets through. As the node does: beside permits of this supervisor, until it lapses. The first
+    /// moves after a halt come too late.
+    fn attach(&mut self, now: Seconds, wished: Scheduled) {
+        let Some(allowed) = self.supervisor.on_scheduled(now, wished) else { return };
         if let Some(bagging) = &mut self.bagging {
             bagging.allow_ahead(now, &allowed);
         }
-        // As the node does: beside permits of this supervisor, until it lapses. The first moves after a halt come too late.
         _ = self.simulator.on_scheduled(&allowed);
     }
 
-    fn wish_ahead(&mut self, (stamp, sequence): (Seconds, u64), segment: &Segment) -> Option<Scheduled> {
-        let trim = self.controller.on_coming(stamp, sequence, segment)?;
+    fn wish_ahead(&mut self, stamp: Seconds, coming: &Coming) -> Option<Scheduled> {
+        let trim = self.controller.on_coming(stamp, coming)?;
+        Some(self.numbered(trim))
+    }
+
+    fn numbered(&mut self, trim: MotionTrim) -> Scheduled {
         self.scheduled += 1;
-        let validity = self.schedule_validity;
-        Some(Scheduled { session: CONTROLLER_SESSION, sequence: self.scheduled, validity, trim })
+        Scheduled {
+            session: CONTROLLER_SESSION,
+            sequence: self.scheduled,
+            validity: self.schedule_validity,
+            trim,
+        }
     }
 
     /// The same with all that is said of it over DDS.
@@ -43,8 +70,8 @@ impl Printing {
         segment: &Segment,
     ) -> Option<Scheduled> {
         let bagging = self.bagging.as_mut()?;
-        let (sequence, segment) = bagging.coming(now, (stamp, start_s), (sequence, segment))?;
-        let trim = self.controller.on_coming(now, sequence, &segment)?;
+        let coming = bagging.coming(now, (stamp, start_s), (sequence, segment))?;
+        let trim = self.controller.on_coming(now, &coming)?;
         bagging.wish_ahead(now, self.schedule_validity, trim)
     }
 }

@@ -32,7 +32,7 @@ impl Printing {
                     None => exposed,
                     Some(bagging) => bagging.width(now, exposed, (width_m, sigma_m)),
                 };
-                self.deliver_width(exposed, width_m, sigma_m);
+                self.deliver_width(now, exposed, (width_m, sigma_m));
             }
             Output::Status(status) => {
                 self.note_extremes(&status.trims);
@@ -170,9 +170,10 @@ impl Printing {
         }
     }
 
-    fn deliver_width(&mut self, exposed: Seconds, width_m: f64, sigma_m: f64) {
+    fn deliver_width(&mut self, now: Seconds, exposed: Seconds, (width_m, sigma_m): (f64, f64)) {
         self.estimator.on_event(state_estimator::Event::Width { exposed, width_m, sigma_m });
         self.controller.on_event(mpc_controller::Event::Width { exposed, width_m });
+        self.attach_anew(now);
     }
 
     /// A move begins.
@@ -219,7 +220,7 @@ impl Printing {
                 None => {}
                 Some(Seen::Width { laid, width_m, sigma_m }) => {
                     let laid = if self.bagging.is_some() { as_stamped(laid) } else { laid };
-                    self.deliver_width(laid, width_m, sigma_m);
+                    self.deliver_width(now, laid, (width_m, sigma_m));
                 }
                 Some(Seen::Report(report)) => {
                     self.send(now, Message::new(exposed, Content::Vision(report)));

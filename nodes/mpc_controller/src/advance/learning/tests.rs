@@ -1,5 +1,6 @@
 //! Laws of what is learnt, on a printer with a linear lag.
 
+use super::super::attached::Sent;
 use super::super::tests::{LEARNING, SETTINGS, status};
 use super::*;
 use crate::advance::{Advance, Basis, Prediction};
@@ -23,10 +24,10 @@ pub(super) fn foretold() -> Foretold {
 /// Fastest feed of each move `[m/s]`.
 const CRUISE_M_S: f64 = 3e-3;
 
-/// A move of a line, sent with a law of which so much is held already.
-pub(in crate::advance) fn sent(line: u64, advance: AdvanceLaw, carried_m: f64) -> Sent {
-    let trim = MotionTrim { sequence: line, flow: 1.0, speed: 1.0, advance, carried_m };
-    Sent { line, cruise_m_s: CRUISE_M_S, trim }
+/// A move that begins at a second of the plan, sent with a law of which so much is held already.
+pub(in crate::advance) fn sent(start_s: u32, advance: AdvanceLaw, carried_m: f64) -> Sent {
+    let trim = MotionTrim { sequence: start_s.into(), flow: 1.0, speed: 1.0, advance, carried_m };
+    Sent { start_s: start_s.into(), sliced_m_s: CRUISE_M_S, cruise_m_s: CRUISE_M_S, trim, force: 1.0 }
 }
 
 /// Feed that swings between 1 and 3 mm/s, 4 s a period, in ramps.
@@ -40,7 +41,7 @@ fn feed_m_s(at_s: f64) -> f64 {
 #[test]
 fn a_law_that_is_handed_over_is_not_yet_executed() {
     let mut learning = Learning::new(LEARNING);
-    learning.attach(sent(100, AdvanceLaw::constant(FORETOLD_S), 0.0));
+    learning.attached_mut().push(sent(1, AdvanceLaw::constant(FORETOLD_S), 0.0));
     let permitted = Trims { advance_s: Some(FORETOLD_S), ..Trims::NEUTRAL };
     for (advance_s, expected_s) in [(FORETOLD_S, FORETOLD_S), (0.25 * FORETOLD_S, 0.25 * FORETOLD_S)] {
         let told = PrinterStatus { trims: permitted, advance_s, ..status(1.0, 1e-3) };
@@ -181,9 +182,8 @@ fn printed_with_law(
         let sides_m = HEIGHT_M * ROUND_SIDES;
         let section = laid_m_s / (0.5 * (before + now));
         let width = (at_s - 0.01, section * (TARGET_M - sides_m) + sides_m);
-        let line = u64::from(step);
-        let status = PrinterStatus { trims: acting, line, ..status(at_s, now) };
-        let next = follow(sent(line, law, carried_m), &status, step.is_multiple_of(23).then_some(width));
+        let status = PrinterStatus { trims: acting, path_time_s: step.into(), ..status(at_s, now) };
+        let next = follow(sent(step, law, carried_m), &status, step.is_multiple_of(23).then_some(width));
         carried_m += next.held_m(now) - law.held_m(now);
         law = next;
     }
@@ -195,7 +195,7 @@ fn learnt_beside(reach: f64, law_of: impl Fn(f64) -> AdvanceLaw) -> f64 {
     let foretold = Foretold { advance_s: 0.416, law: LAW, ..foretold() };
     let mut learning = Learning::new(RawLearning { reach, ..LEARNING });
     printed_with_law((&stiff(), feed_m_s), |sent, status, width| {
-        learning.attach(sent);
+        learning.attached_mut().push(sent);
         learning.on_move(status);
         learning.on_status(status, &foretold, Nozzle::SOUND);
         if let Some((at_s, width_m)) = width {
@@ -231,7 +231,7 @@ pub(crate) fn taught(source: AdvanceSource, level: Level) -> (Advance, f64) {
 
 fn print_and_learn(advance: &mut Advance, plant: (&StaticLaw, impl Fn(f64) -> f64)) -> AdvanceLaw {
     printed_with_law(plant, |sent, status, width| {
-        advance.attach(sent);
+        advance.attached_mut().push(sent);
         advance.on_move(status);
         advance.on_status(status, Some(LAW), Nozzle::SOUND);
         if let Some((at_s, width_m)) = width {

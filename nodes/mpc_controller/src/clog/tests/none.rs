@@ -7,7 +7,7 @@ use super::*;
 #[test]
 fn what_did_not_pass_the_encoder_is_not_held() {
     for (lasts_s, first_s) in [(0.6, 0.25), (1.0, 0.05), (1.0, 0.3), (1.5, 0.4)] {
-        let (mut melt, mut clog) = (Melt::steady(), Clog::new(SETTINGS));
+        let (mut melt, mut clog) = (Melt::steady(), Clog::new(EAGER));
         melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
         melt.run(&mut clog, (lasts_s, first_s), 1.0, 0.0);
         melt.run(&mut clog, (10.0, 0.25), 1.0, 1.0);
@@ -18,7 +18,7 @@ fn what_did_not_pass_the_encoder_is_not_held() {
 /// A drive that slips while a nozzle narrows: what it lost is no force.
 #[test]
 fn what_slips_while_a_nozzle_narrows_is_not_held() {
-    let (mut melt, mut clog) = (Melt::steady(), Clog::new(SETTINGS));
+    let (mut melt, mut clog) = (Melt::steady(), Clog::new(EAGER));
     melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
     melt.run(&mut clog, (1.0, 0.25), 2.0, 0.5);
     melt.run(&mut clog, (10.0, 0.25), 2.0, 1.0);
@@ -27,10 +27,10 @@ fn what_slips_while_a_nozzle_narrows_is_not_held() {
 
 /// Frames in turn, each half second, as what lacks in them.
 fn shown(lacking: impl IntoIterator<Item = f64>) -> Clog {
-    let (mut clog, mut melt) = (Clog::new(SETTINGS), Melt::steady());
+    let (mut clog, mut melt) = (Clog::new(EAGER), Melt::steady());
     for lacking in lacking {
         melt.now_s += 0.5;
-        clog.on_look(melt.look(lacking));
+        clog.on_look(melt.look(lacking), melt.ahead());
     }
     clog
 }
@@ -42,7 +42,7 @@ fn what_tells_of_no_force_changes_nothing() {
     let after_sound = |lacking: f64, frames: usize| {
         [0.0; 5].into_iter().chain(std::iter::repeat_n(lacking, frames)).chain([0.0; 5])
     };
-    let (mut thin, mut melt) = (Clog::new(SETTINGS), Melt::steady());
+    let (mut thin, mut melt) = (Clog::new(EAGER), Melt::steady());
     melt.run(&mut thin, (12.0, 0.25), 2.5, 1.0);
     let bubbles = (0..10).flat_map(|_| after_sound(0.3, 1));
     let cases = [
@@ -64,6 +64,6 @@ fn what_tells_of_no_force_changes_nothing() {
 fn a_road_that_cuts_off_what_has_told_takes_nothing_back() {
     let mut clog = shown([0.0, 0.0, 0.95, 0.85, 0.65]);
     let told = clog.factor();
-    clog.on_unsettled(2.0 * FEED_M_S);
+    clog.on_unsettled(2.0 * FEED_M_S, Melt::steady().ahead());
     assert!(told > 2.0 && (clog.factor() - told).abs() < 1e-15, "{told}: {}", clog.factor());
 }

@@ -2,6 +2,7 @@
 
 use super::preview::line;
 use super::*;
+use crate::params::RawClog;
 use models::bead::stadium;
 use models::command::{AdvanceLaw, MotionTrim};
 use models::extruder::{Pressure, StaticLaw};
@@ -35,9 +36,11 @@ fn dip(law: AdvanceLaw, force: f64) -> [f64; 5] {
     })
 }
 
-/// A sound road, settled before its first frame, then the dip of a nozzle that narrows; the law that a move gets before and behind it.
+/// A sound road, settled before its first frame, then the dip of a nozzle that narrows, which has to pass before it tells; the law
+/// that a move gets before and behind it.
 fn after_a_dip(shape: impl Fn(Estimate) -> Estimate + Copy) -> (Rig, MotionTrim, MotionTrim) {
     let mut rig = Rig::new(Level::Mpc);
+    rig.controller.clog = Clog::new(RawClog { deep: 1.0, ..rig.controller.params.clog });
     rig.run(100, shape);
     for _ in 0..6 {
         see(&mut rig, 0.0, shape);
@@ -50,7 +53,7 @@ fn after_a_dip(shape: impl Fn(Estimate) -> Estimate + Copy) -> (Rig, MotionTrim,
 
 fn coming(rig: &mut Rig) -> MotionTrim {
     let now = Seconds(rig.now_s());
-    rig.controller.on_coming(now, 1, &line()).unwrap()
+    rig.controller.on_coming(now, &preview::coming(line())).unwrap()
 }
 
 /// What lacked is held: it is what the law has grown by at that feed, and is not pushed.
@@ -140,6 +143,71 @@ fn a_clogged_nozzle_is_asked_for_less() {
     let most_m_s = rig.controller.feed_max_m_s(&estimate(rig.now_s()));
     let profile = Trapezoid::new(0.08, (0.0, 0.0), 0.99 * most_m_s / (2.6e-3 / 0.08), 1e3);
     let now = Seconds(rig.now_s());
-    let trim = rig.controller.on_coming(now, 1, &Segment { profile, ..line() }).unwrap();
+    let trim = rig.controller.on_coming(now, &preview::coming(Segment { profile, ..line() })).unwrap();
     assert!(trim.speed < 0.95, "{trim:?}");
+}
+
+/// A rig whose host knows two moves, one that begins at once and one 0.1 s later, and has seen the first frame of a dip; their
+/// trims.
+fn beside_coming_moves() -> (Rig, [MotionTrim; 2]) {
+    let mut rig = Rig::new(Level::Mpc);
+    rig.run(100, |estimate| estimate);
+    (0..6).for_each(|_| see(&mut rig, 0.0, |estimate| estimate));
+    let starts_s = [rig.now_s() + 0.51, rig.now_s() + 0.61];
+    let sent = [1, 2].map(|sequence| {
+        let start = Seconds(starts_s[usize::from(sequence == 2)]);
+        rig.controller.on_coming(Seconds(rig.now_s()), &Coming { sequence, start, segment: line() }).unwrap()
+    });
+    assert!(rig.controller.take_anew(Seconds(rig.now_s())).is_empty(), "nothing is other than it was");
+    see(&mut rig, dip(sent[0].advance, FORCE)[0], |estimate| estimate);
+    (rig, sent)
+}
+
+/// What the first frame of a dip tells goes out with moves that were sent already, but not with one that begins at once.
+#[test]
+fn moves_that_are_known_are_sent_anew_when_a_dip_tells() {
+    let (mut rig, sent) = beside_coming_moves();
+    let now = Seconds(rig.now_s());
+    let anew = rig.controller.take_anew(now);
+    assert_eq!(anew.iter().map(|trim| trim.sequence).collect::<Vec<_>>(), [2], "the first begins in 10 ms");
+    assert!(anew[0].advance.shear > 1.3 * sent[1].advance.shear, "{anew:?} {sent:?}");
+    let held_m = |trim: &MotionTrim| trim.advance.held_m(FEED_M_S) - trim.carried_m;
+    assert!(held_m(&anew[0]) > 1.05 * held_m(&sent[1]), "what the nozzle lacks is pushed: {anew:?}");
+    assert!(rig.controller.take_anew(now).is_empty(), "once");
+}
+
+/// Who has sent a move on has no use for another trim of it.
+#[test]
+fn a_serial_host_gets_no_trim_twice() {
+    let (mut rig, _) = beside_coming_moves();
+    let now_s = rig.now_s();
+    let serial =
+        PrinterStatus { host: HostProfile::Serial, ..status(now_s + 0.001, rig.wanted_m, rig.in_force) };
+    rig.controller.on_event(Event::Printer(serial));
+    assert!(rig.controller.take_anew(Seconds(now_s)).is_empty());
+}
+
+/// The path is slowed down until a move that pushes begins.
+#[test]
+fn a_move_that_pushes_ends_the_slowing() {
+    let speed_after = |anew: bool| {
+        let (mut rig, _) = beside_coming_moves();
+        if anew {
+            rig.controller.take_anew(Seconds(rig.now_s()));
+        }
+        rig.run(1, |estimate| estimate);
+        let slowed = rig.in_force.speed;
+        let advance_s = rig.in_force.advance_s.unwrap();
+        let laid = status(rig.now_s() + 0.001, rig.wanted_m, rig.in_force);
+        let path_time_s = laid.path_time_s + 0.1;
+        rig.controller.on_event(Event::Printer(PrinterStatus { advance_s, path_time_s, ..laid }));
+        let commands = [0.01, 0.06, 0.11].map(|after_s| {
+            let seen = estimate(rig.now_s() + after_s);
+            rig.controller.on_event(Event::Estimate(seen)).unwrap().trims.speed
+        });
+        (slowed, commands[2])
+    };
+    let ((slowed, pushed), (slowed_too, not_sent)) = (speed_after(true), speed_after(false));
+    assert!(slowed < 0.999 && (slowed - slowed_too).abs() < 1e-12, "{slowed} {slowed_too}");
+    assert!(pushed > not_sent + 0.005, "{pushed} {not_sent}");
 }

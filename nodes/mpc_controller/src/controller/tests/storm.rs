@@ -104,9 +104,7 @@ fn every_command_is_within_bounds_and_rates() {
         let before = controller.held;
         controller.on_event(Event::Tick { now: Seconds(dice.poisoned(now_s)) });
         moved_by_a_rate(&before, &controller.held, &params);
-        if let Some(trim) = controller.on_coming(Seconds(now_s), u64::from(round), &coming(&mut dice)) {
-            assert!(trim.is_valid(), "{trim:?}");
-        }
+        valid_trims(&mut controller, &mut dice, (now_s, round));
     }
     assert!(sent > rounds() / 2, "{sent} commands: the storm must not have silenced the controller");
 }
@@ -114,6 +112,16 @@ fn every_command_is_within_bounds_and_rates() {
 fn moved_by_a_rate(before: &Move, after: &Move, params: &Params) {
     for (index, rate) in params.limits.rate().into_iter().enumerate() {
         assert!((after[index] - before[index]).abs() <= rate + 1e-12, "{before:?} -> {after:?}");
+    }
+}
+
+/// Of a coming move, and of those that are sent anew.
+fn valid_trims(controller: &mut Controller, dice: &mut Dice, (now_s, round): (f64, u32)) {
+    let start = Seconds(dice.poisoned(now_s));
+    let coming = Coming { sequence: round.into(), start, segment: coming(dice) };
+    let anew = controller.take_anew(Seconds(now_s));
+    for trim in controller.on_coming(Seconds(now_s), &coming).into_iter().chain(anew) {
+        assert!(trim.is_valid(), "{trim:?}");
     }
 }
 

@@ -1,6 +1,9 @@
 //! Trims of coming moves as a supervisor sends them.
 
 use super::*;
+
+mod anew;
+
 use crate::output::Output;
 use models::command::{AdvanceLaw, MotionTrim, Scheduled};
 use models::status::{HostProfile, PrinterStatus};
@@ -173,7 +176,6 @@ fn what_does_not_count_is_refused() {
     simulator.on_permit(permit(1, Mode::Act)).unwrap();
     assert_eq!(simulator.on_scheduled(&scheduled(1, 3)), Ok(()));
     assert_eq!(simulator.on_scheduled(&scheduled(1, 4)), Err(Unscheduled::Refused(Refusal::Sequence)));
-    assert_eq!(simulator.on_scheduled(&scheduled(2, 3)), Err(Unscheduled::Late), "the move has its trim");
     let long = Scheduled { validity: Seconds(5.1), ..scheduled(3, 5) };
     assert_eq!(simulator.on_scheduled(&long), Err(Unscheduled::Refused(Refusal::Validity)));
     run_for(&mut simulator, 1.2);

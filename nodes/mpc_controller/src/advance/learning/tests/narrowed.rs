@@ -12,7 +12,7 @@ fn what_a_narrowed_nozzle_holds_more_is_learnt_at_once_and_told() {
     let narrowed = Nozzle { force: 1.0, doubt: 1.0 };
     let (mut told_m, mut frames) = (0.0, 0);
     printed_with_law((&printer, feed_m_s), |sent, status, width| {
-        learning.attach(sent);
+        learning.attached_mut().push(sent);
         learning.on_move(status);
         learning.on_status(status, &foretold, narrowed);
         if let Some((at_s, width_m)) = width {
@@ -43,7 +43,7 @@ fn a_narrowing_is_learnt_of_a_planned_law_alone() {
         advance.on_prediction(Prediction { stamp: Seconds(0.0), advance: Some(word), turn: None });
         let mut told_m: f64 = 0.0;
         let law = printed_with_law((&printer, feed_m_s), |sent, status, width| {
-            advance.attach(sent);
+            advance.attached_mut().push(sent);
             advance.on_move(status);
             advance.on_status(status, Some(LAW), Nozzle { force: 1.0, doubt: 1.0 });
             if let Some((at_s, width_m)) = width {
