@@ -141,9 +141,13 @@ impl Dips {
         self.has_begun
     }
 
-    /// What was seen of it has to do, where it was seen to fade. What it told already stands: nothing tells against it.
+    /// What was seen of it has to do, where it was seen to fade. What it told already stands, unless it was a single frame that told it:
+    /// that may have been a bubble, or misread.
     fn cut_off(&mut self, dip: Dip, melt_m: f64, ahead: Ahead) -> Option<Word> {
-        if dip.told || dip.rest() > self.settings.cut_off { None } else { self.pass(dip, melt_m, ahead) }
+        if dip.told {
+            return (dip.looks.len() == 1).then_some(Word::Withdrawn);
+        }
+        if dip.rest() > self.settings.cut_off { None } else { self.pass(dip, melt_m, ahead) }
     }
 
     /// By all its frames. What it holds counts as all that it will at the feed that there is by then, where the law's melt holds

@@ -67,3 +67,19 @@ fn a_road_that_cuts_off_what_has_told_takes_nothing_back() {
     clog.on_unsettled(2.0 * FEED_M_S, Melt::steady().ahead());
     assert!(told > 2.0 && (clog.factor() - told).abs() < 1e-15, "{told}: {}", clog.factor());
 }
+
+/// But what a single frame told is taken back: it may have been a bubble, and stand for the rest of the print.
+#[test]
+fn a_road_that_cuts_off_a_single_frame_takes_its_word_back() {
+    for (lacking, faster) in [(0.3, true), (0.95, true), (0.3, false)] {
+        let mut clog = shown([0.0, 0.0, lacking]);
+        assert!(clog.factor() > 1.1, "{lacking}: {clog:?}");
+        let (melt, later_s) = (Melt::steady(), 60.0);
+        if faster {
+            clog.on_unsettled(2.0 * FEED_M_S, melt.ahead());
+        } else {
+            clog.on_look(Look { exposed_s: later_s, ..melt.look(0.0) }, melt.ahead());
+        }
+        assert!(!clog.is_beyond() && clog.factor() <= 1.0 && clog.carried_m() <= 0.0, "{lacking}: {clog:?}");
+    }
+}
