@@ -180,5 +180,10 @@ mod tests {
     fn what_the_drive_holds_is_the_laws_less_what_is_carried() {
         let sent = sent(1, AdvanceLaw::constant(0.5), 2e-4);
         assert!((sent.held_m(2e-3) - 8e-4).abs() < 1e-15 && (sent.held_m(0.0) + 2e-4).abs() < 1e-15);
+        let narrow = Sent { force: 1.5, ..sent };
+        assert!(
+            (narrow.driven().beyond_m(1e-3) - 3e-4).abs() < 1e-15,
+            "half as much again, less what is carried"
+        );
     }
 }

@@ -66,3 +66,32 @@ fn a_law_that_acts_later_pushes_less() {
     assert!(later_m < 0.6 * at_once_m, "{later_m} {at_once_m}");
     assert!(lacks.abs() < 0.1 && lacks_later.abs() < 0.1, "{lacks} {lacks_later}");
 }
+
+/// What the drive has pushed between a frame and its arrival is held by then.
+#[test]
+fn what_passed_since_the_frame_is_held() {
+    let carried_m = |more_m: f64| {
+        let (mut melt, mut clog) = (Melt::steady(), Clog::new(EAGER));
+        melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+        melt.run(&mut Clog::new(EAGER), (0.1, 9.0), 2.0, 1.0);
+        let look = melt.look(1.0 - melt.outlet_m_s(2.0) / FEED_M_S);
+        let now_s = melt.now_s + 0.2;
+        clog.on_look(look, Ahead { now_s, acts_s: now_s, excess_m: look.excess_m + more_m, ..melt.ahead() });
+        clog.carried_m()
+    };
+    let more_m = 0.3 * Melt::steady().melt_m();
+    let held_m = carried_m(more_m) - carried_m(0.0);
+    assert!((0.5..1.1).contains(&(held_m / more_m)), "{held_m} of {more_m} m");
+}
+
+/// A dip that fits a force for longer than any passes is none that a law should follow.
+#[test]
+fn a_told_dip_that_lasts_is_taken_back() {
+    let (mut melt, mut clog) =
+        (Melt::steady(), Clog::new(RawClog { lasts_s: 4.0, force_max: 10.0, ..EAGER }));
+    melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+    melt.run(&mut clog, (4.0, 0.25), 9.0, 1.0);
+    assert!(clog.factor() > 5.0, "{}", clog.factor());
+    melt.run(&mut clog, (1.0, 0.25), 9.0, 1.0);
+    assert!((clog.factor() - 1.0).abs() < 1e-15, "{}", clog.factor());
+}

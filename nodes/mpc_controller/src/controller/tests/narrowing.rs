@@ -147,15 +147,16 @@ fn a_clogged_nozzle_is_asked_for_less() {
     assert!(trim.speed < 0.95, "{trim:?}");
 }
 
-/// A rig whose host knows two moves, one that begins at once and one 0.1 s later, and has seen the first frame of a dip; their
-/// trims.
-fn beside_coming_moves() -> (Rig, [MotionTrim; 2]) {
+/// A rig whose host knows three moves, one that begins at once, one 0.1 s later and one far ahead, and has seen the first frame of a
+/// dip; their trims.
+fn beside_coming_moves() -> (Rig, [MotionTrim; 3]) {
     let mut rig = Rig::new(Level::Mpc);
+    rig.executes = true;
     rig.run(100, |estimate| estimate);
     (0..6).for_each(|_| see(&mut rig, 0.0, |estimate| estimate));
-    let starts_s = [rig.now_s() + 0.51, rig.now_s() + 0.61];
-    let sent = [1, 2].map(|sequence| {
-        let start = Seconds(starts_s[usize::from(sequence == 2)]);
+    let begins_s = rig.now_s();
+    let sent = [(1, 0.51), (2, 0.61), (3, 5.0)].map(|(sequence, in_s)| {
+        let start = Seconds(begins_s + in_s);
         rig.controller.on_coming(Seconds(rig.now_s()), &Coming { sequence, start, segment: line() }).unwrap()
     });
     assert!(rig.controller.take_anew(Seconds(rig.now_s())).is_empty(), "nothing is other than it was");
@@ -169,7 +170,11 @@ fn moves_that_are_known_are_sent_anew_when_a_dip_tells() {
     let (mut rig, sent) = beside_coming_moves();
     let now = Seconds(rig.now_s());
     let anew = rig.controller.take_anew(now);
-    assert_eq!(anew.iter().map(|trim| trim.sequence).collect::<Vec<_>>(), [2], "the first begins in 10 ms");
+    assert_eq!(
+        anew.iter().map(|trim| trim.sequence).collect::<Vec<_>>(),
+        [2, 3],
+        "the first begins in 10 ms"
+    );
     assert!(anew[0].advance.shear > 1.3 * sent[1].advance.shear, "{anew:?} {sent:?}");
     let held_m = |trim: &MotionTrim| trim.advance.held_m(FEED_M_S) - trim.carried_m;
     assert!(held_m(&anew[0]) > 1.05 * held_m(&sent[1]), "what the nozzle lacks is pushed: {anew:?}");
@@ -210,4 +215,17 @@ fn a_move_that_pushes_ends_the_slowing() {
     let ((slowed, pushed), (slowed_too, not_sent)) = (speed_after(true), speed_after(false));
     assert!(slowed < 0.999 && (slowed - slowed_too).abs() < 1e-12, "{slowed} {slowed_too}");
     assert!(pushed > not_sent + 0.005, "{pushed} {not_sent}");
+}
+
+/// A nozzle that a push has filled looks sound, and is none: what was pushed is known.
+#[test]
+fn a_push_that_fills_the_nozzle_takes_nothing_back() {
+    for (executes, stands) in [(true, true), (false, false)] {
+        let (mut rig, _) = beside_coming_moves();
+        assert!(!rig.controller.take_anew(Seconds(rig.now_s())).is_empty());
+        rig.executes = executes;
+        see(&mut rig, 0.0, |estimate| estimate);
+        let factor = rig.controller.clog.factor();
+        assert_eq!(factor > 1.2, stands, "executed {executes}: {factor}");
+    }
 }

@@ -41,6 +41,8 @@ pub(super) struct Rig {
     pub(super) duty: f64,
     /// What passes the encoder `[m/s]`; the estimated flow without it.
     pub(super) filament_m_s: Option<f64>,
+    /// The host executes the laws that its moves were sent with.
+    pub(super) executes: bool,
     delivered_m: f64,
 }
 
@@ -57,6 +59,7 @@ impl Rig {
             in_force: Trims::NEUTRAL,
             duty: 0.5,
             filament_m_s: None,
+            executes: false,
             delivered_m: 0.0,
         }
     }
@@ -72,7 +75,8 @@ impl Rig {
             self.step += 1;
             self.wanted_m += FEED_M_S * 0.05 * self.in_force.flow * self.in_force.speed;
             let now_s = self.now_s();
-            let status = status(now_s, self.wanted_m, self.in_force);
+            let advance_s = self.in_force.advance_s.filter(|_| self.executes).unwrap_or(0.0);
+            let status = PrinterStatus { advance_s, ..status(now_s, self.wanted_m, self.in_force) };
             self.controller.on_event(Event::Printer(PrinterStatus { hotend_duty: self.duty, ..status }));
             let estimate = shape(estimate(now_s));
             if estimate.encoder_alive {
