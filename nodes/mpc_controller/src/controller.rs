@@ -204,7 +204,8 @@ impl Controller {
             self.rest();
         }
         if status.phase == JobPhase::Paused {
-            // Whoever paused it may have cleaned the nozzle.
+            // Whoever paused it may have cleaned the nozzle: moves that are known go on as through a sound one.
+            self.anew |= self.clog.factor() > 1.0;
             self.clog = Clog::new(self.params.clog);
         }
         self.adopt(status);

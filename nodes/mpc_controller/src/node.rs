@@ -22,8 +22,10 @@ use crate::input::{self, Coming, Event, Refusals};
 use crate::params::{AdvanceSource, Params};
 use crate::qp::BuildError;
 use crate::wire::WireLevel;
+use narrowing::Narrowing;
 
 mod diagnostics;
+mod narrowing;
 mod wall;
 
 /// What may change while the node is active: what an error costs, how far and how fast a trim may go.
@@ -85,7 +87,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
     let (clock, work, diagnostics) = (node.clock(), node.work(), node.diagnostics());
     let (mut controller, mut jumps) = (setup.controller()?, clock.jumps_back());
     let mut live = node.live_parameters(&LIVE);
-    let mut newest = setup.neutral();
+    let (mut newest, mut narrowing) = (setup.neutral(), Narrowing::SOUND);
     node.activated().await;
     loop {
         tokio::select! {
@@ -121,7 +123,7 @@ async fn extrude(mut node: Node) -> Result<(), RuntimeError> {
                     controller = setup.controller()?;
                 }
                 pass(&mut controller, Ok(Event::Tick { now }));
-                diagnostics::show(&diagnostics, &controller.report());
+                diagnostics::show(&diagnostics, &mut narrowing, &controller.report());
                 work.done();
             }
             changed = live.next() => {

@@ -1,10 +1,12 @@
-//! What the node tells of itself in its diagnostics.
+//! What the node tells of itself in its diagnostics, and of the nozzle in its log.
 
+use super::narrowing::Narrowing;
 use crate::controller::Report;
 use runtime::Diagnostics;
 
 /// Tells what became of events and plans.
-pub(super) fn show(diagnostics: &Diagnostics, report: &Report) {
+pub(super) fn show(diagnostics: &Diagnostics, narrowing: &mut Narrowing, report: &Report) {
+    narrowing.follow(report.force).into_iter().for_each(|news| tracing::warn!("{news}"));
     diagnostics.set("solved", report.solved);
     diagnostics.set("fallbacks", report.fallbacks);
     diagnostics.set("softened", report.softened);

@@ -181,6 +181,25 @@ fn moves_that_are_known_are_sent_anew_when_a_dip_tells() {
     assert!(rig.controller.take_anew(now).is_empty(), "once");
 }
 
+/// What was sent for a clog is not left with moves behind a pause.
+#[test]
+fn a_pause_sends_known_moves_as_through_a_sound_nozzle() {
+    let (mut rig, sent) = beside_coming_moves();
+    rig.controller.take_anew(Seconds(rig.now_s()));
+    let laid = status(rig.now_s() + 0.001, rig.wanted_m, rig.in_force);
+    rig.controller.on_event(Event::Printer(PrinterStatus {
+        phase: JobPhase::Paused,
+        depositing: false,
+        ..laid
+    }));
+    let anew = rig.controller.take_anew(Seconds(rig.now_s()));
+    assert_eq!(anew.iter().map(|trim| trim.sequence).collect::<Vec<_>>(), [2, 3]);
+    for (sound, anew) in sent[1..].iter().zip(&anew) {
+        let grown = anew.advance.shear / sound.advance.shear - 1.0;
+        assert!(grown.abs() < 0.1 && anew.carried_m.abs() < 1e-15, "{sound:?} {anew:?}");
+    }
+}
+
 /// Who has sent a move on has no use for another trim of it.
 #[test]
 fn a_serial_host_gets_no_trim_twice() {
