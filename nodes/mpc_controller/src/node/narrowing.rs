@@ -1,4 +1,4 @@
-//! What the log is told of a nozzle that narrows, and comes free again.
+//! What the log is told of a nozzle that narrows, and counts as sound again.
 
 /// Factor by which the force has to differ from what was told last `[-]`: a log is no plot.
 const STEP: f64 = 1.25;
@@ -16,8 +16,8 @@ impl Narrowing {
     /// Takes the force that the melt needs over that of a sound nozzle `[-]`, > 0; what is to be told of it.
     pub(super) fn follow(&mut self, force: f64) -> Option<String> {
         let news = (force / self.told).ln().abs() >= STEP.ln();
-        let free = self.told > 1.0 && force <= 1.0;
-        if !(news || free) {
+        let sound = self.told > 1.0 && force <= 1.0;
+        if !(news || sound) {
             return None;
         }
         self.told = force;
@@ -27,7 +27,7 @@ impl Narrowing {
                  clean it where that comes again"
             )
         } else {
-            "the nozzle is free again".to_owned()
+            "the nozzle counts as sound again".to_owned()
         })
     }
 }
@@ -45,7 +45,7 @@ mod tests {
             .collect();
         let at = |index: usize| told[index].as_deref().unwrap_or_default();
         assert!(at(2).contains("1.6 times") && at(5).contains("2.1 times"), "{told:?}");
-        assert!(at(6).contains("free"), "{told:?}");
+        assert!(at(6).contains("sound again"), "{told:?}");
         assert_eq!(told.iter().flatten().count(), 3, "{told:?}");
     }
 
