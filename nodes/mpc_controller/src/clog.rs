@@ -83,9 +83,9 @@ impl Clog {
         self.follow(word, ahead.driven)
     }
 
-    /// The same of a road that is not settled, at a feed `[m/s]`.
-    pub(crate) fn on_unsettled(&mut self, feed_m_s: f64, ahead: Ahead) -> bool {
-        let word = self.dips.on_unsettled(feed_m_s, ahead);
+    /// The same of a road that is not settled, at a feed `[m/s]`, in which a share lacks `[-]`.
+    pub(crate) fn on_unsettled(&mut self, feed_m_s: f64, lacking: f64, ahead: Ahead) -> bool {
+        let word = self.dips.on_unsettled(feed_m_s, lacking, ahead);
         self.follow(word, ahead.driven)
     }
 

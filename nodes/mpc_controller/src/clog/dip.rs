@@ -10,6 +10,10 @@ use crate::params::RawClog;
 /// constant `[-]`.
 const REST_MIN: f64 = 0.01;
 
+/// Times the share from which on a dip begins that lacks in two roads in a row that are not settled where the nozzle may have narrowed:
+/// what a law that is off leaves behind changes of speed is less `[-]`.
+const THIN: f64 = 2.0;
+
 /// What a frame of a steady road tells, and what the encoder does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Look {
@@ -81,11 +85,13 @@ pub(crate) struct Dips {
     dip: Option<Dip>,
     passed: Option<Dip>,
     has_begun: bool,
+    /// When the last frame of a road that is not settled came, where much lacked `[s]`.
+    thin_s: Option<f64>,
 }
 
 impl Dips {
     pub(crate) fn new(settings: RawClog) -> Self {
-        Self { settings, before: None, dip: None, passed: None, has_begun: false }
+        Self { settings, before: None, dip: None, passed: None, has_begun: false, thin_s: None }
     }
 
     /// Share of the flow that lacks at `now_s` by a dip under way, or by what is left of one `[-]`, 0 or more.
@@ -93,8 +99,7 @@ impl Dips {
         let left = |dip: &Dip| {
             dip.rest() * dip.deepest * (-(now_s - dip.last().exposed_s).max(0.0) / dip.fade_s()).exp()
         };
-        let late = |dip: &&Dip| now_s - dip.first().exposed_s > self.settings.lasts_s;
-        let under_way = self.dip.as_ref().filter(|dip| !late(dip)).map(|dip| dip.deepest);
+        let under_way = self.dip.as_ref().filter(|dip| !self.is_late(dip, now_s)).map(|dip| dip.deepest);
         under_way.or_else(|| self.passed.as_ref().map(left)).unwrap_or(0.0)
     }
 
@@ -109,7 +114,7 @@ impl Dips {
             self.dip = Some(dip);
             return word;
         };
-        let lasts = look.exposed_s - dip.first().exposed_s > self.settings.lasts_s;
+        let lasts = self.is_late(&dip, look.exposed_s);
         if lasts && !dip.told {
             return None;
         }
@@ -128,15 +133,25 @@ impl Dips {
     }
 
     /// The same where a road at this feed `[m/s]` that is not settled yet is faster than that of a dip, and cuts it off: a slower
-    /// one may be a corner of the same.
-    pub(super) fn on_unsettled(&mut self, feed_m_s: f64, ahead: Ahead) -> Option<Word> {
+    /// one may be a corner of the same. A nozzle that narrows among roads that never settle tells no force: where two in a row lack
+    /// much, `lacking` `[-]`, it is open.
+    pub(super) fn on_unsettled(&mut self, feed_m_s: f64, lacking: f64, ahead: Ahead) -> Option<Word> {
+        if lacking > THIN * self.settings.begins {
+            let last_s = self.thin_s.replace(ahead.now_s);
+            self.has_begun |= last_s.is_some_and(|last_s| ahead.now_s - last_s <= self.settings.gap_s);
+        } else {
+            self.thin_s = None;
+        }
         let faster = |dip: &mut Dip| feed_m_s > (1.0 + self.settings.feed_spread) * dip.first().feed_m_s;
         let dip = self.dip.take_if(faster)?;
+        if self.is_late(&dip, ahead.now_s) && !dip.told {
+            return None;
+        }
         let melt_m = dip.last().melt_at_m(feed_m_s);
         self.cut_off(dip, melt_m, ahead)
     }
 
-    /// Whether a dip has been seen to begin.
+    /// Whether a dip has been seen to begin, or roads that never settled to be thin.
     pub(super) fn has_begun(&self) -> bool {
         self.has_begun
     }
@@ -187,6 +202,11 @@ impl Dips {
             deepest: look.lacking.abs(),
             told: false,
         })
+    }
+
+    /// Whether a dip lasts for longer than one that passes.
+    fn is_late(&self, dip: &Dip, now_s: f64) -> bool {
+        now_s - dip.first().exposed_s > self.settings.lasts_s
     }
 
     fn belongs(&self, last: Look, look: Look) -> bool {

@@ -215,7 +215,7 @@ fn what_another_road_comes_to_hold_is_carried() {
             let lacking = 1.0 - melt.outlet_m_s(2.0) / feed_m_s;
             clog.on_look(Look { feed_m_s, melt_m, ..melt.look(lacking) }, melt.ahead());
         } else {
-            clog.on_unsettled(feed_m_s, melt.ahead());
+            clog.on_unsettled(feed_m_s, 0.0, melt.ahead());
         }
         melt.run(&mut Clog::new(SETTINGS), (1.1, 9.0), 2.0, times);
         let (carried_m, more_m) = (clog.carried_m(), melt.held_m - SOUND.held_m(feed_m_s));
@@ -232,7 +232,7 @@ fn a_faster_road_cuts_a_dip_off_before_it_is_settled() {
         melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
         assert!(clog.doubt() <= 0.0);
         melt.run(&mut clog, (lasts_s, 0.25), 2.0, 1.0);
-        clog.on_unsettled(unsettled * FEED_M_S, melt.ahead());
+        clog.on_unsettled(unsettled * FEED_M_S, 0.0, melt.ahead());
         (clog.factor(), clog.doubt(), clog.rest(melt.now_s + 30.0))
     };
     let (told, doubt, rest) = factor_after(1.2, 2.0);

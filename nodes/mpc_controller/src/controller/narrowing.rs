@@ -18,11 +18,11 @@ impl Controller {
         let law = self.advance.with_learnt(law.advance());
         let melt_m = law.shear * feed_m_s.powf(law.index);
         let Some(ahead) = self.ahead(melt_m) else { return };
+        let error = road.section() * (width_m / road.target_m - 1.0);
         if !road.is_settled(settings) {
-            self.anew |= self.clog.on_unsettled(feed_m_s, ahead);
+            self.anew |= self.clog.on_unsettled(feed_m_s, -error, ahead);
             return;
         }
-        let error = road.section() * (width_m / road.target_m - 1.0);
         let look = Look {
             exposed_s: exposed.0,
             lacking: self.slowing.lacking(exposed.0, error),

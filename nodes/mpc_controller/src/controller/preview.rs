@@ -39,7 +39,10 @@ impl Controller {
         let open: Vec<Sent> = self.advance.attached_mut().open(&status).map(|sent| *sent).collect();
         let anew = open.iter().map(|before| {
             let id = (before.trim.sequence, before.start_s);
-            self.sent(now, id, before.sliced_m_s).unwrap_or(*before)
+            let sent = self.sent(now, id, before.sliced_m_s);
+            // Nobody knows its law for now: another time.
+            self.anew |= sent.is_none();
+            sent.unwrap_or(*before)
         });
         let anew: Vec<Sent> = anew.collect();
         self.advance.attached_mut().open(&status).zip(&anew).for_each(|(sent, anew)| *sent = *anew);

@@ -119,7 +119,7 @@ impl RawAdvance {
         in_range("advance.learning.reach", learning.reach, "-", (0.0, 0.5))?;
         in_range("advance.learning.planned_reach", learning.planned_reach, "-", (0.0, 0.5))?;
         in_range("advance.learning.index_reach", learning.index_reach, "-", (0.0, 0.3))?;
-        in_range("advance.learning.narrowed_reach", learning.narrowed_reach, "-", (0.0, 1.0))?;
+        in_range("advance.learning.narrowed_reach", learning.narrowed_reach, "-", (0.0, 2.0))?;
         in_range("advance.learning.slew_1_s", learning.slew_1_s, "1/s", (1e-5, 10.0))?;
         in_range("advance.learning.width_noise", learning.width_noise, "-", (0.001, 1.0))?;
         in_range("advance.learning.frames", learning.frames, "-", (2.0, 1e5))?;

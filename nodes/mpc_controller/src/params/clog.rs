@@ -15,7 +15,7 @@ pub struct RawClog {
     pub begins: f64,
     /// Share of its deepest at which it has passed `[-]`.
     pub passed: f64,
-    /// Share from which on its second frame tells already, and the laws push what the nozzle does not hold yet `[-]`.
+    /// Share from which on its first frame tells already, and the laws push what the nozzle does not hold yet `[-]`.
     pub deep: f64,
     /// Share of its deepest up to which one that another road cuts off tells of a force `[-]`.
     pub cut_off: f64,

@@ -95,3 +95,22 @@ fn a_told_dip_that_lasts_is_taken_back() {
     melt.run(&mut clog, (1.0, 0.25), 9.0, 1.0);
     assert!((clog.factor() - 1.0).abs() < 1e-15, "{}", clog.factor());
 }
+
+/// A narrow nozzle narrows again: what the drive holds for the first time is not pushed twice.
+#[test]
+fn a_second_dip_tells_beside_the_first() {
+    let (mut melt, mut clog) = (Melt::steady(), Clog::new(EAGER));
+    melt.run(&mut clog, (2.0, 0.5), 1.0, 1.0);
+    for (before, force) in [(1.0, 1.6), (1.6, 2.6)] {
+        melt.run(&mut clog, (0.2001, 0.2), force, 1.0);
+        for _ in 0..2 {
+            melt.push(&clog);
+            melt.run(&mut clog, (0.2501, 0.25), force, 1.0);
+        }
+        let lacks = 1.0 - melt.outlet_m_s(force) / FEED_M_S;
+        assert!((clog.factor() / force - 1.0).abs() < 0.15, "{before}: {}", clog.factor());
+        assert!(lacks.abs() < 0.05, "{before}: {lacks} lacks");
+        melt.push(&clog);
+        melt.run(&mut clog, (12.0, 0.25), force, 1.0);
+    }
+}

@@ -200,6 +200,47 @@ fn a_pause_sends_known_moves_as_through_a_sound_nozzle() {
     }
 }
 
+/// What is sent anew is of the slicer's own feed, however often; and nothing goes out that is as it was.
+#[test]
+fn what_is_sent_anew_does_not_compound() {
+    let (mut rig, _) = beside_coming_moves();
+    rig.controller.held[FEED] = 0.1;
+    let now = Seconds(rig.now_s());
+    assert_eq!(rig.controller.take_anew(now).len(), 2);
+    rig.controller.anew = true;
+    assert!(rig.controller.take_anew(now).is_empty());
+}
+
+/// Where no law is known for a moment, moves get it later.
+#[test]
+fn what_cannot_be_sent_anew_is_sent_once_it_can() {
+    let (mut rig, _) = beside_coming_moves();
+    let now_s = rig.now_s();
+    assert!(rig.controller.take_anew(Seconds(now_s + 1.0)).is_empty(), "the estimate is too old");
+    assert_eq!(rig.controller.take_anew(Seconds(now_s)).len(), 2);
+}
+
+/// A faster road takes back what a single frame told: so it is with moves that have the word already.
+#[test]
+fn what_is_taken_back_is_sent_anew() {
+    let (mut rig, sent) = beside_coming_moves();
+    rig.controller.take_anew(Seconds(rig.now_s()));
+    let (from_s, wanted_m, in_force) = (rig.now_s(), rig.wanted_m, rig.in_force);
+    for step in 1..=3 {
+        let status = status(from_s + 0.02 * f64::from(step), wanted_m, in_force);
+        rig.controller.on_event(Event::Printer(PrinterStatus {
+            planned_speed_m_s: 2.0 * status.planned_speed_m_s,
+            planned_feed_m_s: 2.0 * status.planned_feed_m_s,
+            path_time_s: from_s,
+            ..status
+        }));
+    }
+    rig.controller.on_event(Event::Width { exposed: Seconds(from_s + 0.02), width_m: TARGET_M });
+    let anew = rig.controller.take_anew(Seconds(from_s));
+    assert_eq!(anew.iter().map(|trim| trim.sequence).collect::<Vec<_>>(), [2, 3]);
+    assert!((anew[0].advance.shear / sent[1].advance.shear - 1.0).abs() < 0.1, "{anew:?} {sent:?}");
+}
+
 /// Who has sent a move on has no use for another trim of it.
 #[test]
 fn a_serial_host_gets_no_trim_twice() {
